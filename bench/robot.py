@@ -1,0 +1,151 @@
+"""A robot: the folder that describes it, its actuators with their nominal drive gains, its tool."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from bench.catalogue import built_in_robots
+from bench.errors import BenchError
+from bench.toml_input import UserTable, one_line, read_toml
+
+GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V"]
+Text = Annotated[str, Field(min_length=1)]
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """A driven joint: torque (hinge) or force (slide) = gain * current reference."""
+
+    joint: str
+    gain: float
+    """Nominal drive gain, as a maker's sheet gives it, in `gain_unit`."""
+    gain_unit: str
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot folder that has been read and checked; the MJCF itself is not kept in memory."""
+
+    name: str
+    folder: Path
+    model_path: Path
+    """The MJCF file."""
+    actuators: tuple[Actuator, ...]
+    """Their order is the order of every per-actuator array and column."""
+    tool_site: str | None
+    """The MJCF site at which a payload is fixed."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the driven joints, (n,)."""
+        return tuple(actuator.joint for actuator in self.actuators)
+
+    @property
+    def nominal_gains(self) -> np.ndarray:
+        """Nominal drive gains, (n,), each in its actuator's `gain_unit`."""
+        return np.array([actuator.gain for actuator in self.actuators])
+
+
+def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
+    """Read and check a robot.
+
+    `robot` is a built-in name, or the path of a robot folder or of its robot.toml; a relative
+    path is taken from `relative_to` (the working folder if None). A `Path` is never taken for
+    a built-in name, nor is a text with a separator, so "./delta" is a folder of one's own.
+
+    Raises BenchError, one line, if the robot is not found, robot.toml has a wrong or unknown key,
+    the MJCF does not compile, or the two do not fit each other.
+    """
+    description = _find_description(robot, relative_to)
+    table = read_toml(description, _RobotTable)
+    model_path = description.parent / table.model
+    if not model_path.is_file():
+        raise BenchError(f"{description}: model: there is no file {model_path}")
+    _check_against_mjcf(description, table, model_path)
+    return Robot(
+        name=table.name,
+        folder=description.parent,
+        model_path=model_path,
+        actuators=tuple(Actuator(a.joint, a.gain, a.gain_unit) for a in table.actuators),
+        tool_site=table.tool.site if table.tool else None,
+    )
+
+
+class _ActuatorTable(UserTable):
+    joint: Text
+    gain: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
+    gain_unit: GainUnit
+
+
+class _ToolTable(UserTable):
+    site: Text
+
+
+class _RobotTable(UserTable):
+    name: Text
+    model: Text
+    actuators: tuple[_ActuatorTable, ...]
+    tool: _ToolTable | None = None
+
+    @field_validator("actuators")
+    @classmethod
+    def _some_actuator(cls, actuators: tuple[_ActuatorTable, ...]) -> tuple[_ActuatorTable, ...]:
+        if not actuators:
+            raise ValueError("should name at least one actuator")
+        return actuators
+
+
+def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
+    built_in = built_in_robots()
+    if isinstance(robot, str) and robot in built_in:
+        return built_in[robot] / "robot.toml"
+    path = (relative_to or Path.cwd()) / Path(robot).expanduser()
+    description = path if path.suffix == ".toml" else path / "robot.toml"
+    if description.is_file():
+        return description.resolve()
+    if path.is_dir():
+        raise BenchError(f"robot {str(robot)!r}: there is no robot.toml in {path}")
+    raise BenchError(
+        f"robot {str(robot)!r}: neither a built-in robot ({', '.join(built_in)}) nor a folder ({path})"
+    )
+
+
+def _check_against_mjcf(description: Path, table: _RobotTable, model_path: Path) -> None:
+    import mujoco  # slow to import: only once a robot is really read
+
+    try:
+        model = mujoco.MjModel.from_xml_path(str(model_path))
+    except (ValueError, mujoco.FatalError) as error:
+        raise BenchError(f"{model_path}: MuJoCo cannot compile it: {one_line(error)}") from error
+
+    units = {int(mujoco.mjtJoint.mjJNT_HINGE): "N*m", int(mujoco.mjtJoint.mjJNT_SLIDE): "N"}
+    joint_names = [model.joint(i).name for i in range(model.njnt)]
+    seen: dict[str, int] = {}
+    for i, actuator in enumerate(table.actuators):
+        key = f"{description}: actuators[{i}]"
+        if actuator.joint in seen:
+            raise BenchError(
+                f"{key}.joint: {actuator.joint!r} is already driven by actuators[{seen[actuator.joint]}]"
+            )
+        seen[actuator.joint] = i
+        if actuator.joint not in joint_names:
+            known = ", ".join(name for name in joint_names if name) or "none with a name"
+            raise BenchError(
+                f"{key}.joint: {model_path.name} has no joint {actuator.joint!r} (it has: {known})"
+            )
+        kind = int(model.joint(actuator.joint).type[0])
+        if kind not in units:
+            raise BenchError(
+                f"{key}.joint: {actuator.joint!r} is a ball or free joint; a motor drives a hinge or slide"
+            )
+        if actuator.gain_unit.split("/")[0] != units[kind]:
+            noun = "slide" if units[kind] == "N" else "hinge"
+            allowed = f'"{units[kind]}/A" or "{units[kind]}/V"'
+            raise BenchError(
+                f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
+            )
+    if table.tool and mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, table.tool.site) < 0:
+        raise BenchError(f"{description}: tool.site: {model_path.name} has no site {table.tool.site!r}")
