@@ -1,0 +1,1 @@
+"""Filtering, differentiation and decimation of measured signals; automatic cut-offs."""
