@@ -1,0 +1,86 @@
+"""The command `bench`.
+
+Each command stands in a file of its own and is imported when it is asked for; `bench --help` reads
+the table below and imports none of them. To add a command: write `bench/cli/NAME.py` with a click
+command, and give it a line in `COMMANDS` with the first sentence of its docstring as its help.
+"""
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
+
+import click
+
+from bench.cli.lazy import LazyCommand, LazyGroup
+from bench.errors import BenchError
+
+COMMANDS: dict[str, LazyCommand] = {}
+
+BAD_INPUT = 2
+INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
+TERMINATED = 143  # 128 + SIGTERM
+
+
+@click.group(
+    cls=LazyGroup,
+    lazy_commands=COMMANDS,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(package_name="parabench", prog_name="bench")
+def cli() -> None:
+    """Identify the drive gains and dynamic parameters of a robot from its logs.
+
+    DATASET is a folder with a dataset.toml beside its recordings; ROBOT is a built-in name or the
+    path of a robot folder.
+    """
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command `bench` and return its exit code.
+
+    `arguments` are the words after `bench`; the process's own if None.
+    0: done. 2: a mistake in what the user gave, told in one line on standard error.
+    130 and 143: interrupted or terminated; files that were being written are left as they were.
+    """
+    try:
+        with _leaving_on_termination():
+            result = cli.main(args=arguments, prog_name="bench", standalone_mode=False)
+    except BenchError as error:
+        return _say(str(error), BAD_INPUT)
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        return error.exit_code
+    except click.UsageError as error:
+        path = error.ctx.command_path if error.ctx else "bench"
+        return _say(f"{error.format_message()} (see: {path} --help)", error.exit_code)
+    except click.ClickException as error:
+        return _say(error.format_message(), error.exit_code)
+    except click.Abort:
+        return _say("interrupted", INTERRUPTED)
+    return result if isinstance(result, int) else 0
+
+
+def _say(message: str, exit_code: int) -> int:
+    """Print one line, whatever line breaks the message carries, and return the exit code."""
+    click.echo(f"bench: {' '.join(message.split())}", err=True)
+    return exit_code
+
+
+@contextmanager
+def _leaving_on_termination() -> Iterator[None]:
+    """Turn SIGTERM into an exception, so that half-written files are removed on the way out."""
+    if threading.current_thread() is not threading.main_thread():  # Python handles signals there alone
+        yield
+        return
+    previous = signal.signal(signal.SIGTERM, _terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+def _terminate(_number: int, _frame: FrameType | None) -> None:
+    sys.exit(_say("terminated", TERMINATED))

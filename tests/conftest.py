@@ -1,0 +1,25 @@
+"""Settings that must stand before numpy and rerun are imported, and folders that several tests need."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores
+os.environ.setdefault("MPLBACKEND", "Agg")
+os.environ.setdefault("RERUN_STRICT", "1")  # errors in what is logged are raised
+
+
+@pytest.fixture(scope="session")
+def project_root() -> Path:
+    """The checkout: the folder of pyproject.toml."""
+    return Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def measured_data(project_root: Path) -> Path:
+    """Folder of measured data sets, too large or not ours to carry along; skips where it is absent."""
+    folder = Path(os.environ.get("PARABENCH_DATA", project_root.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no measured data: set PARABENCH_DATA (looked in {folder})")
+    return folder
