@@ -1,0 +1,100 @@
+"""Base parameters: the fewest parameters from which the model can be calculated (equation 7).
+
+Found numerically by a QR factorisation of the regressor at random noise-free states (Gautier 1991, "Numerical
+calculation of the base inertial parameters of robots").
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.model.geometry import Geometry
+from bench.model.regressor import body_columns, parameter_names, projected_regressor
+from bench.model.states import random_motion
+
+SEED = 20120601  # of the states; fixed, so that a robot's base parameters never depend on data
+INDEPENDENT, DEPENDENT = 1e-6, 1e-9  # of a column's norm: larger is independent, smaller is dependent
+NEGLIGIBLE = 1e-8
+
+
+@dataclass(frozen=True)
+class BaseParameters:
+    """chi of equation 7 and how each groups standard parameters.
+
+    columns (nb,): the columns of `projected_regressor` that remain. grouping (nb, p_all): base parameters
+    from all standard parameters of the tree, chi = grouping @ chi_st. names, units, descriptions: nb each.
+    """
+
+    columns: np.ndarray
+    grouping: np.ndarray
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    descriptions: tuple[str, ...]
+
+
+def base_parameters(geometry: Geometry) -> BaseParameters:
+    """The base parameters of a robot; geometry alone decides them."""
+    candidates = body_columns(geometry)
+    count = max(40, 3 * len(candidates) // len(geometry.active))
+    motion = random_motion(geometry, count, SEED)
+    if len(motion.time) < count // 4:
+        raise BenchError(
+            f"robot {geometry.robot.name}: only {len(motion.time)} of {count} random poses inside the joint "
+            "ranges can be reached from home without a singularity; check home and the joint ranges"
+        )
+    rows = projected_regressor(geometry, motion, candidates).reshape(-1, len(candidates))
+    kept, dependence = independent_columns(rows)
+    names = parameter_names(geometry)
+    grouping = np.zeros((len(kept), 10 * len(geometry.joints)))
+    grouping[:, candidates] = dependence
+    columns = candidates[kept]
+    return BaseParameters(
+        columns=columns,
+        grouping=grouping,
+        names=tuple(names[column][0] for column in columns),
+        units=tuple(names[column][1] for column in columns),
+        descriptions=tuple(_description(row, names) for row in grouping),
+    )
+
+
+def independent_columns(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which columns of rows (r, p) are independent of those before them, and how the others follow.
+
+    Returns the indices (b,) kept and the dependence (b, p) with rows = rows[:, kept] @ dependence.
+    Raises BenchError where a column is neither clearly dependent nor clearly independent.
+    """
+    norms = np.linalg.norm(rows, axis=0)
+    present = np.flatnonzero(norms > DEPENDENT * norms.max())
+    scaled = rows[:, present] / norms[present]
+    kept: list[int] = []
+    basis = np.zeros((rows.shape[0], 0))
+    for place, column in enumerate(scaled.T):
+        remainder = column - basis @ (basis.T @ column)
+        remainder -= basis @ (basis.T @ remainder)
+        size = float(np.linalg.norm(remainder))
+        if size > INDEPENDENT:
+            kept.append(place)
+            basis = np.hstack((basis, (remainder / size)[:, None]))
+        elif size > DEPENDENT:
+            raise BenchError(
+                f"base parameters: column {int(present[place])} is nearly dependent ({size:.1e}); "
+                "the robot's geometry is close to a special one"
+            )
+    coefficients = np.linalg.lstsq(scaled[:, kept], scaled)[0]
+    coefficients[np.abs(coefficients) < NEGLIGIBLE] = 0.0
+    dependence = np.zeros((len(kept), rows.shape[1]))
+    dependence[:, present] = coefficients * norms[present] / norms[present[kept]][:, None]
+    dependence[np.arange(len(kept)), present[kept]] = 1.0
+    return present[kept], dependence
+
+
+def _description(row: np.ndarray, names: list[tuple[str, str]]) -> str:
+    terms = []
+    for column in np.flatnonzero(row):
+        factor, symbol = row[column], names[column][0]
+        sign = "-" if factor < 0 else "+"
+        size = "" if abs(abs(factor) - 1.0) < NEGLIGIBLE else f"{abs(factor):.6g} "
+        terms.append(f"{sign} {size}{symbol}")
+    own = " ".join(terms)
+    return own[2:] if own.startswith("+ ") else own

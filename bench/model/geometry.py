@@ -1,0 +1,286 @@
+"""Read geometry, joints, gravity and loop closures from an MJCF, and nothing else.
+
+Masses and inertias of the file are never read: they are the simulator's truth or a user's CAD values.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import mujoco
+import numpy as np
+
+from bench.errors import BenchError
+from bench.robot import Robot
+
+JointKind = Literal["hinge", "slide", "ball", "free"]
+KINDS: dict[int, JointKind] = {
+    int(mujoco.mjtJoint.mjJNT_HINGE): "hinge",
+    int(mujoco.mjtJoint.mjJNT_SLIDE): "slide",
+    int(mujoco.mjtJoint.mjJNT_BALL): "ball",
+    int(mujoco.mjtJoint.mjJNT_FREE): "free",
+}
+CONFIGURATION_SIZE: dict[JointKind, int] = {"hinge": 1, "slide": 1, "ball": 4, "free": 7}
+VELOCITY_SIZE: dict[JointKind, int] = {"hinge": 1, "slide": 1, "ball": 3, "free": 6}
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A pose: rotation (3, 3) and translation (3,) in m, of a frame in its parent frame."""
+
+    rotation: np.ndarray
+    translation: np.ndarray
+
+    def __matmul__(self, other: "Placement") -> "Placement":
+        return Placement(
+            self.rotation @ other.rotation, self.rotation @ other.translation + self.translation
+        )
+
+    def inverse(self) -> "Placement":
+        return Placement(self.rotation.T, -self.rotation.T @ self.translation)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint of the opened tree.
+
+    The joint frame has the orientation of its body and its origin on the joint; `placement` is this frame
+    in the frame of the joint `parent` (-1: the world) at zero joint position. `body` names the body that
+    the joint carries, None where a further joint of the same body follows. `offset` is the MuJoCo joint
+    position at which the model's own is zero; `limits` are in the file's coordinate, rad or m.
+    """
+
+    name: str
+    kind: JointKind
+    parent: int
+    placement: Placement
+    axis: np.ndarray
+    body: str | None
+    q: slice
+    v: slice
+    offset: float
+    limits: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A point fixed to joint frame `joint` (-1: the world), with the orientation that a weld holds."""
+
+    joint: int
+    placement: Placement
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A loop closure: `connect` holds two points together (3 equations), `weld` two frames (6)."""
+
+    name: str
+    kind: Literal["connect", "weld"]
+    first: Anchor
+    second: Anchor
+
+    @property
+    def size(self) -> int:
+        return 3 if self.kind == "connect" else 6
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """All that identification knows of a robot beside its measurements.
+
+    `home` is the assembled pose (nq,) in Pinocchio's coordinates (quaternions x y z w); `active` are the
+    velocity indices of the actuated joints in actuator order; `tool` is where a payload is fixed.
+    """
+
+    robot: Robot
+    joints: tuple[Joint, ...]
+    loops: tuple[Loop, ...]
+    gravity: np.ndarray
+    home: np.ndarray
+    active: np.ndarray
+    tool: Anchor | None
+
+    @property
+    def nq(self) -> int:
+        return self.joints[-1].q.stop
+
+    @property
+    def nv(self) -> int:
+        return self.joints[-1].v.stop
+
+    @property
+    def passive(self) -> np.ndarray:
+        """Velocity indices that the loop closures determine."""
+        return np.setdiff1d(np.arange(self.nv), self.active)
+
+    @property
+    def active_configuration(self) -> np.ndarray:
+        """Configuration indices of the actuated joints, in actuator order."""
+        by_velocity = {joint.v.start: joint.q.start for joint in self.joints}
+        return np.array([by_velocity[int(index)] for index in self.active])
+
+    @property
+    def active_offset(self) -> np.ndarray:
+        by_velocity = {joint.v.start: joint.offset for joint in self.joints}
+        return np.array([by_velocity[int(index)] for index in self.active])
+
+    @property
+    def bodies(self) -> tuple[tuple[int, str], ...]:
+        """(joint index, body name) of every moving body."""
+        return tuple((i, joint.body) for i, joint in enumerate(self.joints) if joint.body is not None)
+
+    def joint_index(self, name: str) -> int:
+        for i, joint in enumerate(self.joints):
+            if joint.name == name:
+                return i
+        known = ", ".join(joint.name for joint in self.joints)
+        raise BenchError(f"robot {self.robot.name}: no joint {name!r}; joints: {known}")
+
+
+def read_geometry(robot: Robot) -> Geometry:
+    """Compile the robot's MJCF and keep its geometry.
+
+    Raises BenchError naming the joint or the equality that is not supported.
+    """
+    try:
+        compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    except ValueError as error:
+        raise BenchError(f"{robot.model_path}: {str(error).splitlines()[0]}") from None
+    joints, frames = _joints(compiled)
+    if not joints:
+        raise BenchError(f"{robot.model_path}: the model has no joint")
+    loops = _loops(robot, compiled, frames)
+    names = {joint.name: joint for joint in joints}
+    for actuator in robot.actuators:
+        if actuator.joint not in names:
+            raise BenchError(f"{robot.model_path}: no joint {actuator.joint!r}, which robot.toml actuates")
+    geometry = Geometry(
+        robot=robot,
+        joints=joints,
+        loops=loops,
+        gravity=compiled.opt.gravity.copy(),
+        home=_home(compiled, joints),
+        active=np.array([names[actuator.joint].v.start for actuator in robot.actuators]),
+        tool=_tool(robot, compiled, frames),
+    )
+    equations = sum(loop.size for loop in loops)
+    if len(geometry.passive) and equations == 0:
+        free = [joint.name for joint in joints if joint.v.start not in geometry.active]
+        raise BenchError(f"robot {robot.name}: joint {free[0]!r} has no motor and no loop closure determines it")
+    return geometry
+
+
+def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tuple[int, Placement]]]:
+    """The joints in tree order, and for every body its (joint index, placement in that joint's frame)."""
+    world = Placement(np.eye(3), np.zeros(3))
+    frames: dict[int, tuple[int, Placement]] = {0: (-1, world)}
+    joints: list[Joint] = []
+    nq = nv = 0
+    for body in range(1, compiled.nbody):
+        parent, placement = frames[int(compiled.body_parentid[body])]
+        here = placement @ Placement(_rotation(compiled.body_quat[body]), compiled.body_pos[body].copy())
+        first = int(compiled.body_jntadr[body])
+        count = int(compiled.body_jntnum[body])
+        for index in range(first, first + count):
+            kind = KINDS[int(compiled.jnt_type[index])]
+            point = np.zeros(3) if kind == "free" else compiled.jnt_pos[index].copy()
+            at = world if kind == "free" else here @ Placement(np.eye(3), point)
+            limits = compiled.jnt_range[index] if compiled.jnt_limited[index] else None
+            joints.append(
+                Joint(
+                    name=_name(compiled, mujoco.mjtObj.mjOBJ_JOINT, index, f"joint_{index}"),
+                    kind=kind,
+                    parent=parent,
+                    placement=at,
+                    axis=compiled.jnt_axis[index].copy(),
+                    body=_name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}")
+                    if index == first + count - 1
+                    else None,
+                    q=slice(nq, nq + CONFIGURATION_SIZE[kind]),
+                    v=slice(nv, nv + VELOCITY_SIZE[kind]),
+                    offset=float(compiled.qpos0[compiled.jnt_qposadr[index]]) if kind in ("hinge", "slide") else 0.0,
+                    limits=None if limits is None else (float(limits[0]), float(limits[1])),
+                )
+            )
+            nq += CONFIGURATION_SIZE[kind]
+            nv += VELOCITY_SIZE[kind]
+            parent, here = len(joints) - 1, Placement(np.eye(3), -point)
+        frames[body] = (parent, here)
+    return tuple(joints), frames
+
+
+def _loops(
+    robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]
+) -> tuple[Loop, ...]:
+    loops = []
+    for index in range(compiled.neq):
+        name = _name(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index, f"equality_{index}")
+        if not compiled.eq_active0[index]:
+            continue
+        kind = int(compiled.eq_type[index])
+        if kind not in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
+            label = mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower()
+            raise BenchError(
+                f"robot {robot.name}: equality {name!r} is of type {label}; loops are closed by connect or weld"
+            )
+        connect = kind == int(mujoco.mjtEq.mjEQ_CONNECT)
+        ids = int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])
+        if int(compiled.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
+            bodies = tuple(int(compiled.site_bodyid[site]) for site in ids)
+            local = tuple(
+                Placement(_rotation(compiled.site_quat[site]), compiled.site_pos[site].copy()) for site in ids
+            )
+        else:
+            bodies, data = ids, compiled.eq_data[index]
+            local = (
+                (Placement(np.eye(3), data[0:3].copy()), Placement(np.eye(3), data[3:6].copy()))
+                if connect
+                else (Placement(_rotation(data[6:10]), data[3:6].copy()), Placement(np.eye(3), data[0:3].copy()))
+            )
+        ends = []
+        for body, place in zip(bodies, local, strict=True):
+            joint, frame = frames[body]
+            ends.append(Anchor(joint, frame @ place))
+        loops.append(Loop(name, "connect" if connect else "weld", ends[0], ends[1]))
+    return tuple(loops)
+
+
+def _home(compiled: mujoco.MjModel, joints: tuple[Joint, ...]) -> np.ndarray:
+    key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
+    return from_mujoco(joints, (compiled.key_qpos[key] if key >= 0 else compiled.qpos0)[None, :])[0]
+
+
+def from_mujoco(joints: tuple[Joint, ...], qpos: np.ndarray) -> np.ndarray:
+    """MuJoCo positions (N, nq) in Pinocchio's coordinates: offsets taken off, quaternions x y z w."""
+    q = np.array(qpos, dtype=float)
+    for joint in joints:
+        if joint.kind in ("hinge", "slide"):
+            q[:, joint.q] -= joint.offset
+        else:
+            quaternion = slice(joint.q.stop - 4, joint.q.stop)
+            q[:, quaternion] = np.roll(q[:, quaternion], -1, axis=1)
+    return q
+
+
+def _tool(
+    robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]
+) -> Anchor | None:
+    if robot.tool_site is None:
+        return None
+    site = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_SITE, robot.tool_site)
+    if site < 0:
+        raise BenchError(f"{robot.model_path}: no site {robot.tool_site!r}, which robot.toml names as the tool")
+    joint, frame = frames[int(compiled.site_bodyid[site])]
+    if joint < 0:
+        raise BenchError(f"{robot.model_path}: the tool site {robot.tool_site!r} does not move")
+    place = Placement(_rotation(compiled.site_quat[site]), compiled.site_pos[site].copy())
+    return Anchor(joint, frame @ place)
+
+
+def _rotation(quaternion: np.ndarray) -> np.ndarray:
+    matrix = np.empty(9)
+    mujoco.mju_quat2Mat(matrix, np.asarray(quaternion, dtype=float))
+    return matrix.reshape(3, 3)
+
+
+def _name(compiled: mujoco.MjModel, kind: mujoco.mjtObj, index: int, otherwise: str) -> str:
+    return mujoco.mj_id2name(compiled, kind, index) or otherwise

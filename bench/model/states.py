@@ -1,0 +1,62 @@
+"""Random noise-free states of a robot: closed poses inside the joint limits, with velocities and accelerations."""
+
+import numpy as np
+
+from bench.model.closure import loop_jacobian
+from bench.model.follow import advance, make_follower
+from bench.model.geometry import Geometry
+from bench.model.kinematics import frames_of, loop_joints
+from bench.model.motion import Motion, rates_at
+
+LARGEST_AMPLIFICATION = 20.0  # poses nearer to a singularity say nothing more and cost digits
+UNLIMITED = 0.8  # rad or m around home where the file gives no joint limits
+
+
+def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
+    """`count` states with active positions spread over the reachable part of the joint ranges.
+
+    Every pose is reached from the last one along the closures, so all lie in home's assembly mode.
+    Active velocities and accelerations are normal, of unit variance (times 5 for accelerations).
+    """
+    random = np.random.default_rng(seed)
+    low, high = active_ranges(geometry)
+    follower = make_follower(geometry)
+    q = geometry.home
+    poses = []
+    tries = 0
+    while len(poses) < count and tries < 20 * count:
+        tries += 1
+        target = random.uniform(low, high)
+        reached, _ = advance(follower, q, q[geometry.active_configuration] * 0.3 + target * 0.7)
+        if _regular(geometry, reached):
+            q = reached
+            poses.append(q)
+        else:
+            q = geometry.home if not poses else poses[int(random.integers(len(poses)))]
+    states = np.array(poses).T
+    n = len(geometry.active)
+    velocity = random.normal(size=(n, len(poses)))
+    acceleration = 5.0 * random.normal(size=(n, len(poses)))
+    return rates_at(geometry, np.arange(len(poses), dtype=float), states, velocity, acceleration)
+
+
+def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper positions (n,) of the active joints in Pinocchio's coordinates."""
+    home = geometry.home[geometry.active_configuration]
+    by_velocity = {joint.v.start: joint for joint in geometry.joints}
+    low, high = home - UNLIMITED, home + UNLIMITED
+    for i, index in enumerate(geometry.active):
+        joint = by_velocity[int(index)]
+        if joint.limits is not None:
+            low[i], high[i] = joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
+    return low, high
+
+
+def _regular(geometry: Geometry, q: np.ndarray) -> bool:
+    if not len(geometry.passive):
+        return True
+    jacobian = loop_jacobian(geometry, frames_of(geometry, q[:, None], loop_joints(geometry)))[:, :, 0]
+    passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
+    amplification = np.linalg.lstsq(passive, active)[0]
+    return bool(np.abs(amplification).max() < LARGEST_AMPLIFICATION)
+
