@@ -1,1 +1,39 @@
-"""Drive gains and dynamic parameters of parallel robots from joint positions and current references."""
+"""Drive gains and dynamic parameters of robots, from joint positions and current references.
+
+The public names are imported when they are first used, so that `import bench` is quick.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bench.dataset import Dataset as Dataset
+    from bench.dataset import load_dataset as load_dataset
+    from bench.errors import BenchError as BenchError
+    from bench.recording import Recording as Recording
+    from bench.robot import Robot as Robot
+    from bench.robot import load_robot as load_robot
+
+_HOME_OF = {
+    "BenchError": "bench.errors",
+    "Dataset": "bench.dataset",
+    "Recording": "bench.recording",
+    "Robot": "bench.robot",
+    "load_dataset": "bench.dataset",
+    "load_robot": "bench.robot",
+}
+"""Public name -> the module that defines it; in step with the imports above, which type checkers read."""
+
+__all__ = ["BenchError", "Dataset", "Recording", "Robot", "load_dataset", "load_robot"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'bench' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOME_OF[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
