@@ -10,7 +10,7 @@ INSTALLED := $(VENV)/.installed
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests format clean
+.PHONY: demo test lint types imports tests format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -40,6 +40,12 @@ $(INSTALLED): pyproject.toml .ci/constraints.txt
 	$(PIP_INSTALL) hatchling
 	$(PIP_INSTALL) --no-build-isolation --editable '.[dev]'
 	@touch $@
+
+# Pin anew what the dependencies bring along, after `make clean` and a change of pyproject.toml.
+constraints:
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet '.[dev]'
+	$(BIN)/python -m pip freeze --exclude parabench > .ci/constraints.txt
 
 clean:
 	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build dist
