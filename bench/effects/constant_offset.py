@@ -1,0 +1,22 @@
+"""A constant torque or force."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Effect, EffectParameter, JointSignals
+
+
+@dataclass(frozen=True)
+class ConstantOffset(Effect):
+    """tau = c: an amplifier's offset, or Coulomb friction that differs with the direction of motion.
+
+    c: N*m or N, of either sign. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
+    2002, 9.3 (asymmetric Coulomb friction); Janot, Gautier and Brunot 2019 (EMPS).
+    """
+
+    name = "constant_offset"
+    parameters = (EffectParameter("c", "{effort}"),)
+
+    def columns(self, joint: JointSignals) -> np.ndarray:
+        return np.ones((len(joint.time), 1))

@@ -1,0 +1,23 @@
+"""Coulomb friction."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Effect, EffectParameter, JointSignals
+
+
+@dataclass(frozen=True)
+class CoulombFriction(Effect):
+    """tau = Fc sign(qd): dry friction of constant size against the motion.
+
+    Fc: Coulomb friction, positive, N*m or N. Valid while the joint slides; around standstill the real friction
+    is a spring before it slides. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
+    2002, 9.3.
+    """
+
+    name = "coulomb_friction"
+    parameters = (EffectParameter("Fc", "{effort}"),)
+
+    def columns(self, joint: JointSignals) -> np.ndarray:
+        return np.sign(joint.velocity)[:, None]

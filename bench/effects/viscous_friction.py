@@ -1,0 +1,22 @@
+"""Viscous friction."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Effect, EffectParameter, JointSignals
+
+
+@dataclass(frozen=True)
+class ViscousFriction(Effect):
+    """tau = Fv qd: friction proportional to the velocity qd, as of an oil film.
+
+    Fv: viscous friction coefficient, positive, N*m*s/rad or N*s/m. Valid away from standstill, at constant
+    temperature. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, 9.3.
+    """
+
+    name = "viscous_friction"
+    parameters = (EffectParameter("Fv", "{effort}*s/{angle}"),)
+
+    def columns(self, joint: JointSignals) -> np.ndarray:
+        return joint.velocity[:, None]
