@@ -86,7 +86,7 @@ def second_difference(x: FloatArray, dt: float, order: int = 8) -> FloatArray:
 
 
 def one_sided_coefficients(at: int, points: int, derivative: int) -> FloatArray:
-    """Return the weights, shape (points,), of samples 0 .. points - 1 for a derivative at sample `at`, dt = 1.
+    """Return the weights, shape (points,), of samples 0, 1, ... for a derivative at sample `at`, dt = 1.
 
     They are exact for polynomials of degree below `points`.
     """

@@ -1,0 +1,178 @@
+"""How measured signals are filtered before the fit, given or chosen from their spectra."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.signals.decimation import fit_band
+from bench.signals.spectrum import (
+    band_edge,
+    leading_signal_density,
+    noise_density,
+    power_spectrum,
+    quantisation_density,
+    signal_density,
+)
+
+FloatArray = NDArray[np.float64]
+
+CURRENT_LOSS = 1e-3  # share of a current's power that may lie above the fit's band
+MOTION_LOSS = 1e-2  # share of an acceleration's power that may, where noise asks for a narrow band
+FIT_NOISE = 1e-5  # power of an acceleration's noise within the band, as a share of its signal
+FILTER_NOISE = 1e-3  # the same before decimation, up to the position cut-off
+ALIVE = 0.1  # a current whose signal has less than this share of its noise's power decides nothing,
+MOVES = 100.0  # nor does a joint that moves by less than ten times its noise
+WIDEST = 5.0  # position cut-off as a multiple of the band: five times, as Gautier's practice is
+NARROWEST = 3.2  # at 3.2 times, the filter takes 1e-4 off at the edge of the band
+HARMONICS = 15.0  # the band is at most this many times that of the motion: steps of friction have no end
+HIGHEST_BAND = 0.1  # of the rate: central differences of order 8 are then exact to 1e-4
+HIGHEST_CUTOFF = 0.4  # of the rate
+FEWEST_ROWS = 800  # decimated samples over all recordings, unless noise asks for a narrower band
+FEWEST_SAMPLES = 50  # decimated samples of the shortest recording
+SETTLING = 5.8  # cut-off periods until the low-pass has forgotten an end, to 1e-6
+
+
+@dataclass(frozen=True)
+class FilterSettings:
+    """Settings of the filters that lead from measured positions and currents to the rows of the fit.
+
+    Attributes:
+        position_cutoff: cut-off of the low-pass on positions [Hz].
+        decimation: one sample in this many is kept, after its low-pass.
+        filter_order: order of one pass of the position filter.
+        difference_order: order of the central differences: 2, 4, 6 or 8.
+        border: samples dropped at the start and at the end after differentiation, before decimation.
+    """
+
+    position_cutoff: float
+    decimation: int
+    filter_order: int = 4
+    difference_order: int = 8
+    border: tuple[int, int] = (0, 0)
+
+    def __post_init__(self) -> None:
+        if not self.position_cutoff > 0:
+            raise BenchError(f"filter settings: position_cutoff {self.position_cutoff:g} Hz must be positive")
+        if self.decimation < 1:
+            raise BenchError(f"filter settings: decimation {self.decimation} must be at least 1")
+        if self.filter_order < 1:
+            raise BenchError(f"filter settings: filter_order {self.filter_order} must be at least 1")
+        if self.difference_order not in (2, 4, 6, 8):
+            raise BenchError(
+                f"filter settings: difference_order {self.difference_order} is not one of 2, 4, 6, 8"
+            )
+        if min(self.border) < 0:
+            raise BenchError(f"filter settings: border {self.border} must be two numbers, 0 or more")
+
+    def band(self, rate: float) -> float:
+        """Return the highest frequency [Hz] that the fit sees, at a sampling rate [Hz]."""
+        return fit_band(rate, self.decimation)
+
+
+@dataclass(frozen=True)
+class Bands:
+    """What the spectra of all recordings say, frequencies in Hz.
+
+    Attributes:
+        current: above it lies less than a thousandth of the power of every current, noise aside.
+        motion: above it lies less than a hundredth of the power of every acceleration.
+        fit_limit: below it, noise is at most 1e-5 of the power of every acceleration.
+        filter_limit: the same for 1e-3.
+        position_noise: density of the white noise of each position, shape (n,) [unit^2/Hz].
+        current_noise: density of the white noise of each current, shape (n,) [unit^2/Hz].
+    """
+
+    current: float
+    motion: float
+    fit_limit: float
+    filter_limit: float
+    position_noise: FloatArray
+    current_noise: FloatArray
+
+
+def signal_bands(positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float) -> Bands:
+    """Read the bands of signals and noise off the spectra of all recordings.
+
+    Args:
+        positions: one array of shape (N, n) for each recording [rad or m].
+        currents: likewise [drive unit].
+        rate: sampling rate [Hz].
+    """
+    if not positions or len(positions) != len(currents):
+        raise BenchError(f"filter settings: {len(positions)} positions, {len(currents)} currents: want pairs")
+    current_band = motion_band = 0.0
+    limits: list[tuple[float, float]] = []
+    position_noise: list[FloatArray] = []
+    current_noise: list[FloatArray] = []
+    for position, current in zip(positions, currents, strict=True):
+        frequency, density = power_spectrum(current, rate)
+        floor = noise_density(current, rate)
+        current_noise.append(floor)
+        density = signal_density(density, floor)
+        live = density.sum(axis=0) * frequency[1] > ALIVE * floor * rate / 2
+        current_band = max(current_band, band_edge(frequency, density * live, CURRENT_LOSS))
+
+        frequency, density = power_spectrum(position, rate)
+        floor = np.maximum(noise_density(position, rate), quantisation_density(position, rate))
+        position_noise.append(floor)
+        density = leading_signal_density(density, floor)
+        live = density.sum(axis=0) * frequency[1] > MOVES * floor * rate / 2
+        acceleration = (2 * np.pi * frequency[:, None]) ** 4 * density * live
+        motion_band = max(motion_band, band_edge(frequency, acceleration, MOTION_LOSS))
+        power = acceleration.sum(axis=0) * frequency[1]
+        limits.append((_noise_limit(power, floor, FIT_NOISE), _noise_limit(power, floor, FILTER_NOISE)))
+    return Bands(
+        current=current_band,
+        motion=motion_band,
+        fit_limit=min(limit for limit, _ in limits),
+        filter_limit=min(limit for _, limit in limits),
+        position_noise=np.max(position_noise, axis=0),
+        current_noise=np.max(current_noise, axis=0),
+    )
+
+
+def choose_settings(
+    positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float
+) -> FilterSettings:
+    """Choose the filters from the spectra of all recordings.
+
+    The fit's band holds the currents but for a thousandth of their power (where Coulomb friction leaves a
+    long tail: at most fifteen times the band of the motion) and gives at least 800 rows. It ends earlier
+    where the noise of the positions, differentiated twice, would bias the fit (an acceleration whose noise
+    is a share e of its power lowers a least-squares inertia by about e), but not before the motion does.
+    The position cut-off is 5 times the band, or down to 3.2 times where noise asks for it; at the edge of
+    the band the filter then takes off less than 1e-4. Source of the rule of five: M. Gautier, "Dynamic
+    identification of robots with power model", ICRA 1997.
+
+    Args:
+        positions: one array of shape (N, n) for each recording [rad or m].
+        currents: likewise [drive unit].
+        rate: sampling rate [Hz].
+
+    Raises:
+        BenchError: recordings not in pairs, or one of fewer than 100 samples.
+    """
+    bands = signal_bands(positions, currents, rate)
+    samples = [len(position) for position in positions]
+    wanted = max(min(bands.current, HARMONICS * bands.motion), 0.4 * rate * FEWEST_ROWS / sum(samples))
+    band = min(max(min(wanted, bands.fit_limit), bands.motion), HIGHEST_BAND * rate)
+
+    decimation = int(0.4 * rate / band + 1e-9)
+    decimation = max(1, min(decimation, min(samples) // FEWEST_SAMPLES))
+    band = min(fit_band(rate, decimation), HIGHEST_BAND * rate)
+    cutoff = min(max(NARROWEST * band, min(bands.filter_limit, WIDEST * band)), HIGHEST_CUTOFF * rate)
+    settling = int(np.ceil(SETTLING * rate / cutoff)) + 8
+    border = min(settling, min(samples) // 20)
+    return FilterSettings(position_cutoff=cutoff, decimation=decimation, border=(border, border))
+
+
+def _noise_limit(acceleration_power: FloatArray, position_noise: FloatArray, share: float) -> float:
+    # White noise of density s on a position has the power (2 pi)^4 s f^5 / 5 in the acceleration up to f.
+    moving = (acceleration_power > 0) & (position_noise > 0)
+    if not moving.any():
+        return np.inf
+    ratio = 5 * share * acceleration_power[moving] / ((2 * np.pi) ** 4 * position_noise[moving])
+    return float(ratio.min() ** 0.2)

@@ -1,0 +1,150 @@
+"""Power spectra of measured signals: where the signal ends and what the noise is.
+
+Source of the averaged periodogram: P. D. Welch, "The use of fast Fourier transform for the estimation of
+power spectra", IEEE Trans. Audio Electroacoustics 15, 1967.
+"""
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy import signal
+from scipy.ndimage import binary_dilation
+
+from bench.errors import BenchError
+
+FloatArray = NDArray[np.float64]
+
+SHORTEST = 100  # samples of a record from which a spectrum is estimated
+SEGMENTS = 3  # a segment is this fraction of the record, of a short record more; they overlap by four fifths
+SEGMENT = 6.0  # s, the shortest segment if the record has it: a line is then 1 Hz wide on either side
+KAISER = 20.0  # side lobes below -150 dB: the floor of a 20-bit encoder lies 130 dB below the motion
+# Below 0.26 of half the rate 118 dB down, and a second difference against large slow motions.
+HIGH_PASS = np.convolve(signal.firwin(33, 0.5, window=("kaiser", 12.0), pass_zero=False), [-1.0, 2.0, -1.0])
+NEIGHBOURS = 10  # samples left out on either side of one that stands out
+CLIP = 4.0  # standard deviations; white noise passes but for 6 samples in 100,000
+LOBE = 13  # frequencies over which a window of that kind smears a line
+OUTLIER = 3.0  # a density this many times the floor is a signal, not noise
+
+
+def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies [Hz], shape (F,), and one-sided power densities [unit^2/Hz], shape (F, n).
+
+    Args:
+        x: samples at a uniform rate, shape (N, n).
+        rate: sampling rate [Hz].
+
+    Raises:
+        BenchError: fewer than 100 samples.
+    """
+    x = np.asarray(x, dtype=float)
+    if len(x) < SHORTEST:
+        raise BenchError(f"spectrum: {len(x)} samples are too few, it needs at least {SHORTEST}")
+    length = min(len(x), max(SHORTEST, len(x) // SEGMENTS, int(SEGMENT * rate)))
+    frequency, density = signal.welch(
+        x, rate, window=("kaiser", KAISER), nperseg=length, noverlap=length * 4 // 5, axis=0
+    )
+    return np.asarray(frequency, dtype=float), np.asarray(density, dtype=float)
+
+
+def noise_density(x: FloatArray, rate: float) -> FloatArray:
+    """Return the density [unit^2/Hz] of the white noise on each channel, shape (n,).
+
+    A short high-pass keeps the upper half of the spectrum, where noise is on its own but for sudden steps,
+    such as Coulomb friction at a reversal. Those stand out in time, so samples beyond four standard
+    deviations are left out with their neighbours, again and again until no more go. A spectrum could not
+    tell their tail from noise.
+
+    Args:
+        x: samples at a uniform rate, shape (N, n).
+        rate: sampling rate [Hz].
+    """
+    x = np.asarray(x, dtype=float)
+    if len(x) < SHORTEST:
+        raise BenchError(f"noise: {len(x)} samples are too few, it needs at least {SHORTEST}")
+    high = signal.oaconvolve(x - x.mean(axis=0), HIGH_PASS[:, None], mode="valid", axes=0)
+    variance = np.array([_clipped_power(channel) for channel in high.T])
+    return np.asarray(variance / (HIGH_PASS @ HIGH_PASS) / (rate / 2), dtype=float)
+
+
+def _clipped_power(x: FloatArray) -> float:
+    power = x * x
+    kept = np.ones(len(x), dtype=bool)
+    while True:
+        level = float(power[kept].mean())
+        loud = power > CLIP * CLIP * level
+        quiet = ~np.asarray(binary_dilation(loud, iterations=NEIGHBOURS), dtype=bool)
+        if quiet.sum() < len(x) / 10 or not (kept & ~quiet).any():
+            return level
+        kept &= quiet
+
+
+def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
+    """Return the RMS of the measurement noise below a frequency, for each channel, shape (n,).
+
+    The noise is taken as white: its density is read in the upper half of the spectrum and carried down. Noise
+    that is not white (a controller that amplifies encoder noise into the current, drift) is not seen.
+    For what is left after decimation by a factor, band is noise_bandwidth(factor) * rate / 2.
+
+    Args:
+        x: samples, shape (N, n), any unit.
+        rate: sampling rate [Hz].
+        band: upper end of the band [Hz], at most rate / 2.
+    """
+    if not 0 < band <= rate / 2:
+        raise BenchError(f"noise floor: band {band:g} Hz must lie between 0 and {rate / 2:g} Hz")
+    return np.asarray(np.sqrt(noise_density(x, rate) * band), dtype=float)
+
+
+def quantisation_density(x: FloatArray, rate: float) -> FloatArray:
+    """Return the density [unit^2/Hz] of the rounding error of each channel, shape (n,).
+
+    The step q is the smallest distance of two values. The error has the variance q^2 / 12, white up to half
+    the rate while the signal crosses steps faster than it is sampled, and up to about speed / q when it is
+    slower (W. R. Bennett, "Spectra of quantized signals", Bell System Technical Journal 27, 1948).
+    Signals that are not rounded have a tiny q and so no such noise.
+    """
+    x = np.asarray(x, dtype=float)
+    density = np.zeros(x.shape[1])
+    for j, channel in enumerate(x.T):
+        values = np.unique(channel)
+        steps = np.diff(values)
+        steps = steps[steps > 1e-12 * np.abs(values).max()]
+        if len(steps):
+            q = steps.min()
+            crossings = np.sqrt(np.mean(np.diff(channel) ** 2)) * rate / q
+            density[j] = q * q / 12 / min(rate / 2, crossings)
+    return density
+
+
+def signal_density(density: FloatArray, floor: FloatArray) -> FloatArray:
+    """Return the density without the noise, shape (F, n): zero where it is below three times the floor."""
+    return np.where(density > OUTLIER * floor, density - floor, 0.0)
+
+
+def leading_signal_density(density: FloatArray, floor: FloatArray) -> FloatArray:
+    """Return `signal_density` up to where the signal first sinks into the noise, and zero above.
+
+    It has sunk when the width of a window's main lobe holds nothing above three times the floor. For
+    positions on the way to accelerations: the fourth power of the frequency would make much of a chance peak.
+    """
+    loud = density > OUTLIER * floor
+    ahead = sliding_window_view(np.pad(loud, ((0, LOBE - 1), (0, 0))), LOBE, axis=0).any(axis=-1)
+    ended = np.maximum.accumulate(~ahead, axis=0)
+    return np.where(ended, 0.0, signal_density(density, floor))
+
+
+def band_edge(frequency: FloatArray, density: FloatArray, loss: float) -> float:
+    """Return the lowest frequency [Hz] above which no channel has more than a share `loss` of its power.
+
+    Args:
+        frequency: uniform from 0, shape (F,) [Hz].
+        density: power densities of the signal alone, shape (F, n); channels without power are passed over.
+        loss: between 0 and 1.
+    """
+    below = np.cumsum(density, axis=0)
+    total = below[-1]
+    live = total > 0
+    if not live.any():
+        return 0.0
+    reached = below[:, live] >= (1 - loss) * total[live]
+    return float(frequency[np.argmax(reached, axis=0)].max())
