@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,8 +14,10 @@ from pydantic import Field
 
 from bench.errors import BenchError
 from bench.files import write_text_atomically
+from bench.joint_facts import joint_facts
 from bench.payload import Payload, payload_fault
 from bench.recording import Recording, Use
+from bench.recording_checks import Check
 from bench.recording_file import load_recording
 from bench.robot import Robot, load_robot
 from bench.toml_input import UserTable, read_toml
@@ -37,6 +40,7 @@ class RecordingSpec(UserTable):
     file: Annotated[str, Field(min_length=1)]
     use: Use
     payload: str | None = None
+    accept: tuple[Check, ...] = ()
 
 
 class DatasetSpec(UserTable):
@@ -81,8 +85,9 @@ def load_dataset(folder: str | Path) -> Dataset:
     for name, file in zip(spec.effects, effect_files, strict=True):
         if not file.is_file():
             raise BenchError(f"{path}: effects: no such file {name!r}")
+    joints = joint_facts(robot)
     recordings = tuple(
-        load_recording(folder / entry.file, entry.file, entry.use, entry.payload, robot)
+        load_recording(folder / entry.file, entry.file, entry.use, entry.payload, joints, entry.accept)
         for entry in spec.recordings
     )
     return Dataset(folder, robot, payloads, recordings, effect_files)
@@ -120,11 +125,12 @@ def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:
 
 @dataclass(frozen=True)
 class RecordingEntry:
-    """One [[recordings]] table to write: file name relative to the folder, use, payload."""
+    """One [[recordings]] table to write: file name relative to the folder, use, payload, accepted checks."""
 
     file: str
     use: Use
     payload: str | None = None
+    accept: tuple[Check, ...] = ()
 
 
 def write_dataset_toml(
@@ -142,7 +148,7 @@ def write_dataset_toml(
     if effects:
         lines.append(f"effects = [{', '.join(map(_text, effects))}]")
     for payload in payloads:
-        lines += ["", f"[payloads.{_text(payload.name)}]"]
+        lines += ["", f"[payloads.{_key(payload.name)}]"]
         if payload.mass is not None:
             lines.append(f"mass = {float(payload.mass)!r}")
         for key, values in (("center_of_mass", payload.center_of_mass), ("inertia", payload.inertia)):
@@ -152,10 +158,16 @@ def write_dataset_toml(
         lines += ["", "[[recordings]]", f"file = {_text(entry.file)}", f"use = {_text(entry.use)}"]
         if entry.payload is not None:
             lines.append(f"payload = {_text(entry.payload)}")
+        if entry.accept:
+            lines.append(f"accept = [{', '.join(map(_text, entry.accept))}]")
     path = Path(folder) / DATASET_FILE
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text_atomically(path, "\n".join(lines) + "\n")
     return path
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 
 def _text(value: str) -> str:

@@ -1,29 +1,92 @@
-"""From a file to a checked recording."""
+"""From a file to a recording that has been checked: everything found is named by file, column and row."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
 from bench.errors import BenchError
+from bench.joint_facts import JointFacts
 from bench.recording import Recording, Use
-from bench.robot import Robot
-from bench.table_file import read_table
+from bench.recording_checks import Channel, Finding, find
+from bench.sampling import nearest, resample, time_fault, uniform_grid
+from bench.table_file import Table, read_table
 
 
-def load_recording(path: Path, name: str, use: Use, payload: str | None, robot: Robot) -> Recording:
-    """Read the CSV or Parquet file `path` as a recording of `robot`.
+def load_recording(
+    path: Path,
+    name: str,
+    use: Use,
+    payload: str | None,
+    joints: Sequence[JointFacts],
+    accept: Sequence[str] = (),
+) -> Recording:
+    """Read the CSV or Parquet file `path` as a recording of the driven `joints`.
 
-    Errors: BenchError that names the file, and the column and row where there is one.
+    Every check of bench.sampling and bench.recording_checks runs, but for the accepted ones.
+
+    Errors: BenchError "FILE: column COLUMN, line N: ..." for the first fault, and how many more there are.
     """
     table = read_table(path)
-    needed = ["time", *(f"{kind}.{joint}" for kind in ("position", "current") for joint in robot.joints)]
-    missing = [column for column in needed if column not in table.columns]
-    if missing:
-        raise BenchError(f"{path}: no column {', '.join(missing)} (it has {', '.join(table.columns)})")
-    n = len(robot.joints)
-    values = {column: table.numbers(column) for column in table.columns if column in needed}
-    block = np.column_stack([values[column] for column in needed])
-    extra = {c: table.numbers(c) for c in table.columns if c not in needed and table.is_numeric(c)}
-    return Recording(name, use, payload, block[:, 0], block[:, 1 : n + 1], block[:, n + 1 :], extra)
+    columns = [f"{kind}.{joint.name}" for kind in ("position", "current") for joint in joints]
+    _check_columns(table, ["time", *columns])
+    time = table.finite("time")
+    signals = np.column_stack([table.finite(column) for column in columns])
+    if (fault := time_fault(time)) is not None:
+        raise BenchError(_message(table, "time", fault.row, fault.what))
+    _check_signals(table, columns, time, signals, joints, frozenset(accept))
+    extra = {
+        c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
+    }
+    if (grid := uniform_grid(time)) is not None:
+        signals = resample(time, signals, grid)
+        extra = {column: nearest(time, values, grid) for column, values in extra.items()}
+        time = grid
+    n = len(joints)
+    return Recording(name, use, payload, time, signals[:, :n], signals[:, n:], extra)
+
+
+def _check_columns(table: Table, needed: Sequence[str]) -> None:
+    there = [column for column in table.columns if column]
+    missing = [column for column in needed if column not in there]
+    if not missing:
+        return
+    close = get_close_matches(missing[0].lower(), [column.lower() for column in there], n=1, cutoff=0.8)
+    hint = f"; is {next(c for c in there if c.lower() == close[0])!r} meant?" if close else ""
+    raise BenchError(f"{table.path}: no column {', '.join(missing)} (it has {_listed(there)}){hint}")
+
+
+def _listed(names: Sequence[str], most: int = 12) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
+def _check_signals(
+    table: Table,
+    columns: Sequence[str],
+    time: np.ndarray,
+    signals: np.ndarray,
+    joints: Sequence[JointFacts],
+    accepted: frozenset[str],
+) -> None:
+    step = float(np.median(np.diff(time)))
+    found: list[tuple[str, Finding]] = []
+    for i, column in enumerate(columns):
+        joint = joints[i] if i < len(joints) else None
+        values = np.ascontiguousarray(signals[:, i])
+        found += [(column, finding) for finding in find(Channel(values, step, joint), accepted)]
+    if not found:
+        return
+    column, finding = found[0]
+    others = sorted({other for other, _ in found[1:] if other != column})
+    more = f"; more in {', '.join(others)}" if others else ""
+    accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
+    raise BenchError(_message(table, column, finding.row, finding.what) + more + accept)
+
+
+def _message(table: Table, column: str, row: int | None, what: str) -> str:
+    where = "" if row is None else f", {table.row_name(row)}"
+    return f"{table.path}: column {column}{where}: {what}"

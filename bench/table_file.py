@@ -1,49 +1,136 @@
-"""Read a CSV or Parquet file into named columns."""
+"""Read a CSV or Parquet file into named columns of numbers, and name its rows as a user sees them.
+
+CSV: UTF-8 (a byte order mark is fine), one header line, comma, semicolon or tab between the values; with
+semicolon or tab a decimal comma is read too. Blank lines are skipped. Parquet: flat columns of numbers.
+"""
 
 from __future__ import annotations
 
+import io
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
-import pyarrow.csv as pc
+import pyarrow.csv as pacsv
 import pyarrow.parquet as pq
 
+from bench.csv_text import CsvText, split_csv
 from bench.errors import BenchError
+from bench.toml_input import one_line
+
+SUFFIXES = (".csv", ".parquet")
+Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The columns of one file, and how a row of it is named to the user."""
+    """The columns of one file. `text` is the CSV it came from, None for Parquet."""
 
     path: Path
     data: pa.Table
+    text: CsvText | None
 
     @property
     def columns(self) -> list[str]:
         """Column names, in the file's order."""
         return list(self.data.column_names)
 
-    def is_numeric(self, column: str) -> bool:
-        """Whether the column holds numbers."""
-        kind = self.data.schema.field(column).type
-        return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind))
+    def row_name(self, row: int) -> str:
+        """A row (0 is the first) as the user finds it: "line 2" of a CSV, "row 0" of a Parquet file."""
+        return f"row {row}" if self.text is None else f"line {self.text.line(row)}"
 
-    def numbers(self, column: str) -> npt.NDArray[np.float64]:
-        """The column (N,) as floats."""
-        return np.asarray(self.data[column].cast(pa.float64()).to_numpy(), dtype=np.float64)
+    def is_plain(self, column: str) -> bool:
+        """Whether the column can be kept as an extra: numbers or true and false, empty cells aside."""
+        kind = self.data.schema.field(column).type
+        return _is_numeric(kind) or bool(pa.types.is_boolean(kind))
+
+    def numbers(self, column: str) -> Array:
+        """The column (N,) as floats, empty cells as NaN, true as 1.
+
+        Errors: BenchError that names the row for text, BenchError with the type for what has no numbers.
+        """
+        kind = self.data.schema.field(column).type
+        if self.is_plain(column):
+            return np.asarray(self.data[column].cast(pa.float64()).to_numpy(), dtype=np.float64)
+        if self.text is None:
+            raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
+        index = self.columns.index(column)
+        if (found := self.text.first_text(index)) is None:
+            return np.array(self.text.floats(index))
+        row, cell = found
+        raise BenchError(f"{self.path}: column {column}, {self.row_name(row)}: {cell!r} is not a number")
+
+    def finite(self, column: str) -> Array:
+        """The column (N,) as floats; BenchError that names the first row that is empty, NaN or infinite."""
+        if pa.types.is_boolean(kind := self.data.schema.field(column).type):
+            raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
+        values = self.numbers(column)
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            row = int(bad[0])
+            more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
+            what = self._what_stands(column, row, values[row])
+            raise BenchError(f"{self.path}: column {column}, {self.row_name(row)}: {what}{more}")
+        return values
+
+    def _what_stands(self, column: str, row: int, value: float) -> str:
+        if self.text is None:
+            return "is empty" if not self.data[column][row].is_valid else f"is {value}"
+        cell = self.text.cell(row, self.columns.index(column))
+        return f"is {cell!r}, not a finite number" if cell else "is empty"
+
+
+def _is_numeric(kind: pa.DataType) -> bool:
+    tests = (pa.types.is_floating, pa.types.is_integer, pa.types.is_decimal, pa.types.is_null)
+    return any(test(kind) for test in tests)
 
 
 def read_table(path: Path) -> Table:
-    """The table in `path`, CSV or Parquet by its suffix."""
+    """The table in the file `path`, CSV or Parquet by its suffix.
+
+    Errors: BenchError in one line: missing, empty, truncated, not what the suffix says, no header, no rows,
+    a column twice, a line with too few or too many values (named).
+    """
     suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise BenchError(f"{path}: neither a .csv nor a .parquet file")
     try:
-        if suffix == ".csv":
-            return Table(path, pc.read_csv(path))
-        if suffix == ".parquet":
-            return Table(path, pq.read_table(path))
+        if path.stat().st_size == 0:
+            raise BenchError(f"{path}: the file is empty")
+        table = _read_csv(path) if suffix == ".csv" else _read_parquet(path)
+    except OSError as error:
+        raise BenchError(f"{path}: cannot be read: {error.strerror or one_line(error)}") from error
+    for name, count in Counter(table.columns).items():
+        if name and count > 1:
+            raise BenchError(f"{path}: column {name}: stands there {count} times")
+    if table.data.num_rows == 0:
+        raise BenchError(f"{path}: has a header but no rows")
+    return table
+
+
+def _read_csv(path: Path) -> Table:
+    content = path.read_bytes()
+    text = split_csv(path, content)
+    body = text.body.encode()
+    if not body.strip():
+        raise BenchError(f"{path}: has a header but no rows")
+    options: dict[str, Any] = {
+        "read_options": pacsv.ReadOptions(column_names=text.names, block_size=len(body) + 1),
+        "parse_options": pacsv.ParseOptions(delimiter=text.delimiter),
+        "convert_options": pacsv.ConvertOptions(decimal_point="," if text.decimal_comma else "."),
+    }
+    try:
+        return Table(path, pacsv.read_csv(io.BytesIO(body), **options), text)
     except pa.ArrowInvalid as error:
-        raise BenchError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from error
-    raise BenchError(f"{path}: a recording is a .csv or a .parquet file")
+        raise BenchError(f"{path}: {text.ragged() or one_line(error)}") from error
+
+
+def _read_parquet(path: Path) -> Table:
+    try:
+        return Table(path, pq.ParquetFile(path).read(), None)
+    except (pa.ArrowException, OSError) as error:
+        raise BenchError(f"{path}: is not a whole Parquet file: {one_line(error)}") from error
