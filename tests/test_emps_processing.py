@@ -1,13 +1,12 @@
 """The published EMPS least squares, repeated from the raw file with bench.signals and numpy alone.
 
-What the authors' figures imply (each item moves a printed digit): the Butterworth filter extends the ends
-by 3 * order samples; the acceleration is the central difference of the velocity; the first 49 rows are
-dropped (the authors' index of the first row kept is 50, counted from one) and none at the end; the sign is
-that of the filtered velocity; the standard deviation of the residual is about its mean and divides by
-r - 1, whatever the number of parameters.
+What the figures imply, found by trying (each item moves a printed digit): the Butterworth filter extends the
+ends by 3 * order samples, the Chebyshev filter too; the acceleration is the central difference of the
+velocity; the first 49 rows are dropped (the first row kept has the index 50, counted from one) and none at
+the end; the standard deviation of the residual is about its mean and divides by r - 1, whatever the number of
+parameters. Whether the sign is that of the filtered velocity cannot be seen in the figures.
 """
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -18,15 +17,13 @@ from bench.signals.decimation import decimate
 from bench.signals.differentiation import central_difference
 from bench.signals.filtering import low_pass
 
-DATA = Path(os.environ.get("PARABENCH_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
-FILE = DATA / "emps" / "DATA_EMPS.mat"
-
 
 @pytest.fixture(scope="module")
-def estimate() -> dict[str, np.ndarray]:
-    if not FILE.is_file():
-        pytest.skip("the measured EMPS data are not here (set PARABENCH_DATA)")
-    log = loadmat(FILE, squeeze_me=True)
+def estimate(measured_data: Path) -> dict[str, np.ndarray]:
+    file = measured_data / "emps" / "DATA_EMPS.mat"
+    if not file.is_file():
+        pytest.skip(f"no measured EMPS data at {file}")
+    log = loadmat(file, squeeze_me=True)
     position = low_pass(log["qm"], rate=1000.0, cutoff=100.0, order=4)
     velocity = central_difference(position, 1e-3, order=2)
     acceleration = central_difference(velocity, 1e-3, order=2)
