@@ -114,7 +114,7 @@ def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
 
 
 def _check_against_mjcf(description: Path, table: _RobotTable, model_path: Path) -> None:
-    import mujoco  # slow to import: only once a robot is really read
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     try:
         model = mujoco.MjModel.from_xml_path(str(model_path))
