@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bench.effects.coulomb_friction import CoulombFriction
 from bench.effects.constant_offset import ConstantOffset
+from bench.effects.coulomb_friction import CoulombFriction
 from bench.effects.effect import Effect
 from bench.effects.viscous_friction import ViscousFriction
 from bench.errors import BenchError

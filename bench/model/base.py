@@ -97,4 +97,4 @@ def _description(row: np.ndarray, names: list[tuple[str, str]]) -> str:
         size = "" if abs(abs(factor) - 1.0) < NEGLIGIBLE else f"{abs(factor):.6g} "
         terms.append(f"{sign} {size}{symbol}")
     own = " ".join(terms)
-    return own[2:] if own.startswith("+ ") else own
+    return own.removeprefix("+ ")

@@ -9,10 +9,10 @@ import numpy as np
 from bench.model.geometry import Geometry
 from bench.model.kinematics import (
     Frames,
+    ancestors,
     anchor_bias,
     anchor_point,
     anchor_rotation,
-    ancestors,
     apply,
     joint_columns,
     loop_joints,
@@ -29,7 +29,9 @@ def loop_residual(geometry: Geometry, frames: Frames) -> np.ndarray:
         if loop.kind == "weld":
             first, second = anchor_rotation(frames, loop.first), anchor_rotation(frames, loop.second)
             turn = np.einsum("kin,kjn->ijn", first, second)
-            error = 0.5 * np.stack((turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]))
+            error = 0.5 * np.stack(
+                (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
+            )
             rows.append(apply(first, error))
     return np.concatenate(rows)
 
@@ -87,7 +89,9 @@ def integrate(geometry: Geometry, q: np.ndarray, step: np.ndarray) -> np.ndarray
             continue
         at = joint.q.start
         if joint.kind == "free":
-            moved[at : at + 3] += apply(rotation_of(q[at + 3 : at + 7]), step[joint.v.start : joint.v.start + 3])
+            moved[at : at + 3] += apply(
+                rotation_of(q[at + 3 : at + 7]), step[joint.v.start : joint.v.start + 3]
+            )
             at += 3
         moved[at : at + 4] = _turned(q[at : at + 4], step[joint.v.stop - 3 : joint.v.stop])
     return moved
@@ -105,7 +109,9 @@ def configuration_rate(geometry: Geometry, q: np.ndarray, v: np.ndarray) -> np.n
             rate[at : at + 3] = apply(rotation_of(q[at + 3 : at + 7]), v[joint.v.start : joint.v.start + 3])
             at += 3
         half = 0.5 * v[joint.v.stop - 3 : joint.v.stop]
-        rate[at : at + 4] = _quaternion_product(q[at : at + 4], np.concatenate((half, np.zeros_like(half[:1]))))
+        rate[at : at + 4] = _quaternion_product(
+            q[at : at + 4], np.concatenate((half, np.zeros_like(half[:1])))
+        )
     return rate
 
 

@@ -42,7 +42,9 @@ class Follower:
 def make_follower(geometry: Geometry) -> Follower:
     model = build_tree(geometry)
     constraints = tuple(loop_constraints(geometry, model))
-    return Follower(geometry, model, model.createData(), constraints, tuple(c.createData() for c in constraints))
+    return Follower(
+        geometry, model, model.createData(), constraints, tuple(c.createData() for c in constraints)
+    )
 
 
 def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -31,9 +31,7 @@ class Placement:
     translation: np.ndarray
 
     def __matmul__(self, other: "Placement") -> "Placement":
-        return Placement(
-            self.rotation @ other.rotation, self.rotation @ other.translation + self.translation
-        )
+        return Placement(self.rotation @ other.rotation, self.rotation @ other.translation + self.translation)
 
     def inverse(self) -> "Placement":
         return Placement(self.rotation.T, -self.rotation.T @ self.translation)
@@ -165,7 +163,9 @@ def read_geometry(robot: Robot) -> Geometry:
     equations = sum(loop.size for loop in loops)
     if len(geometry.passive) and equations == 0:
         free = [joint.name for joint in joints if joint.v.start not in geometry.active]
-        raise BenchError(f"robot {robot.name}: joint {free[0]!r} has no motor and no loop closure determines it")
+        raise BenchError(
+            f"robot {robot.name}: joint {free[0]!r} has no motor and no loop closure determines it"
+        )
     return geometry
 
 
@@ -197,7 +197,9 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
                     else None,
                     q=slice(nq, nq + CONFIGURATION_SIZE[kind]),
                     v=slice(nv, nv + VELOCITY_SIZE[kind]),
-                    offset=float(compiled.qpos0[compiled.jnt_qposadr[index]]) if kind in ("hinge", "slide") else 0.0,
+                    offset=float(compiled.qpos0[compiled.jnt_qposadr[index]])
+                    if kind in ("hinge", "slide")
+                    else 0.0,
                     limits=None if limits is None else (float(limits[0]), float(limits[1])),
                 )
             )
@@ -234,7 +236,10 @@ def _loops(
             local = (
                 (Placement(np.eye(3), data[0:3].copy()), Placement(np.eye(3), data[3:6].copy()))
                 if connect
-                else (Placement(_rotation(data[6:10]), data[3:6].copy()), Placement(np.eye(3), data[0:3].copy()))
+                else (
+                    Placement(_rotation(data[6:10]), data[3:6].copy()),
+                    Placement(np.eye(3), data[0:3].copy()),
+                )
             )
         ends = []
         for body, place in zip(bodies, local, strict=True):
@@ -261,14 +266,14 @@ def from_mujoco(joints: tuple[Joint, ...], qpos: np.ndarray) -> np.ndarray:
     return q
 
 
-def _tool(
-    robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]
-) -> Anchor | None:
+def _tool(robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]) -> Anchor | None:
     if robot.tool_site is None:
         return None
     site = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_SITE, robot.tool_site)
     if site < 0:
-        raise BenchError(f"{robot.model_path}: no site {robot.tool_site!r}, which robot.toml names as the tool")
+        raise BenchError(
+            f"{robot.model_path}: no site {robot.tool_site!r}, which robot.toml names as the tool"
+        )
     joint, frame = frames[int(compiled.site_bodyid[site])]
     if joint < 0:
         raise BenchError(f"{robot.model_path}: the tool site {robot.tool_site!r} does not move")

@@ -23,9 +23,7 @@ class Frames:
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Cross product along the first axis; (3, N) by (3, N), or (3, 1) for a constant."""
-    return np.stack(
-        (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    )
+    return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
 def skew(w: np.ndarray) -> np.ndarray:
@@ -87,7 +85,9 @@ def frames_of(geometry: Geometry, q: np.ndarray, joints: tuple[int, ...] | None 
         if joint.kind == "hinge":
             k = skew(joint.axis)
             # Rodrigues: a a' + sin q K - cos q K K
-            parts = np.hstack((at.rotation @ np.outer(joint.axis, joint.axis), at.rotation @ k, -at.rotation @ k @ k))
+            parts = np.hstack(
+                (at.rotation @ np.outer(joint.axis, joint.axis), at.rotation @ k, -at.rotation @ k @ k)
+            )
             if joint.parent < 0:
                 turned = np.broadcast_to(parts[:, :, None], (3, 9, samples))
             else:
@@ -128,7 +128,9 @@ def anchor_rotation(frames: Frames, anchor: Anchor) -> np.ndarray:
     return multiply(frames.rotation[anchor.joint], anchor.placement.rotation)
 
 
-def joint_columns(joint: Joint, index: int, frames: Frames, point: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+def joint_columns(
+    joint: Joint, index: int, frames: Frames, point: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
     """What the joint's velocities do to a point of a body that it moves.
 
     Returns linear and angular columns, each (3, size, N) in the world; angular is None where it is zero.
@@ -206,4 +208,6 @@ def anchor_bias(rates: Rates, frames: Frames, anchor: Anchor) -> np.ndarray:
         return np.zeros((3, frames.samples))
     arm = multiply(frames.rotation[anchor.joint], anchor.placement.translation)
     joint = anchor.joint
-    return np.asarray(rates.linear_bias[joint] + _carried(rates.angular[joint], rates.angular_bias[joint], arm))
+    return np.asarray(
+        rates.linear_bias[joint] + _carried(rates.angular[joint], rates.angular_bias[joint], arm)
+    )

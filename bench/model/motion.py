@@ -23,7 +23,9 @@ CLOSED = 1e-9  # m or rad: loops closed at every sample
 TRAVEL = 0.2  # active travel between followed nodes, rad, or in units of the robot's length for a slide
 STRIDE = 8  # samples between the nodes of the middle level
 BLOCK = 2048  # samples worked on together: what fits into a processor's cache
-LARGEST_AMPLIFICATION = 200.0  # rad/rad, m/rad ...: passive speed for active speed, beyond which it is singular
+LARGEST_AMPLIFICATION = (
+    200.0  # rad/rad, m/rad ...: passive speed for active speed, beyond which it is singular
+)
 LARGEST_CORRECTION = 0.05  # m or rad: between an interpolated pose and the closed one
 MOST_ITERATIONS = 6
 
@@ -106,7 +108,9 @@ def _pose_guess(geometry: Geometry, time: np.ndarray, active: np.ndarray, veloci
 
 
 def _through(geometry: Geometry, time: np.ndarray, q: np.ndarray, velocity: np.ndarray) -> _Guess:
-    v = _velocities(geometry, time, loop_jacobian(geometry, frames_of(geometry, q, loop_joints(geometry))), velocity)
+    v = _velocities(
+        geometry, time, loop_jacobian(geometry, frames_of(geometry, q, loop_joints(geometry))), velocity
+    )
     return _Guess(time, q, configuration_rate(geometry, q, v))
 
 
@@ -181,7 +185,9 @@ def _singular(geometry: Geometry, time: np.ndarray, sample: int) -> BenchError:
     )
 
 
-def _velocities(geometry: Geometry, time: np.ndarray, jacobian: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+def _velocities(
+    geometry: Geometry, time: np.ndarray, jacobian: np.ndarray, velocity: np.ndarray
+) -> np.ndarray:
     return np.einsum("vjn,jn->vn", _amplification(geometry, time, jacobian), velocity)
 
 

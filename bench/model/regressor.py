@@ -69,8 +69,19 @@ def _moved(parameters: np.ndarray, rotation: np.ndarray, translation: np.ndarray
     inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
     cross_terms = np.dot(moment, translation) * 2.0 * np.eye(3)
     cross_terms -= np.outer(moment, translation) + np.outer(translation, moment)
-    inertia += cross_terms + mass * (np.dot(translation, translation) * np.eye(3) - np.outer(translation, translation))
+    inertia += cross_terms + mass * (
+        np.dot(translation, translation) * np.eye(3) - np.outer(translation, translation)
+    )
     first = moment + mass * translation
     return np.array(
-        [mass, *first, inertia[0, 0], inertia[0, 1], inertia[1, 1], inertia[0, 2], inertia[1, 2], inertia[2, 2]]
+        [
+            mass,
+            *first,
+            inertia[0, 0],
+            inertia[0, 1],
+            inertia[1, 1],
+            inertia[0, 2],
+            inertia[1, 2],
+            inertia[2, 2],
+        ]
     )

@@ -59,4 +59,3 @@ def _regular(geometry: Geometry, q: np.ndarray) -> bool:
     passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
     amplification = np.linalg.lstsq(passive, active)[0]
     return bool(np.abs(amplification).max() < LARGEST_AMPLIFICATION)
-

@@ -1,0 +1,1 @@
+"""Drive gains and dynamic parameters from recordings (Briot and Gautier 2012, section 3)."""

@@ -1,0 +1,81 @@
+"""The estimator that minimises the error of the measured current itself.
+
+Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then stands where it arises,
+on the left side, whatever the gains; the problem is bilinear and solved by Gauss-Newton steps on the
+compressed factors.
+"""
+
+import numpy as np
+
+from bench.estimate.solution import Solution, scaled_lstsq
+from bench.estimate.stack import Stack
+
+REWEIGHTINGS = 3
+MOST_STEPS = 50
+CONVERGED = 1e-12
+
+
+def current_error(stack: Stack, start: Solution) -> Solution:
+    """Minimise sum_j w_j^2 |v_j - (Phi_j theta + kappa_j) / g_j|^2 from a starting solution.
+
+    The weights are one over each motor's current error. Without a known payload (start.gains_fitted is
+    False) the gains stay as they are and the problem is linear.
+    """
+    theta, gains = start.theta, start.gains
+    weights = 1.0 / _floor(stack, _current_rms(stack, theta, gains))
+    for _ in range(REWEIGHTINGS):
+        theta, gains = _minimise(stack, theta, gains, weights, start.gains_fitted)
+        weights = 1.0 / _floor(stack, _current_rms(stack, theta, gains))
+    return Solution(theta, gains, weights, "current", start.gains_fitted)
+
+
+def _minimise(
+    stack: Stack, theta: np.ndarray, gains: np.ndarray, weights: np.ndarray, fit_gains: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Newton with step halving."""
+    p, n = len(theta), len(gains)
+    cost = _cost(stack, theta, gains, weights)
+    for _ in range(MOST_STEPS):
+        scaled = stack.factors * (weights / gains)[:, None, None]
+        phi = scaled[:, :, :p]
+        modelled = phi @ theta + scaled[:, :, p]
+        residual = stack.factors[:, :, p + 1] * weights[:, None] - modelled
+        jacobian = np.zeros((n, p + 2, p + (n if fit_gains else 0)))
+        jacobian[:, :, :p] = phi
+        if fit_gains:
+            jacobian[np.arange(n), :, p + np.arange(n)] = -modelled / gains[:, None]
+        step = scaled_lstsq(jacobian.reshape(n * (p + 2), -1), residual.reshape(-1))
+        change = np.append(step[p:] / gains, 0.0) if fit_gains else np.zeros(1)
+        share = 1.0 / max(1.0, 2.0 * float(np.abs(change).max()))
+        while share > 1e-6:
+            new_theta = theta + share * step[:p]
+            new_gains = gains + share * step[p:] if fit_gains else gains
+            new_cost = _cost(stack, new_theta, new_gains, weights)
+            if new_cost <= cost * (1 + 1e-12):
+                break
+            share /= 2.0
+        else:
+            return theta, gains
+        settled = cost - new_cost <= CONVERGED * cost and share == 1.0
+        theta, gains, cost = new_theta, new_gains, new_cost
+        if settled:
+            break
+    return theta, gains
+
+
+def _cost(stack: Stack, theta: np.ndarray, gains: np.ndarray, weights: np.ndarray) -> float:
+    return float(((_current_rms(stack, theta, gains) * weights) ** 2).sum())
+
+
+def _current_rms(stack: Stack, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:
+    """RMS of every motor's current error, (n,), drive unit."""
+    p = len(theta)
+    modelled = (stack.factors[:, :, :p] @ theta + stack.factors[:, :, p]) / gains[:, None]
+    residual = stack.factors[:, :, p + 1] - modelled
+    return np.asarray(np.sqrt((residual**2).sum(axis=1) / len(stack.current)))
+
+
+def _floor(stack: Stack, rms: np.ndarray) -> np.ndarray:
+    """No weight grows beyond what a perfect fit in double precision gives."""
+    largest = np.sqrt((stack.current**2).mean(axis=0).max())
+    return np.asarray(np.maximum(rms, 1e-9 * largest + np.finfo(float).tiny))

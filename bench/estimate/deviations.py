@@ -1,0 +1,103 @@
+"""Covariance of an estimate, with errors that are alike from one sample to the next."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bench.estimate.solution import Solution
+from bench.estimate.stack import Stack
+
+Deviations = Literal["autocorrelated", "independent"]
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """covariance (p + n, p + n) of [theta, g] (gains zero where fixed); rank and condition of the system.
+
+    condition: of the weighted Jacobian, columns as they are; scaled_condition: with columns of unit length.
+    """
+
+    covariance: np.ndarray
+    rank: int
+    condition: float
+    scaled_condition: float
+
+
+def residual_series(stack: Stack, solution: Solution) -> np.ndarray:
+    """The error (M, n) that the estimator made small, in torque or current units."""
+    modelled = stack.phi @ solution.theta + stack.kappa
+    if solution.domain == "torque":
+        return np.asarray(stack.current * solution.gains - modelled)
+    return np.asarray(stack.current - modelled / solution.gains)
+
+
+def jacobian_series(stack: Stack, solution: Solution) -> np.ndarray:
+    """Derivative (M, n, P) of the modelled side by [theta] or [theta, g], in the residual's unit."""
+    n = len(solution.gains)
+    if solution.domain == "torque":
+        rigid, by_gain = stack.phi, -stack.current
+    else:
+        rigid = stack.phi / solution.gains[:, None]
+        by_gain = -(stack.phi @ solution.theta + stack.kappa) / solution.gains**2
+    if not solution.gains_fitted:
+        return rigid
+    full = np.zeros((*rigid.shape[:2], rigid.shape[2] + n))
+    full[:, :, : rigid.shape[2]] = rigid
+    full[:, np.arange(n), rigid.shape[2] + np.arange(n)] = by_gain
+    return full
+
+
+def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Uncertainty:
+    """Standard deviations of the estimate from its residual.
+
+    "autocorrelated": the residual's autocovariance, of every motor and within every recording, is carried
+    through the linearised estimator (Newey and West 1987, with Bartlett's window), so that neighbouring
+    samples do not count as independent. "independent": the field's customary formula (Gautier 1997), with
+    the deviation of the residual about its mean; too optimistic where errors are coloured.
+    """
+    jacobian = jacobian_series(stack, solution) * solution.weights[:, None]
+    residual = residual_series(stack, solution) * solution.weights
+    samples, n, size = jacobian.shape
+    lengths = np.linalg.norm(jacobian.reshape(-1, size), axis=0)
+    lengths[lengths == 0.0] = 1.0
+    jacobian = jacobian / lengths
+    singular = np.linalg.svd(np.linalg.qr(jacobian.reshape(-1, size), mode="r"), compute_uv=False)
+    rank = int((singular > 1e-10 * singular[0]).sum())
+    inverse = np.linalg.pinv(np.einsum("kjp,kjq->pq", jacobian, jacobian), rcond=1e-18, hermitian=True)
+    if deviations == "independent":
+        middle = inverse * float(residual.reshape(-1).var(ddof=1))
+    else:
+        score = sum(
+            _autocorrelated(jacobian[a:b, j], residual[a:b, j], _covariances(residual[:, j], stack.starts))
+            for j in range(n)
+            for a, b in zip(stack.starts, (*stack.starts[1:], samples), strict=True)
+        )
+        freedom = samples * n / max(samples * n - size, 1)
+        middle = inverse @ score @ inverse * freedom
+    covariance = np.zeros((stack.phi.shape[2] + n,) * 2)
+    covariance[:size, :size] = middle / np.outer(lengths, lengths)
+    raw = np.linalg.svd(np.linalg.qr((jacobian * lengths).reshape(-1, size), mode="r"), compute_uv=False)
+    return Uncertainty(
+        covariance,
+        rank,
+        float(raw[0] / max(raw[-1], np.finfo(float).tiny)),
+        float(singular[0] / max(singular[-1], np.finfo(float).tiny)),
+    )
+
+
+def _covariances(residual: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
+    """Tapered autocovariances of one motor's residual, pooled over the recordings, (L + 1,)."""
+    pieces = [residual[a:b] for a, b in zip(starts, (*starts[1:], len(residual)), strict=True)]
+    lags = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), min(len(piece) for piece in pieces) - 1)
+    values = np.array([sum(float(x[: len(x) - k] @ x[k:]) for x in pieces) for k in range(lags + 1)])
+    return values / len(residual) * (1.0 - np.arange(lags + 1) / (lags + 1.0))
+
+
+def _autocorrelated(jacobian: np.ndarray, residual: np.ndarray, covariances: np.ndarray) -> np.ndarray:
+    """J' Sigma J for a stationary residual with these autocovariances, (P, P)."""
+    total = covariances[0] * (jacobian.T @ jacobian)
+    for lag in range(1, min(len(covariances), len(residual))):
+        product = jacobian[:-lag].T @ jacobian[lag:]
+        total += covariances[lag] * (product + product.T)
+    return np.asarray(total)

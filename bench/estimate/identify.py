@@ -1,0 +1,233 @@
+"""From a dataset to drive gains, base parameters and effect parameters."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.effects import EffectInstance, select_effects
+from bench.errors import BenchError
+from bench.estimate.column_errors import column_errors
+from bench.estimate.deviations import Deviations, Uncertainty, uncertainty
+from bench.estimate.estimators import DEFAULT_METHOD, Request, solve
+from bench.estimate.layout import (
+    ParameterLayout,
+    known_rows,
+    parameter_layout,
+    payload_parameter_names,
+    regressor_rows,
+)
+from bench.estimate.notes import notes_on
+from bench.estimate.observation import Observation, observe
+from bench.estimate.result import (
+    CurrentSeries,
+    DriveGain,
+    ErrorSummary,
+    Identification,
+    Parameter,
+    Quantity,
+)
+from bench.estimate.solution import Solution
+from bench.estimate.stack import stack_observations
+from bench.model.model import IdentificationModel, build_model
+from bench.model.regressor import PARAMETERS, UNITS
+from bench.signals.settings import FilterSettings, choose_settings
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A dataset made ready to be fitted: the model, the filters, and every recording as equations."""
+
+    dataset: Dataset
+    model: IdentificationModel
+    settings: FilterSettings
+    effects: tuple[EffectInstance, ...]
+    observations: tuple[Observation, ...]
+    layout: ParameterLayout
+
+    @property
+    def fitted(self) -> tuple[Observation, ...]:
+        return tuple(one for one in self.observations if one.use == "identify")
+
+
+def identify(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    method: str = DEFAULT_METHOD,
+    *,
+    settings: FilterSettings | None = None,
+    deviations: Deviations = "autocorrelated",
+    fit_gains: bool | None = None,
+) -> Identification:
+    """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
+
+    effects: names as EFFECT or EFFECT:JOINT, added to the rigid-body model. method: current, ls, wls, tls or
+    wtls. settings: filters; chosen from the spectra by default. deviations: how standard deviations are
+    computed. fit_gains: by default, where a fitted recording carries a payload of known mass; without one
+    the gains stay nominal. Raises BenchError naming what in the data or the robot cannot be used.
+    """
+    return fit(prepare(dataset, effects, settings), method, deviations=deviations, fit_gains=fit_gains)
+
+
+def prepare(
+    dataset: Dataset, effects: Sequence[str] = (), settings: FilterSettings | None = None
+) -> Prepared:
+    """Build the model and turn every recording into equations, filtered and decimated alike."""
+    fitted = [recording for recording in dataset.recordings if recording.use == "identify"]
+    if not fitted:
+        raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
+    joints = [actuator.joint for actuator in dataset.robot.actuators]
+    instances = select_effects(effects, joints)
+    model = build_model(dataset.robot)
+    if settings is None:
+        settings = choose_settings(
+            [one.position for one in fitted], [one.current for one in fitted], fitted[0].rate
+        )
+    count = sum(len(one.effect.parameters) for one in instances)
+    layout = parameter_layout(model, dataset.payloads, [one.payload for one in fitted], count)
+    usable = [one for one in dataset.recordings if one.payload is None or one.payload in layout.payloads]
+    observations = tuple(observe(model, recording, settings, instances) for recording in usable)
+    return Prepared(dataset, model, settings, instances, observations, layout)
+
+
+def fit(
+    prepared: Prepared,
+    method: str = DEFAULT_METHOD,
+    *,
+    deviations: Deviations = "autocorrelated",
+    fit_gains: bool | None = None,
+) -> Identification:
+    """Estimate from prepared equations; see `identify`."""
+    dataset, layout = prepared.dataset, prepared.layout
+    stack = stack_observations(prepared.fitted, layout, dataset.payloads)
+    if fit_gains and not stack.scaled:
+        raise BenchError(
+            f"{dataset.folder}: no fitted recording has a payload of known mass, which gives the gains' scale"
+        )
+    fit_gains = stack.scaled if fit_gains is None else fit_gains
+    unknowns = layout.size + (stack.current.shape[1] if fit_gains else 0)
+    if stack.current.size < 2 * unknowns:
+        raise BenchError(
+            f"{dataset.folder}: {stack.current.size} equations after decimation are too few for {unknowns} unknowns"
+        )
+
+    def errors_of_columns() -> np.ndarray:
+        recordings = [one for one in dataset.recordings if one.use == "identify"]
+        return column_errors(
+            recordings,
+            prepared.fitted,
+            prepared.settings,
+            lambda recording: observe(prepared.model, recording, prepared.settings, prepared.effects),
+            lambda one: (regressor_rows(one, layout), known_rows(one, dataset.payloads)),
+        )
+
+    nominal = dataset.robot.nominal_gains
+    solution = solve(method, Request(stack, nominal, fit_gains, errors_of_columns))
+    spread = uncertainty(stack, solution, deviations)
+    series = tuple(_series(prepared, one, solution) for one in prepared.observations)
+    return _result(prepared, method, solution, spread, deviations, series, unknowns)
+
+
+def _series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
+    torque = regressor_rows(observation, prepared.layout) @ solution.theta
+    torque += known_rows(observation, prepared.dataset.payloads)
+    return CurrentSeries(
+        name=observation.name,
+        use=observation.use,
+        payload=observation.payload_name,
+        time=observation.time,
+        measured=observation.current,
+        modelled=torque / solution.gains,
+        position=observation.position,
+        velocity=observation.velocity,
+        acceleration=observation.acceleration,
+    )
+
+
+def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) -> float | None:
+    """RMS(measured - modelled) / RMS(measured) over recordings, for one motor or all; None without any."""
+    if not series:
+        return None
+    chosen = slice(None) if motor is None else slice(motor, motor + 1)
+    error = sum(float((one.error[:, chosen] ** 2).sum()) for one in series)
+    measured = sum(float((one.measured[:, chosen] ** 2).sum()) for one in series)
+    return float(np.sqrt(error / measured)) if measured else float("nan")
+
+
+def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> ErrorSummary:
+    """Errors of all recordings by use, motor and recording."""
+    fitted = [one for one in series if one.use == "identify"]
+    checked = [one for one in series if one.use == "validate"]
+
+    def by_actuator(chosen: Sequence[CurrentSeries]) -> dict[str, float]:
+        values = {joint: relative_error(chosen, j) for j, joint in enumerate(joints)}
+        return {joint: value for joint, value in values.items() if value is not None}
+
+    return ErrorSummary(
+        identify=relative_error(fitted),
+        validate=relative_error(checked),
+        by_actuator=by_actuator(fitted),
+        by_actuator_validate=by_actuator(checked),
+        by_recording={one.name: value for one in series if (value := relative_error([one])) is not None},
+    )
+
+
+def _result(
+    prepared: Prepared,
+    method: str,
+    solution: Solution,
+    spread: Uncertainty,
+    deviations: Deviations,
+    series: tuple[CurrentSeries, ...],
+    unknowns: int,
+) -> Identification:
+    robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
+    std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
+    p = layout.size
+    gains = {
+        actuator.joint: DriveGain(
+            float(solution.gains[j]), float(std[p + j]), actuator.gain_unit, actuator.gain
+        )
+        for j, actuator in enumerate(robot.actuators)
+    }
+    names = list(zip(base.names, base.units, base.descriptions, strict=True))
+    for payload, index in layout.payloads.items():
+        for i, name in zip(index, payload_parameter_names(payload, index), strict=True):
+            names.append((name, UNITS[i], f"{PARAMETERS[i]} of payload {payload} in the tool frame"))
+    parameters = tuple(
+        Parameter(float(solution.theta[i]), float(std[i]), unit, name, grouping)
+        for i, (name, unit, grouping) in enumerate(names)
+    )
+    effect_parameters: dict[str, dict[str, dict[str, Quantity]]] = {}
+    at = len(names)
+    rotates = {actuator.joint: actuator.gain_unit.startswith("N*m") for actuator in robot.actuators}
+    for instance in prepared.effects:
+        values = {}
+        for parameter in instance.effect.parameters:
+            unit = parameter.unit_at(rotates[instance.joint])
+            values[parameter.name] = Quantity(float(solution.theta[at]), float(std[at]), unit)
+            at += 1
+        effect_parameters.setdefault(instance.effect.name, {})[instance.joint] = values
+    joints = [actuator.joint for actuator in robot.actuators]
+    result = Identification(
+        robot=robot.name,
+        robot_folder=str(robot.folder),
+        method=method,
+        effects=tuple(dict.fromkeys(instance.request for instance in prepared.effects)),
+        drive_gains=gains,
+        gains_fitted=solution.gains_fitted,
+        parameters=parameters,
+        effect_parameters=effect_parameters,
+        covariance=spread.covariance,
+        rank=spread.rank,
+        unknowns=unknowns,
+        condition=spread.condition,
+        scaled_condition=spread.scaled_condition,
+        error=error_summary(series, joints),
+        settings=prepared.settings,
+        deviations=deviations,
+        recordings=series,
+        notes=(),
+    )
+    return notes_on(result)

@@ -1,0 +1,125 @@
+"""Which parameters are estimated, in which order: base, then unknown payload parameters, then effects."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.estimate.observation import Observation
+from bench.model.base import independent_columns
+from bench.model.model import IdentificationModel
+from bench.model.regressor import PARAMETERS, projected_regressor
+from bench.model.states import random_motion
+from bench.payload import Payload, inertia_matrix
+
+SEED = 20120602
+STATES = 60
+
+
+@dataclass(frozen=True)
+class PayloadColumns:
+    """Which of a payload's 10 standard parameters in the tool frame are known.
+
+    known (10,): their values, zero where unknown; unknown: the indices that are estimated.
+    """
+
+    known: np.ndarray
+    unknown: np.ndarray
+
+
+def payload_columns(payload: Payload) -> PayloadColumns:
+    """Known and unknown standard parameters of a payload (chi_kL and chi_uL of equation 11).
+
+    Without a centre of mass its first moments are unknown and so is the inertia about the tool; without a
+    mass, all ten are.
+    """
+    known = np.zeros(10)
+    if payload.mass is None:
+        return PayloadColumns(known, np.arange(10))
+    known[0] = payload.mass
+    if payload.center_of_mass is None:
+        return PayloadColumns(known, np.arange(1, 10))
+    c = np.asarray(payload.center_of_mass)
+    known[1:4] = payload.mass * c
+    if payload.inertia is None:
+        return PayloadColumns(known, np.arange(4, 10))
+    inertia = inertia_matrix(payload.inertia) + payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
+    known[4:] = inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+    return PayloadColumns(known, np.arange(0))
+
+
+@dataclass(frozen=True)
+class ParameterLayout:
+    """The order of the estimated parameters: base, then unknown payload parameters, then effects.
+
+    payloads: for each payload, the indices of its parameters that the recordings can tell apart.
+    """
+
+    base: int
+    payloads: Mapping[str, np.ndarray]
+    effects: int
+
+    @property
+    def size(self) -> int:
+        return self.base + sum(len(index) for index in self.payloads.values()) + self.effects
+
+    def payload_slice(self, name: str) -> slice:
+        start = self.base
+        for other, index in self.payloads.items():
+            if other == name:
+                return slice(start, start + len(index))
+            start += len(index)
+        raise BenchError(f"no payload {name!r}")
+
+
+def payload_parameter_names(payload: str, index: np.ndarray) -> list[str]:
+    return [f"{PARAMETERS[i]}({payload})" for i in index]
+
+
+def regressor_rows(observation: Observation, layout: ParameterLayout) -> np.ndarray:
+    """Phi of equation 11 in the layout's order, (M, n, p)."""
+    samples, n = observation.current.shape
+    rows = np.zeros((samples, n, layout.size))
+    rows[:, :, : layout.base] = observation.rigid
+    if observation.payload_name is not None and observation.payload is not None:
+        index = layout.payloads[observation.payload_name]
+        rows[:, :, layout.payload_slice(observation.payload_name)] = observation.payload[:, :, index]
+    rows[:, :, layout.size - layout.effects :] = observation.effects
+    return rows
+
+
+def known_rows(observation: Observation, payloads: Mapping[str, Payload]) -> np.ndarray:
+    """Torque of the known payload parameters, phi_kL chi_kL of equation 11: (M, n), N*m or N."""
+    if observation.payload_name is None or observation.payload is None:
+        return np.zeros(observation.current.shape)
+    return observation.payload @ payload_columns(payloads[observation.payload_name]).known
+
+
+def parameter_layout(
+    model: IdentificationModel, payloads: Mapping[str, Payload], loaded: Sequence[str | None], effects: int
+) -> ParameterLayout:
+    """Leave out the unknown payload parameters that no motion of this robot can tell apart.
+
+    `loaded` names the payload of every fitted recording, None for one without. Decided at random noise-free
+    states, so that it never depends on data. The known parameters come first: an unknown one that moves the
+    robot as they do is left out.
+    """
+    used = [name for name in dict.fromkeys(loaded) if name is not None]
+    indices: dict[str, np.ndarray] = {}
+    if used:
+        motion = random_motion(model.geometry, STATES, SEED)
+        rows = projected_regressor(model.geometry, motion, model.payload_columns) @ model.payload
+        rows = rows.reshape(-1, 10)
+        for name in used:
+            columns = payload_columns(payloads[name])
+            candidates = rows[:, columns.unknown]
+            known = rows @ columns.known
+            if np.any(columns.known):
+                candidates = np.column_stack((known, candidates))
+                kept = independent_columns(candidates)[0] - 1
+                kept = kept[kept >= 0]
+            else:
+                kept = independent_columns(candidates)[0] if candidates.size else np.arange(0)
+            indices[name] = columns.unknown[kept]
+    return ParameterLayout(len(model.base.columns), indices, effects)

@@ -1,0 +1,50 @@
+"""What limits an answer, in words that say what to do."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.estimate.result import Identification
+
+LOOSE = 0.3  # relative deviation above which a parameter says little
+ILL_CONDITIONED = 1e3
+SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
+
+
+def notes_on(result: Identification) -> Identification:
+    """The result with its notes."""
+    notes = []
+    if not result.gains_fitted:
+        notes.append(
+            "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, "
+            "and every parameter is wrong by the same share as the gain that scales it."
+        )
+    if result.rank < result.unknowns:
+        notes.append(
+            f"The data determine only {result.rank} of {result.unknowns} unknowns: move all joints together, "
+            "with larger and faster movements, or record an unloaded and a loaded trajectory."
+        )
+    if result.scaled_condition > ILL_CONDITIONED:
+        notes.append(
+            f"The scaled observation matrix has a condition number of {result.scaled_condition:.0f}: some "
+            "parameters cannot be told apart well; a more exciting trajectory helps."
+        )
+    for joint, gain in result.drive_gains.items():
+        if result.gains_fitted and abs(gain.value / gain.nominal - 1.0) > SUSPICIOUS_GAIN:
+            notes.append(
+                f"The drive gain of {joint} came out at {gain.value:.3g} {gain.unit}, far from its nominal "
+                f"{gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as declared."
+            )
+    for j, joint in enumerate(result.drive_gains):
+        reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
+        if not reverses:
+            notes.append(
+                f"Joint {joint} never reverses: move it through zero velocity to tell friction apart."
+            )
+    loose = [p.name for p in result.parameters if p.relative_std > LOOSE]
+    if loose:
+        notes.append(
+            f"Poorly determined (deviation above {LOOSE:.0%} of the value): {', '.join(loose)}; "
+            "the essential parameters leave out what does not matter."
+        )
+    return replace(result, notes=tuple(notes))

@@ -1,0 +1,98 @@
+"""An identified model, with all that is needed to trust it, to save it and to apply it to other recordings."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.estimate.deviations import Deviations
+from bench.signals.settings import FilterSettings
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A value with its standard deviation, both in `unit`; `std` is 0 where the value was given."""
+
+    value: float
+    std: float
+    unit: str
+
+    @property
+    def relative_std(self) -> float:
+        """Standard deviation as a share of the value's size."""
+        return self.std / abs(self.value) if self.value else float("inf")
+
+
+@dataclass(frozen=True)
+class DriveGain(Quantity):
+    """An actuator's drive gain, with its nominal value."""
+
+    nominal: float
+
+
+@dataclass(frozen=True)
+class Parameter(Quantity):
+    """A base or payload parameter; `grouping` says which standard parameters it stands for."""
+
+    name: str
+    grouping: str
+
+
+@dataclass(frozen=True)
+class ErrorSummary:
+    """RMS(measured - modelled current) / RMS(measured current), at the rate and bandwidth of the fit."""
+
+    identify: float | None
+    validate: float | None
+    by_actuator: Mapping[str, float]
+    by_actuator_validate: Mapping[str, float]
+    by_recording: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class CurrentSeries:
+    """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n)."""
+
+    name: str
+    use: str
+    payload: str | None
+    time: np.ndarray
+    measured: np.ndarray
+    modelled: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+    @property
+    def error(self) -> np.ndarray:
+        """Measured minus modelled current (M, n)."""
+        return self.measured - self.modelled
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The answer of `identify`.
+
+    gains_fitted is False where no payload of known mass gave the scale: the gains are nominal, and all
+    parameters scale with their error. effect_parameters: effect -> joint -> parameter. covariance (P, P) of
+    [parameters, effect parameters, gains], in this order. notes: what limits the answer, in words.
+    """
+
+    robot: str
+    robot_folder: str
+    method: str
+    effects: tuple[str, ...]
+    drive_gains: Mapping[str, DriveGain]
+    gains_fitted: bool
+    parameters: tuple[Parameter, ...]
+    effect_parameters: Mapping[str, Mapping[str, Mapping[str, Quantity]]]
+    covariance: np.ndarray
+    rank: int
+    unknowns: int
+    condition: float
+    scaled_condition: float
+    error: ErrorSummary
+    settings: FilterSettings
+    deviations: Deviations
+    recordings: tuple[CurrentSeries, ...]
+    notes: tuple[str, ...]

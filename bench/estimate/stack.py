@@ -1,0 +1,53 @@
+"""The fitted recordings as one over-determined system, compressed by QR without loss."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.estimate.layout import ParameterLayout, known_rows, regressor_rows
+from bench.estimate.observation import Observation
+from bench.payload import Payload
+
+
+@dataclass(frozen=True)
+class Stack:
+    """All rows of the fit: diag(v) g = Phi theta + kappa (equation 11), M samples of n motors.
+
+    phi (M, n, p) torque or force for each unit of theta; kappa (M, n) torque of the known payload
+    parameters; current (M, n); starts: the first row of every recording. factors (n, p + 2, p + 2): for every
+    motor the triangular factor of [phi, kappa, current], which has the same inner products.
+    """
+
+    phi: np.ndarray
+    kappa: np.ndarray
+    current: np.ndarray
+    starts: tuple[int, ...]
+    factors: np.ndarray
+
+    @property
+    def scaled(self) -> bool:
+        """Whether a known payload gives the scale, so that the drive gains can be identified."""
+        return bool(np.any(self.kappa))
+
+
+def stack_observations(
+    observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
+) -> Stack:
+    phi = np.concatenate([regressor_rows(one, layout) for one in observations])
+    kappa = np.concatenate([known_rows(one, payloads) for one in observations])
+    current = np.concatenate([one.current for one in observations])
+    lengths = [len(one.time) for one in observations]
+    starts = tuple(int(start) for start in np.cumsum([0, *lengths[:-1]]))
+    return Stack(phi, kappa, current, starts, compress(phi, kappa, current))
+
+
+def compress(phi: np.ndarray, kappa: np.ndarray, current: np.ndarray) -> np.ndarray:
+    """Triangular factors (n, p + 2, p + 2) of [phi, kappa, current], motor by motor."""
+    columns = np.concatenate((phi, kappa[:, :, None], current[:, :, None]), axis=2)
+    size = columns.shape[2]
+    factors = np.zeros((columns.shape[1], size, size))
+    for j in range(columns.shape[1]):
+        factor = np.linalg.qr(columns[:, j], mode="r")
+        factors[j, : len(factor)] = factor
+    return factors
