@@ -5,7 +5,7 @@ Swevers et al., "Optimal robot excitation and identification", IEEE Trans. Robot
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -121,10 +121,10 @@ def _rise(x: Array) -> tuple[Array, Array, Array]:
 def random_trajectory(
     seed: int | np.random.SeedSequence,
     center: ArrayLike,
-    span: float | Sequence[float],
-    velocity_limit: float | Sequence[float],
+    span: ArrayLike,
+    velocity_limit: ArrayLike,
     *,
-    acceleration_limit: float | Sequence[float] = np.inf,
+    acceleration_limit: ArrayLike = np.inf,
     harmonics: int = 5,
     base_frequency: float = 0.1,
     duration: float = 20.0,

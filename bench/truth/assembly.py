@@ -1,0 +1,72 @@
+"""Poses in which all loops are closed, and what the actuated joints feel there."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.signedinteger]
+CLOSED = 1e-12  # m: loops closed to rounding
+LARGEST_MOVE = 0.02  # rad or m of an actuated joint between two solutions, so that the branch is kept
+
+
+def loop_rows(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
+    """Opening of all loops (m,), m and rad, and its Jacobian (m, nv), at data.qpos."""
+    mujoco.mj_fwdPosition(model, data)
+    equality = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    jacobian = np.asarray(data.efc_J).reshape(data.nefc, model.nv)
+    return np.array(data.efc_pos[equality]), np.array(jacobian[equality])
+
+
+def assembled(model: mujoco.MjModel, home: Array, dofs: Indices, target: Array) -> Array:
+    """Pose (nq,) with the actuated joints at `target` (n,) and all loops closed, followed from `home` (nq,).
+
+    dofs: velocity indices (n,) of the actuated joints. The actuated joints move in small steps, and Newton's
+    method closes the loops after each: the assembly mode is that of `home`.
+    Raises BenchError if the loops do not close.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = home
+    joints = model.dof_jntid[dofs]
+    address = model.jnt_qposadr[joints]
+    start = np.array(data.qpos[address])
+    count = max(1, int(np.ceil(np.abs(target - start).max() / LARGEST_MOVE)))
+    passive = np.setdiff1d(np.arange(model.nv), dofs)
+    for share in np.arange(1, count + 1) / count:
+        data.qpos[address] = target if share == 1 else start + share * (target - start)
+        _close(model, data, passive)
+    return np.array(data.qpos)
+
+
+def _close(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) -> None:
+    """Close the loops by moving the passive joints; data.qpos is changed in place."""
+    for _ in range(20):
+        gap, jacobian = loop_rows(model, data)
+        if gap.size == 0 or np.abs(gap).max() < CLOSED:
+            return
+        move = np.zeros(model.nv)
+        move[passive] = -np.linalg.lstsq(jacobian[:, passive], gap, rcond=None)[0]
+        qpos = np.array(data.qpos)
+        mujoco.mj_integratePos(model, qpos, move, 1.0)
+        data.qpos[:] = qpos
+    raise BenchError(
+        f"the loops do not close at the start of the trajectory: {np.abs(gap).max():.2g} m are left"
+    )
+
+
+def reduced_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
+    """The inertia (n, n) that the actuated joints feel at qpos (nq,), loops closed; kg·m² or kg."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    _, jacobian = loop_rows(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    passive = np.setdiff1d(np.arange(model.nv), dofs)
+    follow = np.zeros((model.nv, len(dofs)))  # joint velocities for a unit velocity of each actuated joint
+    follow[dofs] = np.eye(len(dofs))
+    follow[passive] = -np.linalg.lstsq(jacobian[:, passive], jacobian[:, dofs], rcond=None)[0]
+    return follow.T @ full @ follow

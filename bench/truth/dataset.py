@@ -1,0 +1,90 @@
+"""A simulation as a dataset, in memory or as a folder with the truth beside it."""
+
+from __future__ import annotations
+
+import secrets
+import shutil
+from pathlib import Path
+
+from bench.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
+from bench.errors import BenchError
+from bench.files import write_json_atomically
+from bench.recording import Recording, write_recording
+from bench.scenario import payload_declared
+from bench.truth.report import truth
+from bench.truth.simulate import Simulation
+
+
+def as_dataset(simulation: Simulation) -> Dataset:
+    """What an identification may know of a simulation: its log and what is declared, nothing true."""
+    scenario = simulation.scenario
+    return Dataset(
+        folder=Path(),
+        robot=scenario.robot,
+        payloads={name: payload_declared(name, t) for name, t in scenario.settings.payloads.items()},
+        recordings=tuple(
+            Recording(
+                _file_name(simulation, r.name),
+                r.table.use,
+                r.table.payload,
+                r.log.time,
+                r.log.position,
+                r.log.current,
+            )
+            for r in simulation.recordings
+        ),
+    )
+
+
+def truth_path(folder: str | Path) -> Path:
+    """Where the truth of the dataset in `folder` lies: DIR.truth.json, beside DIR."""
+    folder = Path(folder).resolve()
+    return folder.with_name(f"{folder.name}.truth.json")
+
+
+def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
+    """Write the dataset folder and, beside it, its truth; returns the path of the truth.
+
+    The folder appears whole or not at all. An older dataset of that name is replaced.
+    Raises BenchError if `folder` is there and holds no dataset, or cannot be written.
+    """
+    target = Path(folder).resolve()
+    empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
+    if not empty and not (target / DATASET_FILE).is_file():
+        raise BenchError(f"{folder}: is there already and holds no dataset: name another folder")
+    mark = secrets.token_hex(4)
+    partial, old = (target.with_name(f".{target.name}.{kind}-{mark}") for kind in ("partial", "old"))
+    try:
+        partial.mkdir(parents=True)
+        _write_folder(simulation, partial)
+        write_json_atomically(truth_path(target), truth(simulation))
+        if target.exists():
+            target.rename(old)
+        partial.rename(target)
+    except OSError as error:
+        raise BenchError(f"{folder}: cannot be written: {error.strerror}") from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)
+    return truth_path(target)
+
+
+def _write_folder(simulation: Simulation, folder: Path) -> None:
+    scenario = simulation.scenario
+    dataset = as_dataset(simulation)
+    for recording in dataset.recordings:
+        write_recording(
+            folder / recording.name,
+            recording.time,
+            recording.position,
+            recording.current,
+            scenario.robot.joints,
+        )
+    entries = [RecordingEntry(r.name, r.use, r.payload) for r in dataset.recordings]
+    used = {entry.payload for entry in entries}
+    payloads = [payload for name, payload in dataset.payloads.items() if name in used]
+    write_dataset_toml(folder, scenario.robot_reference, entries, payloads)
+
+
+def _file_name(simulation: Simulation, name: str) -> str:
+    return f"{name}.{simulation.scenario.settings.file_format}"

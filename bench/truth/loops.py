@@ -1,0 +1,46 @@
+"""How far the loops of a simulated machine stand open."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+CHUNK = 2000  # poses at a time
+
+
+def loop_gaps(model: mujoco.MjModel, qpos: Array) -> Array:
+    """Distance in m between the two halves of each closed loop, (N, loops), at the poses qpos (N, nq).
+
+    For a weld, the distance of the two points that it joins; its rotation is not counted.
+    """
+    loops = [i for i in range(model.neq) if model.eq_active0[i]]
+    gaps = np.zeros((len(qpos), len(loops)))
+    for start in range(0, len(qpos) if loops else 0, CHUNK):
+        poses = qpos[start : start + CHUNK]
+        batch = Batch(model, len(poses), 1)
+        batch.qpos = poses
+        points = {name: batch.bind(name) for name in ("xpos", "xmat", "site_xpos")}
+        batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_POS))
+        for column, loop in enumerate(loops):
+            one, other = _halves(model, loop, points)
+            gaps[start : start + CHUNK, column] = np.linalg.norm(one - other, axis=1)
+    return gaps
+
+
+def _halves(model: mujoco.MjModel, loop: int, points: dict[str, Array]) -> tuple[Array, Array]:
+    """The two points (N, 3), world frame, that equality `loop` (connect or weld) holds together."""
+    ids = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
+    if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):
+        return points["site_xpos"][:, ids[0]], points["site_xpos"][:, ids[1]]
+    # connect: anchors in body 1 and body 2; weld: anchor in body 2 first, then its place in body 1
+    first, second = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
+    if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):
+        first, second = second, first
+    one, other = (
+        points["xpos"][:, body] + points["xmat"][:, body].reshape(-1, 3, 3) @ anchor
+        for body, anchor in zip(ids, (first, second), strict=True)
+    )
+    return one, other

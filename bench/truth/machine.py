@@ -1,0 +1,201 @@
+"""The machine to simulate: the robot's MJCF with motors, a joint controller, a payload and hidden effects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.payload import Payload, inertia_matrix
+from bench.robot import Robot
+from bench.scenario import Scenario, payload_truth, per_joint
+from bench.scenario_tables import Controller
+from bench.toml_input import one_line
+from bench.truth.assembly import Indices, reduced_inertia
+from bench.truth.hidden import HiddenEffect, hidden_effects
+from bench.truth.streams import stream
+
+Array = NDArray[np.float64]
+
+PAYLOAD_BODY = "payload of the scenario"
+LOOP_SOFTNESS = 0.002  # s: time constant of a loop's closure; 0.02 to 0.7 µm of opening for a small robot
+RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Motors and joint controller, arrays (n,).
+
+    force = true gain · i,  i = (kp (q_ref − q) + kv (q̇_ref − q̇) + ff) / nominal gain,
+    ff = feedforward · q̈_ref. kp: N·m/rad, kv: N·m·s/rad, feedforward: kg·m², or N/m, N·s/m, kg for a slide.
+    """
+
+    nominal_gains: Array
+    true_gains: Array
+    kp: Array
+    kv: Array
+    feedforward: Array
+
+    @property
+    def ratio(self) -> Array:
+        """True over nominal gain."""
+        return self.true_gains / self.nominal_gains
+
+    def command(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """What the controller makes of a reference (…, n) before it subtracts what it measures, N·m or N."""
+        return self.kp * q + self.kv * qd + self.feedforward * qdd
+
+    def force(self, command: Array, position: Array, velocity: Array) -> Array:
+        """Force of the motors (…, n) at a state of their joints (…, n)."""
+        return self.ratio * (command - self.kp * position - self.kv * velocity)
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A compiled machine; the models differ in the payload only and have the same layout."""
+
+    robot: Robot
+    models: Mapping[str | None, mujoco.MjModel]
+    """By payload name; None is the machine without payload."""
+    drive: Drive
+    hidden: tuple[HiddenEffect, ...]
+    home: Array
+    """qpos (nq,) of the keyframe `home`."""
+    addresses: Indices
+    """Indices into qpos of the actuated joints (n,)."""
+    dofs: Indices
+    """Indices into qvel of the actuated joints (n,)."""
+
+
+def build_machine(scenario: Scenario) -> Machine:
+    """The machine of a scenario.
+
+    Raises BenchError for an effect or a joint that does not exist and for what MuJoCo refuses.
+    """
+    robot, settings = scenario.robot, scenario.settings
+    plain = _compiled(_rigid_spec(robot, settings.step), robot)
+    dofs = np.array([plain.joint(joint).dofadr[0] for joint in robot.joints])
+    addresses = np.array([plain.joint(joint).qposadr[0] for joint in robot.joints])
+    home = home_pose(robot)
+    inertia = np.diag(reduced_inertia(plain, home, dofs))
+    drive = _drive(robot, settings.controller, true_gains(scenario), inertia)
+    try:
+        hidden = hidden_effects(settings.hidden, robot.joints, plain)
+    except BenchError as error:
+        raise BenchError(f"scenario {scenario.name}: {error}") from error
+    payloads: dict[str | None, Payload | None] = {None: None}
+    payloads |= {name: payload_truth(name, table) for name, table in settings.payloads.items()}
+    models = {}
+    for name, payload in payloads.items():
+        spec = _rigid_spec(robot, settings.step)
+        _add_motors(spec, robot, drive)
+        for effect in hidden:
+            effect.change(spec)
+        if len(payloads) > 1:
+            _add_payload(spec, robot, plain, payload)
+        models[name] = _compiled(spec, robot)
+    return Machine(robot, models, drive, hidden, home, addresses, dofs)
+
+
+def home_pose(robot: Robot) -> Array:
+    """Pose (nq,) of the keyframe `home`, or the reference pose without one."""
+    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    return np.array(model.key_qpos[key] if key >= 0 else model.qpos0)
+
+
+def true_gains(scenario: Scenario) -> Array:
+    """The true drive gains (n,) of a scenario, in the units of the robot's gains."""
+    robot, gains = scenario.robot, scenario.settings.gains
+    if gains.true is not None:
+        return per_joint(gains.true, robot.joints)
+    if gains.error_within is not None:
+        draws = [stream(scenario.settings.seed, "gain", joint).uniform(-1, 1) for joint in robot.joints]
+        return robot.nominal_gains * (1 + gains.error_within * np.array(draws))
+    return robot.nominal_gains * (1 + per_joint(gains.error or 0.0, robot.joints))
+
+
+def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
+    """The robot's MJCF without what is not the robot, set up for explicit integration and rigid loops."""
+    spec = mujoco.MjSpec.from_file(str(robot.model_path))
+    for extra in (*spec.actuators, *spec.sensors, *spec.keys):
+        spec.delete(extra)
+    spec.compiler.fusestatic = False
+    option = spec.option
+    option.timestep = step
+    # explicit, so that the logged velocity is the one at which every force was evaluated
+    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    option.disableflags |= mujoco.mjtDisableBit.mjDSBL_EULERDAMP | mujoco.mjtDisableBit.mjDSBL_CONTACT
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse Hessian of 4.0.0 is wrong
+    option.iterations, option.tolerance = 100, 1e-12
+    for equality in spec.equalities:
+        if equality.type not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
+            raise BenchError(
+                f"{robot.model_path}: equality {equality.name!r}: only connect and weld close a loop"
+            )
+        equality.solref = [max(LOOP_SOFTNESS, 2 * step), 1.0]
+        equality.solimp = RIGID
+    for joint in spec.joints:
+        joint.actfrclimited = False
+    return spec
+
+
+def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise BenchError(
+            f"{robot.model_path}: MuJoCo cannot compile the machine: {one_line(error)}"
+        ) from error
+
+
+def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array) -> Drive:
+    """inertia: (n,) what each actuated joint feels in the home pose."""
+    joints = robot.joints
+    if controller.kp is not None and controller.kv is not None:
+        kp, kv = per_joint(controller.kp, joints), per_joint(controller.kv, joints)
+    else:
+        omega = 2 * np.pi * per_joint(controller.natural_frequency, joints)
+        kp = inertia * omega**2
+        kv = 2 * per_joint(controller.damping, joints) * inertia * omega
+    feedforward = inertia if controller.feedforward == "acceleration" else np.zeros(len(joints))
+    return Drive(robot.nominal_gains, gains, kp, kv, feedforward)
+
+
+def _add_motors(spec: mujoco.MjSpec, robot: Robot, drive: Drive) -> None:
+    """One actuator a joint, first in the model: its control is `Drive.command`, its force `Drive.force`."""
+    for i, joint in enumerate(robot.joints):
+        motor = spec.add_actuator(name=f"motor:{joint}", target=joint)
+        motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        motor.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+        motor.gainprm[0] = drive.ratio[i]
+        motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+        motor.biasprm[1] = -drive.ratio[i] * drive.kp[i]
+        motor.biasprm[2] = -drive.ratio[i] * drive.kv[i]
+
+
+def _add_payload(spec: mujoco.MjSpec, robot: Robot, plain: mujoco.MjModel, payload: Payload | None) -> None:
+    """A body fixed in the tool frame; without a payload it has no mass, so that all models are alike."""
+    site = plain.site(robot.tool_site)
+    parent = spec.site(robot.tool_site).parent
+    if parent.name == "world":
+        raise BenchError(
+            f"{robot.model_path}: the tool site {robot.tool_site!r} does not move with the robot"
+        )
+    body = parent.add_body(name=PAYLOAD_BODY, pos=site.pos, quat=site.quat)
+    body.explicitinertial = True
+    body.mass, body.inertia = 0.0, np.zeros(3)
+    if payload is None or payload.mass is None or payload.inertia is None:
+        return
+    moments, axes = np.linalg.eigh(inertia_matrix(payload.inertia))
+    moments = np.maximum(moments, 0.0)
+    moments[2] = min(moments[2], moments[0] + moments[1])  # rounding must not break the triangle inequality
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, (axes * np.linalg.det(axes)).ravel())
+    body.mass, body.inertia, body.iquat = payload.mass, moments, quaternion
+    body.ipos = payload.center_of_mass
