@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from bench.dataset import Dataset as Dataset
     from bench.dataset import load_dataset as load_dataset
     from bench.errors import BenchError as BenchError
+    from bench.estimate.identify import identify as identify
+    from bench.estimate.result import Identification as Identification
     from bench.recording import Recording as Recording
     from bench.robot import Robot as Robot
     from bench.robot import load_robot as load_robot
@@ -17,14 +19,25 @@ if TYPE_CHECKING:
 _HOME_OF = {
     "BenchError": "bench.errors",
     "Dataset": "bench.dataset",
+    "Identification": "bench.estimate.result",
     "Recording": "bench.recording",
     "Robot": "bench.robot",
+    "identify": "bench.estimate.identify",
     "load_dataset": "bench.dataset",
     "load_robot": "bench.robot",
 }
 """Public name -> the module that defines it; in step with the imports above, which type checkers read."""
 
-__all__ = ["BenchError", "Dataset", "Recording", "Robot", "load_dataset", "load_robot"]
+__all__ = [
+    "BenchError",
+    "Dataset",
+    "Identification",
+    "Recording",
+    "Robot",
+    "identify",
+    "load_dataset",
+    "load_robot",
+]
 
 
 def __getattr__(name: str) -> Any:
