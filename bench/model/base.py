@@ -34,8 +34,13 @@ class BaseParameters:
 
 
 def base_parameters(geometry: Geometry) -> BaseParameters:
-    """The base parameters of a robot; geometry alone decides them."""
-    candidates = body_columns(geometry)
+    """The base parameters of a robot; geometry alone decides them.
+
+    Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base outwards.
+    """
+    free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]
+    candidates = np.concatenate([*(np.arange(10 * i, 10 * i + 10) for i in free), body_columns(geometry)])
+    candidates = candidates[np.sort(np.unique(candidates, return_index=True)[1])]
     count = max(40, 3 * len(candidates) // len(geometry.active))
     motion = random_motion(geometry, count, SEED)
     if len(motion.time) < count // 4:
