@@ -2,54 +2,23 @@
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
+from bench.dataset_toml import DATASET_FILE as DATASET_FILE
+from bench.dataset_toml import DatasetSpec, PayloadSpec
+from bench.dataset_toml import RecordingEntry as RecordingEntry
+from bench.dataset_toml import write_dataset_toml as write_dataset_toml
 from bench.errors import BenchError
-from bench.files import write_text_atomically
 from bench.joint_facts import joint_facts
 from bench.payload import Payload, payload_fault
-from bench.recording import Recording, Use
-from bench.recording_checks import Check
+from bench.recording import Recording
 from bench.recording_file import load_recording
 from bench.robot import Robot, load_robot
-from bench.toml_input import UserTable, read_toml
-
-DATASET_FILE = "dataset.toml"
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-
-
-class PayloadSpec(UserTable):
-    """[payloads.NAME] of dataset.toml."""
-
-    mass: Number | None = None
-    center_of_mass: Annotated[list[Number], Field(min_length=3, max_length=3)] | None = None
-    inertia: Annotated[list[Number], Field(min_length=6, max_length=6)] | None = None
-
-
-class RecordingSpec(UserTable):
-    """[[recordings]] of dataset.toml."""
-
-    file: Annotated[str, Field(min_length=1)]
-    use: Use
-    payload: str | None = None
-    accept: tuple[Check, ...] = ()
-
-
-class DatasetSpec(UserTable):
-    """What dataset.toml may hold."""
-
-    robot: Annotated[str, Field(min_length=1)]
-    effects: tuple[str, ...] = ()
-    payloads: dict[str, PayloadSpec] = Field(default_factory=dict)
-    recordings: Annotated[list[RecordingSpec], Field(min_length=1)]
+from bench.toml_input import read_toml
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,54 +90,3 @@ def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:
             raise BenchError(f"{key}.payload: {entry.payload!r} is not defined under [payloads] ({known})")
         if robot.tool_site is None:
             raise BenchError(f"{key}.payload: the robot {robot.name!r} has no [tool] site to fix it at")
-
-
-@dataclass(frozen=True)
-class RecordingEntry:
-    """One [[recordings]] table to write: file name relative to the folder, use, payload, accepted checks."""
-
-    file: str
-    use: Use
-    payload: str | None = None
-    accept: tuple[Check, ...] = ()
-
-
-def write_dataset_toml(
-    folder: str | Path,
-    robot: str,
-    recordings: Sequence[RecordingEntry],
-    payloads: Sequence[Payload] = (),
-    effects: Sequence[str] = (),
-) -> Path:
-    """Write dataset.toml in `folder`, whole or not at all, and return its path.
-
-    robot is a built-in name or a path (absolute, or relative to `folder`).
-    """
-    lines = [f"robot = {_text(robot)}"]
-    if effects:
-        lines.append(f"effects = [{', '.join(map(_text, effects))}]")
-    for payload in payloads:
-        lines += ["", f"[payloads.{_key(payload.name)}]"]
-        if payload.mass is not None:
-            lines.append(f"mass = {float(payload.mass)!r}")
-        for key, values in (("center_of_mass", payload.center_of_mass), ("inertia", payload.inertia)):
-            if values is not None:
-                lines.append(f"{key} = {np.asarray(values, dtype=np.float64).tolist()!r}")
-    for entry in recordings:
-        lines += ["", "[[recordings]]", f"file = {_text(entry.file)}", f"use = {_text(entry.use)}"]
-        if entry.payload is not None:
-            lines.append(f"payload = {_text(entry.payload)}")
-        if entry.accept:
-            lines.append(f"accept = [{', '.join(map(_text, entry.accept))}]")
-    path = Path(folder) / DATASET_FILE
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text_atomically(path, "\n".join(lines) + "\n")
-    return path
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
-
-
-def _text(value: str) -> str:
-    return json.dumps(value, ensure_ascii=False)  # a JSON string is a TOML basic string

@@ -24,7 +24,7 @@ CHECKS: tuple[Check, ...] = get_args(Check)
 DEGREES = 180.0 / np.pi
 MILLI = 1000.0
 FULL_TURN = 2.0 * np.pi
-LIMIT_SLACK = 0.02  # of a joint's range: soft stops give way a little
+LIMIT_SLACK = 0.05  # of a joint's range: stops give way, and an encoder's zero may be a little off
 FASTEST = {"hinge": 30.0, "slide": 20.0}  # rad/s, m/s: more is suspicious for a joint without a range
 LARGEST_CURRENT = 500.0  # A or V
 
@@ -108,7 +108,7 @@ def _far_without_range(joint: JointFacts, values: Array, step: float, factor: fl
 
 
 def limits(channel: Channel) -> Finding | None:
-    """A position beyond the joint's range in the MJCF, by more than 2 % of that range."""
+    """A position beyond the joint's range in the MJCF, by more than 5 % of that range."""
     joint, values = _joint(channel), channel.values
     if joint.lower is None or joint.upper is None:
         return None
@@ -217,17 +217,23 @@ def frozen(channel: Channel) -> Finding | None:
 def saturated(channel: Channel) -> Finding | None:
     """A current clipped at its largest or smallest value.
 
-    The extreme value is held for five samples or more on end, and taken at least five times as often as any
-    of the four levels next to it. (A smooth peak of a quantised signal is there at most 2.4 times as often.)
+    The extreme value is held for five samples or more on end, twice as long as other values are, and taken
+    at least five times as often as any of the four levels next to it. (A smooth peak of a quantised signal
+    is taken at most 2.4 times as often.) A signal of fewer than 200 levels is too coarse to tell: friction
+    alone holds it at one level.
     """
     values = channel.values
+    level = resolution(values)
+    if np.ptp(values) < 200 * level or level == 0.0:
+        return None
     starts, lengths = runs(values)
-    shortest = max(5.0, 5.0 * float(np.median(lengths)))
+    inside = (values[starts] != values.max()) & (values[starts] != values.min())
+    usual = float(np.quantile(lengths[inside], 0.995)) if inside.any() else 1.0
+    shortest = max(5.0, 2.0 * usual)
     for extreme, sign in ((values.max(), -1.0), (values.min(), 1.0)):
         held = (values[starts] == extreme) & (lengths >= shortest)
         if not held.any():
             continue
-        level = resolution(values)
         depth = np.round(sign * (values - extreme) / level)
         counts = np.bincount(depth[depth < 5].astype(np.int64), minlength=5)
         if counts[0] >= 10 and counts[0] >= 5 * counts[1:5].max():

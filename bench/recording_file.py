@@ -24,13 +24,24 @@ def load_recording(
     joints: Sequence[JointFacts],
     accept: Sequence[str] = (),
 ) -> Recording:
-    """Read the CSV or Parquet file `path` as a recording of the driven `joints`.
+    """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table."""
+    return recording_from_table(read_table(path), name, use, payload, joints, accept)
+
+
+def recording_from_table(
+    table: Table,
+    name: str,
+    use: Use,
+    payload: str | None,
+    joints: Sequence[JointFacts],
+    accept: Sequence[str] = (),
+) -> Recording:
+    """The columns of a table as a recording of the driven `joints`, on a uniform time grid.
 
     Every check of bench.sampling and bench.recording_checks runs, but for the accepted ones.
 
     Errors: BenchError "FILE: column COLUMN, line N: ..." for the first fault, and how many more there are.
     """
-    table = read_table(path)
     columns = [f"{kind}.{joint.name}" for kind in ("position", "current") for joint in joints]
     _check_columns(table, ["time", *columns])
     time = table.finite("time")

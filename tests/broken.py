@@ -437,7 +437,7 @@ def position_in_millimetres(folder: Path) -> None:
 
 @broken(CSV, "column position.arm, line", "range [-2, 2]")
 def position_beyond_the_limits(folder: Path) -> None:
-    change_column(folder, "position.arm", lambda q: q + 1.5)
+    change_column(folder, "position.arm", lambda q: q + 1.8)
 
 
 @broken(CSV, "column position.rail", "constant (0.1")

@@ -1,0 +1,90 @@
+"""Read a controller's log, whatever wrote it, into named vectors.
+
+.mat (MATLAB 5 to 7.2), .npz, .csv and .parquet. A column or row vector is a vector; the columns of a matrix
+are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD.
+"""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.io import loadmat
+from scipy.io.matlab import MatReadError
+
+from bench.errors import BenchError
+from bench.table_file import read_table
+from bench.toml_input import one_line
+
+Array = npt.NDArray[np.float64]
+
+
+def read_log(path: str | Path) -> Mapping[str, Array]:
+    """Every vector of numbers in the file, by name; a scalar is a vector of length 1.
+
+    Errors: BenchError in one line when the file is missing, broken, of an unknown kind or without numbers.
+    """
+    path = Path(path)
+    readers = {".mat": _read_mat, ".npz": _read_npz, ".csv": _read_columns, ".parquet": _read_columns}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise BenchError(f"{path}: a log is one of {', '.join(readers)}")
+    if not path.is_file():
+        raise BenchError(f"{path}: no such file")
+    vectors = reader(path)
+    if not vectors:
+        raise BenchError(f"{path}: holds no numbers")
+    return vectors
+
+
+def _read_columns(path: Path) -> dict[str, Array]:
+    table = read_table(path)
+    return {column: table.numbers(column) for column in table.columns if column and table.is_plain(column)}
+
+
+def _read_mat(path: Path) -> dict[str, Array]:
+    try:
+        content = loadmat(path, squeeze_me=False, struct_as_record=True)
+    except NotImplementedError as error:
+        raise BenchError(f"{path}: is a MATLAB 7.3 file: save it in MATLAB with the option -v7") from error
+    except (MatReadError, zlib.error, ValueError, TypeError, OSError, LookupError) as error:
+        raise BenchError(f"{path}: is not a whole MATLAB file: {one_line(error)}") from error
+    named = {name: value for name, value in content.items() if not name.startswith("__")}
+    return {name: vector for key, value in named.items() for name, vector in _vectors(key, value)}
+
+
+def _read_npz(path: Path) -> dict[str, Array]:
+    if not zipfile.is_zipfile(path):
+        raise BenchError(f"{path}: is not a whole NumPy archive")
+    found: dict[str, Array] = {}
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            for name in archive.files:
+                try:
+                    found |= dict(_vectors(name, archive[name]))
+                except ValueError:  # an array of Python objects: no numbers, and not read from a file
+                    continue
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, KeyError) as error:
+        raise BenchError(f"{path}: is not a whole NumPy archive: {one_line(error)}") from error
+    return found
+
+
+def _vectors(name: str, value: Any) -> Iterator[tuple[str, Array]]:
+    """The vectors in an array: itself, its columns (time runs along the longer axis), a struct's fields."""
+    array = np.asarray(value)
+    if array.dtype.names is not None:
+        for field in array.dtype.names if array.size == 1 else ():
+            yield from _vectors(f"{name}.{field}", array.flat[0][field])
+    elif array.dtype.kind not in "biuf" or array.size == 0:
+        return
+    elif array.size == max(array.shape, default=1):
+        yield name, array.ravel().astype(np.float64)
+    elif array.ndim == 2:
+        columns = array if array.shape[0] >= array.shape[1] else array.T
+        for i, column in enumerate(columns.T):
+            yield f"{name}[{i}]", column.astype(np.float64)

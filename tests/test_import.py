@@ -1,0 +1,289 @@
+"""Logs of other programs become recordings of a dataset."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from scipy.io import savemat
+
+from bench.dataset import load_dataset
+from bench.errors import BenchError
+from bench.log_import import LogMap, import_log
+from bench.payload import Payload
+from bench.recording import write_table
+from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_robot
+
+NAMES = {"t": "time", "qa": "position.arm", "qr": "position.rail", "qw": "position.wheel"} | {
+    "ia": "current.arm",
+    "ir": "current.rail",
+    "iw": "current.wheel",
+}
+MAP = LogMap({target: source for source, target in NAMES.items()})
+
+
+def log(seed: int = 0) -> dict[str, np.ndarray]:
+    position, current = movement(time_stamps(), seed)
+    return dict(zip(NAMES, [time_stamps(), *position.T, *current.T], strict=True))
+
+
+def save_mat(path: Path, columns: Mapping[str, np.ndarray]) -> None:
+    savemat(path, {name: values[:, None] for name, values in columns.items()} | {"kp": 160.0, "who": "me"})
+
+
+def save_npz(path: Path, columns: Mapping[str, np.ndarray]) -> None:
+    np.savez(path, **columns, note=np.array(["me"]), objects=np.array([{}], dtype=object))
+
+
+def save_parquet(path: Path, columns: Mapping[str, np.ndarray]) -> None:
+    pq.write_table(pa.table({**columns, "who": ["me"] * COUNT}), path)
+
+
+WRITERS: dict[str, Callable[[Path, Mapping[str, np.ndarray]], None]] = {
+    "mat": save_mat,
+    "npz": save_npz,
+    "parquet": save_parquet,
+    "csv": write_table,
+}
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> str:
+    return str(write_robot(tmp_path / "robot"))
+
+
+@pytest.fixture
+def mat(tmp_path: Path) -> Path:
+    save_mat(tmp_path / "log.mat", log())
+    return tmp_path / "log.mat"
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_every_kind_of_log_gives_the_same_recording(suffix: str, tmp_path: Path, robot: str) -> None:
+    file = tmp_path / f"log.{suffix}"
+    WRITERS[suffix](file, log())
+    entries = import_log(file, robot, MAP, tmp_path / "out")
+    assert [(entry.file, entry.use) for entry in entries] == [("log.csv", "identify")]
+    dataset = load_dataset(tmp_path / "out")
+    assert dataset.robot.folder == tmp_path / "robot"
+    position, current = movement(time_stamps())
+    (recording,) = dataset.recordings
+    assert np.array_equal(recording.time, time_stamps())
+    assert np.array_equal(recording.position, position)
+    assert np.array_equal(recording.current, current)
+
+
+def test_columns_that_have_their_name_already_need_no_map(tmp_path: Path, robot: str) -> None:
+    write_table(tmp_path / "log.csv", {NAMES[name]: values for name, values in log().items()})
+    import_log(tmp_path / "log.csv", robot, LogMap({}), tmp_path / "out", name="run.parquet")
+    assert load_dataset(tmp_path / "out").recordings[0].name == "run.parquet"
+
+
+def test_matrices_and_structs_are_named_by_column_and_field(tmp_path: Path, robot: str) -> None:
+    position, current = movement(time_stamps())
+    savemat(tmp_path / "a.mat", {"log": {"t": time_stamps(), "q": position.T, "motor": {"i": current}}})
+    columns = {"time": "log.t"}
+    for i, joint in enumerate(JOINTS):
+        columns |= {f"position.{joint}": f"log.q[{i}]", f"current.{joint}": f"log.motor.i[{i}]"}
+    import_log(tmp_path / "a.mat", robot, LogMap(columns), tmp_path / "out")
+    recording = load_dataset(tmp_path / "out").recordings[0]
+    assert np.array_equal(recording.position, position)
+    assert np.array_equal(recording.current, current)
+
+
+def test_units_are_converted_rates_become_time_and_others_are_kept(tmp_path: Path, robot: str) -> None:
+    columns = log()
+    columns |= {"qa": np.degrees(columns["qa"]), "hot": np.linspace(20, 40, COUNT)}
+    del columns["t"]
+    save_npz(tmp_path / "log.npz", columns)
+    targets = {target: source for target, source in MAP.columns.items() if target != "time"}
+    mapping = LogMap(targets | {"temperature": "hot"}, {"position.arm": np.pi / 180}, RATE)
+    import_log(tmp_path / "log.npz", robot, mapping, tmp_path / "out")
+    recording = load_dataset(tmp_path / "out").recordings[0]
+    assert recording.rate == pytest.approx(RATE)
+    np.testing.assert_allclose(recording.position, movement(time_stamps())[0], rtol=1e-12, atol=1e-15)
+    assert np.array_equal(recording.extra["temperature"], columns["hot"])
+
+
+def test_a_second_log_is_added_and_comments_stay(tmp_path: Path, robot: str, mat: Path) -> None:
+    out = tmp_path / "out"
+    import_log(mat, robot, MAP, out)
+    toml = out / "dataset.toml"
+    toml.write_text("# weighed on Monday\n" + toml.read_text())
+    save_mat(tmp_path / "second.mat", log(1))
+    disc = Payload("disc", 0.5)
+    import_log(tmp_path / "second.mat", robot, MAP, out, payload=disc)
+    import_log(tmp_path / "second.mat", robot, MAP, out, "validate", "disc", name="third.csv")
+    assert toml.read_text().startswith("# weighed on Monday\n")
+    dataset = load_dataset(out)
+    assert [(r.name, r.use, r.payload) for r in dataset.recordings] == [
+        ("log.csv", "identify", None),
+        ("second.csv", "identify", "disc"),
+        ("third.csv", "validate", "disc"),
+    ]
+    assert dataset.payloads["disc"].mass == 0.5
+
+
+def test_the_last_part_is_kept_apart_for_validation(tmp_path: Path, robot: str, mat: Path) -> None:
+    import_log(mat, robot, MAP, tmp_path / "out", validate_fraction=0.25)
+    first, last = load_dataset(tmp_path / "out").recordings
+    assert (first.name, first.use, last.name, last.use) == (
+        "log.csv",
+        "identify",
+        "log-validate.csv",
+        "validate",
+    )
+    assert np.array_equal(np.concatenate([first.time, last.time]), time_stamps())
+    assert last.time.size == COUNT // 4
+
+
+def without(target: str) -> LogMap:
+    return LogMap({key: source for key, source in MAP.columns.items() if key != target})
+
+
+BAD_MAPS: dict[str, tuple[LogMap, tuple[str, ...]]] = {
+    "a name that the log lacks": (
+        LogMap({**MAP.columns, "current.rail": "vir"}),
+        ("'vir'", "current.rail", "ir (2000)"),
+    ),
+    "a column without source": (without("position.rail"), ("position.rail", "qr (2000)")),
+    "a joint that the robot lacks": (
+        LogMap({**MAP.columns, "current.elbow": "ia"}),
+        ("'current.elbow'", "arm, rail, wheel"),
+    ),
+    "vectors of different length": (
+        LogMap({**MAP.columns, "gain": "kp"}),
+        ("'kp'", "gain", "1 samples", "2000"),
+    ),
+    "time and a rate": (LogMap(MAP.columns, rate=500.0), ("rate", "time")),
+    "a rate of nothing": (LogMap(without("time").columns, rate=0.0), ("rate", "0 Hz")),
+    "a scale of nothing": (LogMap(MAP.columns, {"time": 0.0}), ("scale", "time")),
+    "a scale without column": (LogMap(MAP.columns, {"speed": 2.0}), ("'speed'", "scale")),
+    "degrees": (
+        LogMap(MAP.columns, {"position.arm": 180 / np.pi}),
+        ("log.mat", "column position.arm", "degrees"),
+    ),
+    "milliseconds": (LogMap(MAP.columns, {"time": 1e3}), ("log.mat", "column time", "milliseconds")),
+}
+
+
+@pytest.mark.parametrize("name", BAD_MAPS)
+def test_a_map_that_does_not_fit_is_refused_and_nothing_is_written(
+    name: str, tmp_path: Path, robot: str, mat: Path
+) -> None:
+    mapping, expected = BAD_MAPS[name]
+    with pytest.raises(BenchError) as caught:
+        import_log(mat, robot, mapping, tmp_path / "out")
+    message = str(caught.value)
+    assert "\n" not in message
+    assert [text for text in expected if text not in message] == [], message
+    assert not (tmp_path / "out").exists()
+
+
+def truncate(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def garbage(path: Path) -> None:
+    path.write_bytes(bytes(range(256)) * 40)
+
+
+def hdf(path: Path) -> None:
+    head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM"
+    path.write_bytes(head + b"\x89HDF\r\n\x1a\n".rjust(512, b"\0"))
+
+
+@pytest.mark.parametrize(
+    ("suffix", "spoil", "expected"),
+    [
+        ("mat", truncate, "MATLAB"),
+        ("mat", garbage, "MATLAB"),
+        ("mat", hdf, "-v7"),
+        ("npz", truncate, "NumPy"),
+        ("npz", garbage, "NumPy"),
+        ("parquet", truncate, "Parquet"),
+        ("csv", garbage, "not a text"),
+        ("csv", Path.unlink, "no such file"),
+    ],
+)
+def test_a_file_that_is_broken_is_named(
+    suffix: str, spoil: Callable[[Path], None], expected: str, tmp_path: Path, robot: str
+) -> None:
+    file = tmp_path / f"log.{suffix}"
+    WRITERS[suffix](file, log())
+    spoil(file)
+    with pytest.raises(BenchError) as caught:
+        import_log(file, robot, MAP, tmp_path / "out")
+    assert str(file) in str(caught.value)
+    assert expected in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
+    tmp_path: Path, robot: str, mat: Path
+) -> None:
+    out = tmp_path / "out"
+    import_log(mat, robot, MAP, out)
+    before = {path: path.read_bytes() for path in out.iterdir()}
+    other = write_robot(tmp_path / "other")
+    for arguments, expected in (
+        ({"robot": robot}, "log.csv: exists already"),
+        ({"robot": str(other), "name": "b.csv"}, "robot"),
+        ({"robot": robot, "name": "b.csv", "payload": "disk"}, "'disk' is not defined"),
+        ({"robot": robot, "name": "b.csv", "payload": Payload("disc", -1.0)}, "mass must be positive"),
+        ({"robot": robot, "name": "../b.csv"}, "../b.csv"),
+        ({"robot": robot, "name": "b.csv", "validate_fraction": 1.5}, "1.5"),
+    ):
+        with pytest.raises(BenchError, match=expected.replace(".", r"\.")):
+            import_log(mat, log_map=MAP, folder=out, **arguments)
+        assert {path: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_a_failing_write_leaves_no_recording_without_its_entry(
+    tmp_path: Path, robot: str, mat: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(path: Path, text: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("bench.log_import.write_text_atomically", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        import_log(mat, robot, MAP, tmp_path / "out")
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+SLIDE = """<mujoco>
+  <worldbody>
+    <body>
+      <joint name="axis" type="slide" axis="1 0 0"/>
+      <geom size="0.1" mass="1"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+AXIS = """name = "axis"
+model = "axis.xml"
+
+[[actuators]]
+joint = "axis"
+gain = 35.15065
+gain_unit = "N/V"
+"""
+
+
+def test_the_measured_log_of_an_axis_is_imported(measured_data: Path, tmp_path: Path) -> None:
+    file = measured_data / "emps" / "DATA_EMPS.mat"
+    if not file.is_file():
+        pytest.skip(f"no measured log {file}")
+    robot = tmp_path / "axis"
+    robot.mkdir()
+    (robot / "axis.xml").write_text(SLIDE)
+    (robot / "robot.toml").write_text(AXIS)
+    mapping = LogMap({"time": "t", "position.axis": "qm", "current.axis": "vir", "reference": "qg"})
+    import_log(file, str(robot), mapping, tmp_path / "out", validate_fraction=0.2)
+    first, last = load_dataset(tmp_path / "out").recordings
+    assert first.rate == pytest.approx(1000.0)
+    assert first.time.size + last.time.size == 24841
+    assert np.abs(first.position - first.extra["reference"][:, None]).max() < 0.01
