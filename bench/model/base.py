@@ -59,7 +59,9 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
         grouping=grouping,
         names=tuple(names[column][0] for column in columns),
         units=tuple(names[column][1] for column in columns),
-        descriptions=tuple(_description(row, names) for row in grouping),
+        descriptions=tuple(
+            _description(row, int(own), names) for row, own in zip(grouping, columns, strict=True)
+        ),
     )
 
 
@@ -94,9 +96,9 @@ def independent_columns(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return present[kept], dependence
 
 
-def _description(row: np.ndarray, names: list[tuple[str, str]]) -> str:
+def _description(row: np.ndarray, own: int, names: list[tuple[str, str]]) -> str:
     terms = []
-    for column in np.flatnonzero(row):
+    for column in (own, *(column for column in np.flatnonzero(row) if column != own)):
         factor, symbol = row[column], names[column][0]
         sign = "-" if factor < 0 else "+"
         size = "" if abs(abs(factor) - 1.0) < NEGLIGIBLE else f"{abs(factor):.6g} "

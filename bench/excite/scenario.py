@@ -1,0 +1,58 @@
+"""The movements of a scenario, designed."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from bench.excite.design import Designed, Movement, design_trajectories
+from bench.robot import Robot
+from bench.scenario import Scenario, design_center, payload_declared, per_joint
+from bench.scenario_tables import RecordingTable
+from bench.trajectory import FourierTrajectory
+
+
+def designer(scenario: Scenario, recordings: Sequence[RecordingTable]) -> dict[str, FourierTrajectory]:
+    """Trajectories for the recordings of a scenario that ask for an optimised one, by recording name."""
+    robot = scenario.robot
+    movements = tuple(_movement(scenario, recording) for recording in recordings)
+    return dict(_designed(robot, _Key(movements)).trajectories)
+
+
+class _Key(tuple[Movement, ...]):
+    """Movements, compared by what they print: arrays do not hash."""
+
+    def __hash__(self) -> int:
+        return hash(repr(tuple(self)))
+
+    def __eq__(self, other: object) -> bool:
+        return repr(self) == repr(other)
+
+
+@lru_cache(maxsize=64)
+def _designed(robot: Robot, movements: _Key) -> Designed:
+    return design_trajectories(robot, movements)
+
+
+def _movement(scenario: Scenario, recording: RecordingTable) -> Movement:
+    design, robot = recording.design, scenario.robot
+    assert design is not None
+    limit = np.inf if design.acceleration_limit is None else design.acceleration_limit
+    span, velocity, acceleration = (
+        per_joint(x, robot.joints) for x in (design.span, design.velocity_limit, limit)
+    )
+    table = None if recording.payload is None else scenario.settings.payloads[recording.payload]
+    return Movement(
+        name=recording.name,
+        fitted=recording.use == "identify",
+        payload=None if table is None else payload_declared(str(recording.payload), table),
+        center=design_center(robot, design),
+        span=span,
+        velocity=velocity,
+        acceleration=acceleration,
+        harmonics=design.harmonics,
+        base_frequency=design.base_frequency,
+        duration=design.duration,
+        ramp=design.ramp,
+        seed=design.seed,
+    )
