@@ -17,7 +17,11 @@ import click
 from bench.cli.lazy import LazyCommand, LazyGroup
 from bench.errors import BenchError
 
-COMMANDS: dict[str, LazyCommand] = {}
+COMMANDS = {
+    "import": LazyCommand(
+        "bench.cli.import_log:import_log", "Turn a .mat, .csv, .npz or .parquet log into a dataset."
+    ),
+}
 
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it

@@ -1,0 +1,37 @@
+"""Kinds of command-line values that several commands take."""
+
+from typing import Any
+
+import click
+
+
+class Assignment(click.ParamType[tuple[str, str | float]]):
+    """`KEY=VALUE`, as a pair; the key ends at the first equals sign, and the value may be a number."""
+
+    name = "assignment"
+
+    def __init__(self, value: type[str] | type[float] = str) -> None:
+        self.value = value
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, str | float]:
+        """Split the text; fails, naming it, where a side is missing or the value is no number."""
+        if isinstance(value, tuple):  # a default that is split already
+            return value
+        key, equals, text = str(value).partition("=")
+        if not (key.strip() and equals and text.strip()):
+            self.fail(f"{value!r} is not of the form KEY=VALUE", param, ctx)
+        try:
+            return key.strip(), self.value(text.strip())
+        except ValueError:
+            self.fail(f"{value!r}: {text.strip()!r} is not a number", param, ctx)
+
+
+def unique(pairs: tuple[tuple[str, Any], ...], option: str) -> dict[str, Any]:
+    """Pairs as a mapping; a key that is given twice is a usage error."""
+    keys = [key for key, _ in pairs]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise click.UsageError(f"{option}: {key!r} is given twice")
+    return dict(pairs)

@@ -1,0 +1,114 @@
+"""`bench import`: from a log to a dataset that loads."""
+
+import os
+
+import numpy as np
+import pytest
+
+from bench import load_dataset, load_robot
+from bench.cli import main
+from bench.cli.import_log import CHECKS
+from bench.joint_facts import joint_facts
+from bench.recording_checks import CHECKS as KNOWN_CHECKS
+
+COUNT = 1000
+
+
+@pytest.fixture
+def log():
+    """What a controller of the five-bar might log, under other names: ten seconds about its home pose."""
+    left, right = (joint.home for joint in joint_facts(load_robot("five_bar")))
+    time = np.arange(COUNT) / 100.0
+    rng = np.random.default_rng(1)
+    return {
+        "t": time,
+        "q1": left + 0.3 * np.sin(2.0 * time),
+        "q2": right + 0.3 * np.cos(3.0 * time),
+        "i1": 2.0 * np.sin(2.0 * time) + 0.01 * rng.normal(size=COUNT),
+        "i2": 1.5 * np.cos(3.0 * time) + 0.01 * rng.normal(size=COUNT),
+        "temperature": 20.0 + time,
+    }
+
+
+MAPS = [
+    *("--map", "position.left=q1", "--map", "position.right=q2"),
+    *("--map", "current.left=i1", "--map", "current.right=i2"),
+]
+
+
+@pytest.fixture
+def run(log, tmp_path, monkeypatch):
+    """Run `bench import log.npz --robot five_bar ...` in an empty folder; gives the exit code."""
+    monkeypatch.chdir(tmp_path)
+    np.savez(tmp_path / "log.npz", **log)
+    return lambda *arguments: main(["import", "log.npz", "--robot", "five_bar", *arguments])
+
+
+def test_checks_are_those_of_the_package():
+    assert CHECKS == KNOWN_CHECKS
+
+
+def test_log_becomes_a_dataset(run, log, tmp_path, capsys):
+    assert run(*MAPS, "--map", "time=t", "--map", "motor_temperature=temperature") == 0
+    out, err = capsys.readouterr()
+    assert out.splitlines() == ["wrote log/log.csv (identify)", "next: bench identify log"]
+    assert err == ""
+    (recording,) = load_dataset(tmp_path / "log").recordings
+    np.testing.assert_array_equal(recording.position[:, 1], log["q2"])
+    np.testing.assert_array_equal(recording.current[:, 0], log["i1"])
+    np.testing.assert_array_equal(recording.extra["motor_temperature"], log["temperature"])
+
+
+def test_rate_scale_and_a_part_for_validation(run, log, tmp_path, capsys):
+    scale = ("--scale", "current.left=0.5", "--validate-fraction", "0.25")
+    assert run(*MAPS, "--rate", "200", *scale, "-o", "data", "--name", "run.parquet") == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "wrote data/run.parquet (identify)",
+        "wrote data/run-validate.parquet (validate)",
+        "next: bench identify data",
+    ]
+    fitted, kept = load_dataset(tmp_path / "data").recordings
+    assert (fitted.use, kept.use) == ("identify", "validate")
+    assert (len(fitted.time), len(kept.time)) == (750, 250)
+    assert fitted.rate == pytest.approx(200.0)
+    np.testing.assert_array_equal(kept.current[:, 0], 0.5 * log["i1"][750:])
+
+
+def test_payload_is_defined_and_then_named(run, tmp_path):
+    common = (*MAPS, "--map", "time=t", "-o", "data")
+    assert run(*common, "--name", "a.csv") == 0
+    assert run(*common, "--name", "b.csv", "--payload", "disc", "--payload-mass", "0.5") == 0
+    assert run(*common, "--name", "c.csv", "--payload", "disc", "--use", "validate") == 0
+    dataset = load_dataset(tmp_path / "data")
+    assert [recording.payload for recording in dataset.recordings] == [None, "disc", "disc"]
+    assert [recording.use for recording in dataset.recordings] == ["identify", "identify", "validate"]
+    assert dataset.payloads["disc"].mass == 0.5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        ([*MAPS], "time"),
+        ([*MAPS, "--map", "time=clock"], "'clock'"),
+        ([*MAPS, "--map", "time=t", "--map", "time=t"], "'time' is given twice"),
+        ([*MAPS, "--map", "time"], "'time'"),
+        ([*MAPS, "--map", "time=t", "--scale", "time=ms"], "'ms'"),
+        ([*MAPS, "--map", "time=t", "--map", "position.elbow=q1"], "'position.elbow'"),
+        ([*MAPS, "--map", "time=t", "--payload-mass", "1"], "--payload"),
+        ([*MAPS, "--map", "time=t", "--payload", "disc", "--payload-mass", "-1"], "mass"),
+        ([*MAPS, "--map", "time=t", "--payload", "disc"], "disc"),
+        ([*MAPS, "--map", "time=t", "--validate-fraction", "2"], "2"),
+        ([*MAPS, "--map", "time=t", "--name", "sub/a.csv"], "sub/a.csv"),
+        ([*MAPS, "--map", "time=t", "-o", "log.npz"], "log.npz"),
+        ([*MAPS, "--rate", "0"], "rate"),
+        ([*MAPS, "--map", "time=t", "--scale", "position.left=57.3"], "position.left"),
+    ],
+)
+def test_mistake_is_one_line_and_writes_nothing(run, capsys, tmp_path, arguments, culprit):
+    assert run(*arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("bench: ")
+    assert err.count("\n") == 1
+    assert culprit in err
+    assert os.listdir(tmp_path) == ["log.npz"]
