@@ -71,9 +71,9 @@ def load_scenario(scenario: str | Path, overrides: Mapping[str, Any] | None = No
 
     `scenario` is a built-in name or the path of a TOML file. With the key `base` (a name or a path relative
     to the file) the file only says what differs from that scenario: tables are merged key by key, everything
-    else, lists included, is replaced. The keys of the table `design` hold for every recording that has a
-    design of its own and does not say otherwise. `overrides` are merged last, like a file with this one as
-    its base.
+    else, lists and the table of tolerances included, is replaced. The keys of the table `design` hold for
+    every recording that has a design of its own and does not say otherwise. `overrides` are merged
+    last, like a file with this one as its base.
 
     Raises BenchError, one line that names the file and the key.
     """
@@ -239,5 +239,5 @@ def _joint_faults(settings: ScenarioTable, robot: Robot) -> Iterator[str]:
                 if joint not in value:
                     yield f"{prefix}.{key}: joint {joint!r} is missing"
     for actuator in robot.actuators:
-        if settings.sensors.encoder_bits is not None and actuator.gain_unit.startswith("N/"):
+        if settings.sensors.encoder_bits and actuator.gain_unit.startswith("N/"):
             yield f"sensors.encoder_bits: {actuator.joint!r} is a slide joint: give encoder_resolution in m"

@@ -57,11 +57,14 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-    """`base` with the keys of `change`; tables on both sides are merged, anything else is replaced."""
+    """`base` with the keys of `change`; tables on both sides are merged, anything else is replaced.
+
+    Tolerances are replaced as a whole: they hold for one experiment, not for what is built on it.
+    """
     result = dict(base)
     for key, value in change.items():
         below = result.get(key)
-        if isinstance(below, Mapping) and isinstance(value, Mapping):
+        if isinstance(below, Mapping) and isinstance(value, Mapping) and key != "tolerances":
             result[key] = merged(below, value)
         else:
             result[key] = value

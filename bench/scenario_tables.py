@@ -15,7 +15,7 @@ FILE_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
 
 
 def _at_most_one(table: UserTable, keys: Sequence[str]) -> None:
-    given = [key for key in keys if getattr(table, key) is not None]
+    given = [key for key in keys if getattr(table, key)]  # 0 switches off what a base scenario has
     if len(given) > 1:
         raise ValueError(f"only one of {' and '.join(given)} can be given")
 
@@ -122,7 +122,7 @@ class RecordingTable(UserTable):
     def _one_trajectory(self) -> RecordingTable:
         ways = ("trajectory", "trajectory_file", "design")
         _at_most_one(self, ways)
-        if all(getattr(self, way) is None for way in ways):
+        if not any(getattr(self, way) for way in ways):
             raise ValueError(f"one of {', '.join(ways)} must be given")
         return self
 
@@ -158,15 +158,15 @@ class Controller(UserTable):
 class Sensors(UserTable):
     """[sensors]: what lies between the true state and the log."""
 
-    encoder_bits: Annotated[int, Field(ge=4, le=40)] | None = None
-    """Steps of 2π / 2^bits rad; for hinge joints."""
-    encoder_resolution: NotNegativePerJoint | None = None
-    """Steps of this size, rad or m."""
+    encoder_bits: Annotated[int, Field(ge=0, le=40)] = 0
+    """Steps of 2π / 2^bits rad, for hinge joints; 0: continuous."""
+    encoder_resolution: NotNegativePerJoint = 0.0
+    """Steps of this size, rad or m; 0: continuous."""
     position_noise: NotNegativePerJoint = 0.0
     """Standard deviation before quantisation, rad or m."""
-    current_noise: NotNegativePerJoint | None = None
+    current_noise: NotNegativePerJoint = 0.0
     """Standard deviation before quantisation, in the drive's unit."""
-    current_noise_ratio: NotNegativePerJoint | None = None
+    current_noise_ratio: NotNegativePerJoint = 0.0
     """The same as a fraction of the RMS current of that joint in that recording."""
     current_resolution: NotNegativePerJoint = 0.0
     """Steps of the logged current reference, in the drive's unit."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,17 +73,16 @@ def sense(
 
 def _current_noise(sensors: Sensors, joints: Sequence[str], current: Array) -> Array:
     """Standard deviation (n,) of the current noise."""
-    if sensors.current_noise_ratio is not None:
+    if sensors.current_noise_ratio:
         return per_joint(sensors.current_noise_ratio, joints) * _rms(current)
-    return per_joint(sensors.current_noise or 0.0, joints)
+    return per_joint(sensors.current_noise, joints)
 
 
 def _encoder_step(sensors: Sensors, joints: Sequence[str]) -> Array:
     """Size (n,) of an encoder's step, rad or m; 0 means continuous."""
-    if sensors.encoder_bits is not None:
+    if sensors.encoder_bits:
         return np.full(len(joints), 2 * np.pi / 2**sensors.encoder_bits)
-    resolution: float | Mapping[str, float] = sensors.encoder_resolution or 0.0
-    return per_joint(resolution, joints)
+    return per_joint(sensors.encoder_resolution, joints)
 
 
 def _normal(seed: int, name: str, kind: str, joints: Sequence[str], count: int) -> Array:
