@@ -118,11 +118,11 @@ def _check_against_mjcf(description: Path, table: _RobotTable, model_path: Path)
 
     try:
         model = mujoco.MjModel.from_xml_path(str(model_path))
+        joint_names = [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
     except (ValueError, mujoco.FatalError) as error:
         raise BenchError(f"{model_path}: MuJoCo cannot compile it: {one_line(error)}") from error
 
     units = {int(mujoco.mjtJoint.mjJNT_HINGE): "N*m", int(mujoco.mjtJoint.mjJNT_SLIDE): "N"}
-    joint_names = [model.joint(i).name for i in range(model.njnt)]
     seen: dict[str, int] = {}
     for i, actuator in enumerate(table.actuators):
         key = f"{description}: actuators[{i}]"

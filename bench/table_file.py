@@ -23,6 +23,7 @@ from bench.errors import BenchError
 from bench.toml_input import one_line
 
 SUFFIXES = (".csv", ".parquet")
+HUGE = 1e100  # what exceeds it is no measurement, and its square no number
 Array = npt.NDArray[np.float64]
 
 
@@ -69,7 +70,7 @@ class Table:
         if pa.types.is_boolean(kind := self.data.schema.field(column).type):
             raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
         values = self.numbers(column)
-        bad = np.flatnonzero(~np.isfinite(values))
+        bad = np.flatnonzero(~(np.abs(values) < HUGE))
         if bad.size:
             row = int(bad[0])
             more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
@@ -81,7 +82,7 @@ class Table:
         if self.text is None:
             return "is empty" if not self.data[column][row].is_valid else f"is {value}"
         cell = self.text.cell(row, self.columns.index(column))
-        return f"is {cell!r}, not a finite number" if cell else "is empty"
+        return f"is {cell!r}, which is no measurement" if cell else "is empty"
 
 
 def _is_numeric(kind: pa.DataType) -> bool:
@@ -131,6 +132,8 @@ def _read_csv(path: Path) -> Table:
 
 def _read_parquet(path: Path) -> Table:
     try:
-        return Table(path, pq.ParquetFile(path).read(), None)
-    except (pa.ArrowException, OSError) as error:
+        table = Table(path, pq.ParquetFile(path).read(), None)
+        _ = table.columns  # names of a broken file may be no text
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise BenchError(f"{path}: is not a whole Parquet file: {one_line(error)}") from error
+    return table

@@ -1,5 +1,6 @@
 """Every broken dataset and robot is refused in one line that names the culprit."""
 
+import random
 from pathlib import Path
 
 import pytest
@@ -25,3 +26,26 @@ def test_is_refused_in_one_line_that_names_the_culprit(name: str, tmp_path: Path
 def test_the_dataset_that_they_spoil_is_good(tmp_path: Path) -> None:
     dataset = load_dataset(write_good_dataset(tmp_path / "dataset"))
     assert [recording.name for recording in dataset.recordings] == ["unloaded.csv", "loaded.parquet"]
+
+
+@pytest.mark.parametrize("name", ["unloaded.csv", "loaded.parquet", "dataset.toml"])
+def test_whatever_happens_to_a_file_it_is_read_or_refused(name: str, tmp_path: Path) -> None:
+    folder = write_good_dataset(tmp_path / "dataset")
+    path = folder / name
+    good = path.read_bytes()
+    chance = random.Random(name)
+    pieces = (b'"', b"\n", b",", b";", b"\r", b"\x00", b"nan", b"1e400", b"[", b"\xc3\xa4", b"\xff", b"-")
+    refused = 0
+    for _ in range(60):
+        spoilt = bytearray(good)
+        for _ in range(chance.choice((1, 1, 5))):
+            at = chance.randrange(min(len(spoilt), chance.choice((200, len(spoilt)))))
+            length = chance.choice((0, 1, 40))
+            spoilt[at : at + length] = chance.choice(pieces)
+        path.write_bytes(spoilt)
+        try:
+            load_dataset(folder)
+        except BenchError as error:
+            refused += 1
+            assert "\n" not in str(error)
+    assert refused > 20
