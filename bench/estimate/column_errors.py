@@ -1,4 +1,4 @@
-"""How large the errors of the observation matrix's columns are: measurement noise carried through the model."""
+"""How large the errors of the observation matrix's columns are: noise carried through the model."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -11,10 +11,13 @@ from bench.errors import BenchError
 from bench.estimate.column_errors import column_errors
 from bench.estimate.deviations import Deviations, Uncertainty, uncertainty
 from bench.estimate.estimators import DEFAULT_METHOD, Request, solve
+from bench.estimate.essential import essential_columns, expanded, reduced
+from bench.estimate.identifiability import check_gains_identifiable
 from bench.estimate.layout import (
     ParameterLayout,
     known_rows,
     parameter_layout,
+    payload_columns,
     payload_parameter_names,
     regressor_rows,
 )
@@ -23,13 +26,13 @@ from bench.estimate.observation import Observation, observe
 from bench.estimate.result import (
     CurrentSeries,
     DriveGain,
-    ErrorSummary,
     Identification,
     Parameter,
     Quantity,
+    error_summary,
 )
 from bench.estimate.solution import Solution
-from bench.estimate.stack import stack_observations
+from bench.estimate.stack import Stack, stack_observations
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import PARAMETERS, UNITS
 from bench.signals.settings import FilterSettings, choose_settings
@@ -47,6 +50,12 @@ class Prepared:
     layout: ParameterLayout
 
     @property
+    def left_aside(self) -> tuple[str, ...]:
+        """Recordings whose payload nothing tells of: not declared in full, and carried by none that is fitted."""
+        used = {one.name for one in self.observations}
+        return tuple(one.name for one in self.dataset.recordings if one.name not in used)
+
+    @property
     def fitted(self) -> tuple[Observation, ...]:
         return tuple(one for one in self.observations if one.use == "identify")
 
@@ -59,15 +68,17 @@ def identify(
     settings: FilterSettings | None = None,
     deviations: Deviations = "autocorrelated",
     fit_gains: bool | None = None,
+    essential: bool = False,
 ) -> Identification:
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
     effects: names as EFFECT or EFFECT:JOINT, added to the rigid-body model. method: current, ls, wls, tls or
     wtls. settings: filters; chosen from the spectra by default. deviations: how standard deviations are
     computed. fit_gains: by default, where a fitted recording carries a payload of known mass; without one
-    the gains stay nominal. Raises BenchError naming what in the data or the robot cannot be used.
+    the gains stay nominal. essential: leave out base parameters that the data do not need. Raises BenchError naming what in the data or the robot cannot be used.
     """
-    return fit(prepare(dataset, effects, settings), method, deviations=deviations, fit_gains=fit_gains)
+    prepared = prepare(dataset, effects, settings)
+    return fit(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
 
 
 def prepare(
@@ -85,7 +96,9 @@ def prepare(
             [one.position for one in fitted], [one.current for one in fitted], fitted[0].rate
         )
     count = sum(len(one.effect.parameters) for one in instances)
-    layout = parameter_layout(model, dataset.payloads, [one.payload for one in fitted], count)
+    carried = [one.payload for one in fitted]
+    declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]
+    layout = parameter_layout(model, dataset.payloads, [*carried, *declared], count)
     usable = [one for one in dataset.recordings if one.payload is None or one.payload in layout.payloads]
     observations = tuple(observe(model, recording, settings, instances) for recording in usable)
     return Prepared(dataset, model, settings, instances, observations, layout)
@@ -97,6 +110,7 @@ def fit(
     *,
     deviations: Deviations = "autocorrelated",
     fit_gains: bool | None = None,
+    essential: bool = False,
 ) -> Identification:
     """Estimate from prepared equations; see `identify`."""
     dataset, layout = prepared.dataset, prepared.layout
@@ -105,8 +119,11 @@ def fit(
         raise BenchError(
             f"{dataset.folder}: no fitted recording has a payload of known mass, which gives the gains' scale"
         )
-    fit_gains = stack.scaled if fit_gains is None else fit_gains
-    unknowns = layout.size + (stack.current.shape[1] if fit_gains else 0)
+    gains_fitted = stack.scaled if fit_gains is None else fit_gains
+    if gains_fitted:
+        carried = [one.payload_name for one in prepared.fitted]
+        check_gains_identifiable(prepared.model, layout, dataset.payloads, carried)
+    unknowns = layout.size + (stack.current.shape[1] if gains_fitted else 0)
     if stack.current.size < 2 * unknowns:
         raise BenchError(
             f"{dataset.folder}: {stack.current.size} equations after decimation are too few for {unknowns} unknowns"
@@ -123,13 +140,29 @@ def fit(
         )
 
     nominal = dataset.robot.nominal_gains
-    solution = solve(method, Request(stack, nominal, fit_gains, errors_of_columns))
-    spread = uncertainty(stack, solution, deviations)
-    series = tuple(_series(prepared, one, solution) for one in prepared.observations)
-    return _result(prepared, method, solution, spread, deviations, series, unknowns)
+
+    def solved(equations: Stack, columns: np.ndarray) -> Solution:
+        errors = np.append(columns, [layout.size, layout.size + 1])
+        return solve(
+            method,
+            Request(
+                equations, nominal, gains_fitted, lambda: errors_of_columns()[np.ix_(motors, errors, errors)]
+            ),
+        )
+
+    motors = np.arange(len(nominal))
+    kept = np.arange(layout.size)
+    if essential:
+        kept = essential_columns(stack, layout.base, solved, deviations)
+        stack = reduced(stack, kept)
+    solution = solved(stack, kept)
+    solution, spread = expanded(solution, uncertainty(stack, solution, deviations), kept, layout.size)
+    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    unknowns -= layout.size - len(kept)
+    return _result(prepared, method, solution, spread, deviations, series, unknowns, kept)
 
 
-def _series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
+def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
     torque = regressor_rows(observation, prepared.layout) @ solution.theta
     torque += known_rows(observation, prepared.dataset.payloads)
     return CurrentSeries(
@@ -145,34 +178,6 @@ def _series(prepared: Prepared, observation: Observation, solution: Solution) ->
     )
 
 
-def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) -> float | None:
-    """RMS(measured - modelled) / RMS(measured) over recordings, for one motor or all; None without any."""
-    if not series:
-        return None
-    chosen = slice(None) if motor is None else slice(motor, motor + 1)
-    error = sum(float((one.error[:, chosen] ** 2).sum()) for one in series)
-    measured = sum(float((one.measured[:, chosen] ** 2).sum()) for one in series)
-    return float(np.sqrt(error / measured)) if measured else float("nan")
-
-
-def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> ErrorSummary:
-    """Errors of all recordings by use, motor and recording."""
-    fitted = [one for one in series if one.use == "identify"]
-    checked = [one for one in series if one.use == "validate"]
-
-    def by_actuator(chosen: Sequence[CurrentSeries]) -> dict[str, float]:
-        values = {joint: relative_error(chosen, j) for j, joint in enumerate(joints)}
-        return {joint: value for joint, value in values.items() if value is not None}
-
-    return ErrorSummary(
-        identify=relative_error(fitted),
-        validate=relative_error(checked),
-        by_actuator=by_actuator(fitted),
-        by_actuator_validate=by_actuator(checked),
-        by_recording={one.name: value for one in series if (value := relative_error([one])) is not None},
-    )
-
-
 def _result(
     prepared: Prepared,
     method: str,
@@ -181,6 +186,7 @@ def _result(
     deviations: Deviations,
     series: tuple[CurrentSeries, ...],
     unknowns: int,
+    kept: np.ndarray,
 ) -> Identification:
     robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
     std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
@@ -198,6 +204,7 @@ def _result(
     parameters = tuple(
         Parameter(float(solution.theta[i]), float(std[i]), unit, name, grouping)
         for i, (name, unit, grouping) in enumerate(names)
+        if i in kept
     )
     effect_parameters: dict[str, dict[str, dict[str, Quantity]]] = {}
     at = len(names)
@@ -228,6 +235,7 @@ def _result(
         settings=prepared.settings,
         deviations=deviations,
         recordings=series,
+        left_out=tuple(name for i, (name, _, _) in enumerate(names) if i not in kept),
         notes=(),
     )
-    return notes_on(result)
+    return notes_on(result, prepared.left_aside)

@@ -62,9 +62,11 @@ class ParameterLayout:
 
     @property
     def size(self) -> int:
+        """Number of parameters beside the drive gains."""
         return self.base + sum(len(index) for index in self.payloads.values()) + self.effects
 
     def payload_slice(self, name: str) -> slice:
+        """Where the unknown parameters of a payload stand; BenchError if there is none of that name."""
         start = self.base
         for other, index in self.payloads.items():
             if other == name:
@@ -74,6 +76,7 @@ class ParameterLayout:
 
 
 def payload_parameter_names(payload: str, index: np.ndarray) -> list[str]:
+    """Names of a payload's unknown standard parameters, such as mx(disc)."""
     return [f"{PARAMETERS[i]}({payload})" for i in index]
 
 

@@ -11,13 +11,18 @@ ILL_CONDITIONED = 1e3
 SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
 
 
-def notes_on(result: Identification) -> Identification:
-    """The result with its notes."""
+def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identification:
+    """The result with its notes; `left_aside`: recordings that could not be used."""
     notes = []
+    if left_aside:
+        notes.append(
+            f"Left aside: {', '.join(left_aside)}. Their payload is not declared in full, and no fitted recording "
+            "carries it."
+        )
     if not result.gains_fitted:
         notes.append(
-            "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, "
-            "and every parameter is wrong by the same share as the gain that scales it."
+            "No fitted recording carries a payload of known mass: the drive gains stay at their nominal "
+            "values, and every parameter is wrong by the same share as the gain that scales it."
         )
     if result.rank < result.unknowns:
         notes.append(
@@ -33,7 +38,8 @@ def notes_on(result: Identification) -> Identification:
         if result.gains_fitted and abs(gain.value / gain.nominal - 1.0) > SUSPICIOUS_GAIN:
             notes.append(
                 f"The drive gain of {joint} came out at {gain.value:.3g} {gain.unit}, far from its nominal "
-                f"{gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as declared."
+                f"{gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as "
+                "declared."
             )
     for j, joint in enumerate(result.drive_gains):
         reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)

@@ -1,6 +1,6 @@
 """An identified model, with all that is needed to trust it, to save it and to apply it to other recordings."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,7 +75,9 @@ class Identification:
 
     gains_fitted is False where no payload of known mass gave the scale: the gains are nominal, and all
     parameters scale with their error. effect_parameters: effect -> joint -> parameter. covariance (P, P) of
-    [parameters, effect parameters, gains], in this order. notes: what limits the answer, in words.
+    [parameters, effect parameters, gains], in this order. left_out: names of the
+    base parameters without which the fit is as good, when only essential ones were asked for; the covariance
+    has a row for each of them. notes: what limits the answer, in words.
     """
 
     robot: str
@@ -95,4 +97,33 @@ class Identification:
     settings: FilterSettings
     deviations: Deviations
     recordings: tuple[CurrentSeries, ...]
+    left_out: tuple[str, ...]
     notes: tuple[str, ...]
+
+
+def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) -> float | None:
+    """RMS(measured - modelled) / RMS(measured) over recordings, for one motor or all; None without any."""
+    if not series:
+        return None
+    chosen = slice(None) if motor is None else slice(motor, motor + 1)
+    error = sum(float((one.error[:, chosen] ** 2).sum()) for one in series)
+    measured = sum(float((one.measured[:, chosen] ** 2).sum()) for one in series)
+    return float(np.sqrt(error / measured)) if measured else float("nan")
+
+
+def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> ErrorSummary:
+    """Errors of all recordings by use, motor and recording."""
+    fitted = [one for one in series if one.use == "identify"]
+    checked = [one for one in series if one.use == "validate"]
+
+    def by_actuator(chosen: Sequence[CurrentSeries]) -> dict[str, float]:
+        values = {joint: relative_error(chosen, j) for j, joint in enumerate(joints)}
+        return {joint: value for joint, value in values.items() if value is not None}
+
+    return ErrorSummary(
+        identify=relative_error(fitted),
+        validate=relative_error(checked),
+        by_actuator=by_actuator(fitted),
+        by_actuator_validate=by_actuator(checked),
+        by_recording={one.name: value for one in series if (value := relative_error([one])) is not None},
+    )

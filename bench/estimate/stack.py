@@ -34,6 +34,7 @@ class Stack:
 def stack_observations(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> Stack:
+    """Put the equations of several recordings under each other."""
     phi = np.concatenate([regressor_rows(one, layout) for one in observations])
     kappa = np.concatenate([known_rows(one, payloads) for one in observations])
     current = np.concatenate([one.current for one in observations])

@@ -42,7 +42,7 @@ def weighted_total_least_squares(stack: Stack, start: Solution, column_errors: n
         errors = errors / np.outer(lengths, lengths)
         root = np.linalg.cholesky(errors + NOISELESS**2 * np.eye(len(errors)))
         # rows / lengths = Q R; minimise |R x| over |root' x| = 1 with y = root' x
-        triangle = np.linalg.qr(rows / lengths, mode="r")
+        triangle = np.asarray(np.linalg.qr(rows / lengths, mode="r"))
         whitened = np.linalg.solve(root, triangle.T).T
         y = np.linalg.svd(whitened, full_matrices=False)[2][-1]
         solution = _scaled(stack, np.linalg.solve(root.T, y) / lengths, weights)

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.estimate.layout import payload_columns
-from bench.excite.guess import guessed_parameters
+from bench.model.guess import guessed_parameters
 from bench.excite.limits import Limits, feasible_motion, limits_of
 from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion

@@ -36,7 +36,8 @@ class BaseParameters:
 def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 
-    Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base outwards.
+    Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base
+    outwards.
     """
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]
     candidates = np.concatenate([*(np.arange(10 * i, 10 * i + 10) for i in free), body_columns(geometry)])
@@ -98,10 +99,9 @@ def independent_columns(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _description(row: np.ndarray, own: int, names: list[tuple[str, str]]) -> str:
     terms = []
-    for column in (own, *(column for column in np.flatnonzero(row) if column != own)):
+    for column in (own, *(int(column) for column in np.flatnonzero(row) if column != own)):
         factor, symbol = row[column], names[column][0]
         sign = "-" if factor < 0 else "+"
         size = "" if abs(abs(factor) - 1.0) < NEGLIGIBLE else f"{abs(factor):.6g} "
         terms.append(f"{sign} {size}{symbol}")
-    own = " ".join(terms)
-    return own.removeprefix("+ ")
+    return " ".join(terms).removeprefix("+ ")

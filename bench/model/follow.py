@@ -40,6 +40,7 @@ class Follower:
 
 
 def make_follower(geometry: Geometry) -> Follower:
+    """A follower of the robot's loop closures, with Pinocchio's model of the opened tree."""
     model = build_tree(geometry)
     constraints = tuple(loop_constraints(geometry, model))
     return Follower(

@@ -34,6 +34,7 @@ class Placement:
         return Placement(self.rotation @ other.rotation, self.rotation @ other.translation + self.translation)
 
     def inverse(self) -> "Placement":
+        """The parent frame in this frame."""
         return Placement(self.rotation.T, -self.rotation.T @ self.translation)
 
 
@@ -78,6 +79,7 @@ class Loop:
 
     @property
     def size(self) -> int:
+        """Number of equations."""
         return 3 if self.kind == "connect" else 6
 
 
@@ -99,10 +101,12 @@ class Geometry:
 
     @property
     def nq(self) -> int:
+        """Size of a configuration."""
         return self.joints[-1].q.stop
 
     @property
     def nv(self) -> int:
+        """Size of a velocity: the degrees of freedom of the opened tree."""
         return self.joints[-1].v.stop
 
     @property
@@ -118,6 +122,7 @@ class Geometry:
 
     @property
     def active_offset(self) -> np.ndarray:
+        """(n,) MuJoCo positions of the actuated joints at which the model's own are zero, rad or m."""
         by_velocity = {joint.v.start: joint.offset for joint in self.joints}
         return np.array([by_velocity[int(index)] for index in self.active])
 
@@ -127,6 +132,7 @@ class Geometry:
         return tuple((i, joint.body) for i, joint in enumerate(self.joints) if joint.body is not None)
 
     def joint_index(self, name: str) -> int:
+        """Index of a joint by its name; BenchError if there is none."""
         for i, joint in enumerate(self.joints):
             if joint.name == name:
                 return i
@@ -222,7 +228,8 @@ def _loops(
         if kind not in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
             label = mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower()
             raise BenchError(
-                f"robot {robot.name}: equality {name!r} is of type {label}; loops are closed by connect or weld"
+                f"robot {robot.name}: equality {name!r} is of type {label};"
+                " loops are closed by connect or weld"
             )
         connect = kind == int(mujoco.mjtEq.mjEQ_CONNECT)
         ids = int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])

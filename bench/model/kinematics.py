@@ -153,7 +153,7 @@ def joint_columns(
 
 @dataclass(frozen=True)
 class Rates:
-    """Angular velocity, and the accelerations that remain when all joint accelerations are zero; (3, N) each."""
+    """Angular velocity, and the accelerations that remain at zero joint accelerations; (3, N) each."""
 
     angular: dict[int, np.ndarray]
     angular_bias: dict[int, np.ndarray]

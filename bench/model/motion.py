@@ -1,4 +1,4 @@
-"""From measured active joints to the motion of every joint: positions, velocities, accelerations (eqs. 2-4)."""
+"""From measured active joints to the motion of every joint: position, velocity, acceleration (eqs. 2-4)."""
 
 from dataclasses import dataclass
 
@@ -65,7 +65,7 @@ def motion_of(
         q = middle(time[block])
         q[geometry.active_configuration] = active[:, block]
         q, frames = _closed(geometry, time[block], normalised(geometry, q))
-        parts.append((q, *_rates(geometry, time[block], q, frames, velocity[block].T, acceleration[block].T)))
+        parts.append((q, *_rates(geometry, time[block], frames, velocity[block].T, acceleration[block].T)))
     return _assembled(time, [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)])
 
 
@@ -74,7 +74,7 @@ def rates_at(
 ) -> Motion:
     """The motion at closed poses q (nq, N), from active velocities and accelerations, each (n, N)."""
     frames = frames_of(geometry, q, loop_joints(geometry))
-    return _assembled(time, [q, *_rates(geometry, time, q, frames, velocity, acceleration)])
+    return _assembled(time, [q, *_rates(geometry, time, frames, velocity, acceleration)])
 
 
 def _assembled(time: np.ndarray, parts: list[np.ndarray]) -> Motion:
@@ -213,7 +213,6 @@ def _most_singular(matrix: np.ndarray) -> int:
 def _rates(
     geometry: Geometry,
     time: np.ndarray,
-    q: np.ndarray,
     frames: Frames,
     velocity: np.ndarray,
     acceleration: np.ndarray,

@@ -1,4 +1,4 @@
-"""The observation matrix's rows: the tree regressor of Pinocchio, projected by the loop Jacobians (eqs. 1 and 6).
+"""The observation matrix's rows: Pinocchio's tree regressor, projected by the loop Jacobians (eqs. 1, 6).
 
 Standard parameters of a body, in Pinocchio's order, about its joint frame: m [kg], mx my mz [kg m],
 Ixx Ixy Iyy Ixz Iyz Izz [kg m2].

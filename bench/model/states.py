@@ -1,4 +1,4 @@
-"""Random noise-free states of a robot: closed poses inside the joint limits, with velocities and accelerations."""
+"""Random noise-free states of a robot: closed poses inside the joint limits, and how they move."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     low, high = active_ranges(geometry)
     follower = make_follower(geometry)
     q = geometry.home
-    poses = []
+    poses: list[np.ndarray] = []
     tries = 0
     while len(poses) < count and tries < 20 * count:
         tries += 1

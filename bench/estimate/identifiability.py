@@ -1,0 +1,69 @@
+"""Whether recordings of these kinds can give the drive gains at all, whatever the movement."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.estimate.layout import ParameterLayout, payload_columns
+from bench.model.guess import guessed_parameters
+from bench.model.model import IdentificationModel
+from bench.model.regressor import projected_regressor
+from bench.model.states import random_motion
+from bench.payload import Payload
+
+SEED = 20120604
+STATES = 60
+DEPENDENT = 1e-9
+
+
+def check_gains_identifiable(
+    model: IdentificationModel,
+    layout: ParameterLayout,
+    payloads: Mapping[str, Payload],
+    loaded: Sequence[str | None],
+) -> None:
+    """Raise BenchError that names the gains which the kinds of recordings leave open.
+
+    `loaded` names the payload of every fitted recording. At random noise-free states of a robot with guessed
+    masses the columns of equation 13 but the last must be independent; a null vector that holds a gain
+    means that this gain and parameters can grow together.
+    """
+    geometry, base = model.geometry, model.base
+    motion = random_motion(geometry, STATES, SEED)
+    columns = np.concatenate((base.columns, model.payload_columns))
+    rows = projected_regressor(geometry, motion, columns)
+    rigid, loads = rows[:, :, : len(base.columns)], rows[:, :, len(base.columns) :] @ model.payload
+    n = rigid.shape[1]
+    blocks = []
+    for name in dict.fromkeys(loaded):
+        torque = rigid @ (base.grouping @ guessed_parameters(geometry))
+        block = np.zeros((len(motion.time), n, layout.size - layout.effects + n))
+        block[:, :, : layout.base] = rigid
+        if name is not None:
+            torque = torque + loads @ payload_columns(payloads[name]).known
+            block[:, :, layout.payload_slice(name)] = loads[:, :, layout.payloads[name]]
+        block[:, np.arange(n), block.shape[2] - n + np.arange(n)] = -torque
+        blocks.append(block.reshape(-1, block.shape[2]))
+    stacked = np.vstack(blocks)
+    norms = np.linalg.norm(stacked, axis=0)
+    norms[norms == 0.0] = 1.0
+    singular, vectors = np.linalg.svd(stacked / norms)[1:]
+    open_directions = vectors[singular < DEPENDENT * singular[0]][:, -n:]
+    joints = [actuator.joint for actuator in geometry.robot.actuators]
+    undetermined = [
+        joint
+        for joint, size in zip(joints, np.abs(open_directions).max(axis=0, initial=0.0), strict=True)
+        if size > 1e-6
+    ]
+    if not undetermined:
+        return
+    advice = (
+        "record one trajectory without the payload as well"
+        if None not in loaded
+        else "the payload does not load these motors differently from the robot's own bodies"
+    )
+    raise BenchError(
+        f"robot {geometry.robot.name}: the drive gain of {', '.join(undetermined)} cannot be identified from these "
+        f"recordings: {advice}, or keep the gains nominal"
+    )

@@ -1,0 +1,200 @@
+"""Save an identified model as JSON, read it back, and apply it to recordings."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.errors import BenchError
+from bench.estimate.identify import Prepared, modelled_series, prepare
+from bench.estimate.layout import ParameterLayout, payload_columns, payload_parameter_names
+from bench.estimate.result import CurrentSeries, ErrorSummary, Identification, Quantity, error_summary
+from bench.estimate.solution import Solution
+from bench.files import write_text_atomically
+from bench.signals.settings import FilterSettings
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class SavedModel:
+    """What a model file holds that applying it needs."""
+
+    path: Path
+    robot: str
+    effects: tuple[str, ...]
+    drive_gains: Mapping[str, float]
+    parameters: Mapping[str, float]
+    left_out: tuple[str, ...]
+    effect_parameters: Mapping[str, Mapping[str, Mapping[str, float]]]
+    settings: FilterSettings
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A saved model beside recordings that it may never have seen."""
+
+    robot: str
+    model: str
+    recordings: tuple[CurrentSeries, ...]
+    error: ErrorSummary
+
+
+def to_json(result: Identification) -> dict[str, Any]:
+    """The answer as plain data, ready for JSON; a number that is not finite becomes null."""
+
+    def quantity(one: Quantity) -> dict[str, Any]:
+        return {"value": one.value, "std": one.std, "unit": one.unit}
+
+    answer = {
+        "format": FORMAT,
+        "robot": result.robot,
+        "method": result.method,
+        "effects": list(result.effects),
+        "gains_fitted": result.gains_fitted,
+        "drive_gains": {
+            joint: {**quantity(gain), "nominal": gain.nominal} for joint, gain in result.drive_gains.items()
+        },
+        "parameters": [
+            {"name": one.name, **quantity(one), "grouping": one.grouping} for one in result.parameters
+        ],
+        "left_out": list(result.left_out),
+        "effect_parameters": {
+            effect: {
+                joint: {name: quantity(value) for name, value in values.items()}
+                for joint, values in joints.items()
+            }
+            for effect, joints in result.effect_parameters.items()
+        },
+        "error": asdict(result.error),
+        "rank": result.rank,
+        "unknowns": result.unknowns,
+        "condition": result.condition,
+        "scaled_condition": result.scaled_condition,
+        "deviations": result.deviations,
+        "settings": asdict(result.settings),
+        "covariance": result.covariance.tolist(),
+        "recordings": [
+            {"name": one.name, "use": one.use, "payload": one.payload} for one in result.recordings
+        ],
+        "notes": list(result.notes),
+    }
+    cleaned = _finite(answer)
+    assert isinstance(cleaned, dict)
+    return cleaned
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def save_model(result: Identification, path: str | Path) -> None:
+    """Write the answer as a JSON file, whole or not at all."""
+    write_text_atomically(Path(path), json.dumps(to_json(result), indent=1) + "\n")
+
+
+def load_model(path: str | Path) -> SavedModel:
+    """Read a model file. Raises BenchError that names the file and what is wrong with it."""
+    path = Path(path)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror or error}") from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: not a model file ({error})") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise BenchError(f"{path}: not a model file that `bench identify --json` wrote")
+    try:
+        settings = dict(content["settings"])
+        settings["border"] = tuple(settings["border"])
+        return SavedModel(
+            path=path,
+            robot=str(content["robot"]),
+            effects=tuple(content["effects"]),
+            drive_gains={joint: _number(gain["value"]) for joint, gain in content["drive_gains"].items()},
+            parameters={str(one["name"]): _number(one["value"]) for one in content["parameters"]},
+            left_out=tuple(content["left_out"]),
+            effect_parameters={
+                effect: {
+                    joint: {name: _number(one["value"]) for name, one in values.items()}
+                    for joint, values in joints.items()
+                }
+                for effect, joints in content["effect_parameters"].items()
+            },
+            settings=FilterSettings(**settings),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is not a number")
+    return float(value)
+
+
+def apply_model(dataset: Dataset, saved: SavedModel) -> Comparison:
+    """Model the currents of every recording of a dataset with a saved model; nothing is fitted.
+
+    Raises BenchError where model and dataset do not go together: another robot, or a payload whose
+    parameters are neither declared in the dataset nor in the model.
+    """
+    joints = [actuator.joint for actuator in dataset.robot.actuators]
+    if saved.robot != dataset.robot.name or set(joints) != set(saved.drive_gains):
+        raise BenchError(
+            f"{saved.path}: a model of {saved.robot} ({', '.join(saved.drive_gains)}), but {dataset.folder} is of "
+            f"{dataset.robot.name} ({', '.join(joints)})"
+        )
+    prepared = prepare(dataset, saved.effects, saved.settings, fitted_only=False)
+    solution = Solution(
+        theta=_theta(prepared, saved),
+        gains=np.array([saved.drive_gains[joint] for joint in joints]),
+        weights=np.ones(len(joints)),
+        domain="current",
+        gains_fitted=False,
+    )
+    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints))
+
+
+def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
+    layout: ParameterLayout = prepared.layout
+    values = [_base_value(name, saved) for name in prepared.model.base.names]
+    for payload, index in layout.payloads.items():
+        for name in payload_parameter_names(payload, index):
+            if name not in saved.parameters:
+                unknown = 10 - len(payload_columns(prepared.dataset.payloads[payload]).unknown)
+                raise BenchError(
+                    f"{saved.path}: the model does not know {name}, and the dataset declares {unknown} of 10 "
+                    f"parameters of payload {payload!r}"
+                )
+            values.append(saved.parameters[name])
+    for instance in prepared.effects:
+        joints = saved.effect_parameters.get(instance.effect.name, {})
+        for parameter in instance.effect.parameters:
+            try:
+                values.append(joints[instance.joint][parameter.name])
+            except KeyError:
+                raise BenchError(
+                    f"{saved.path}: no {parameter.name} of {instance.effect.name} at joint {instance.joint!r}"
+                ) from None
+    return np.array(values)
+
+
+def _base_value(name: str, saved: SavedModel) -> float:
+    if name in saved.parameters:
+        return saved.parameters[name]
+    if name in saved.left_out:
+        return 0.0
+    raise BenchError(f"{saved.path}: no base parameter {name}; the robot's geometry has changed since")
