@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -30,8 +29,9 @@ FOREIGN = {
 
 @dataclass(frozen=True)
 class CsvText:
-    """`names` are the columns of the header; `body` is the text after it, from line `first_line` on."""
+    """A file `path`: the `names` of its header, and `body`, the text after it, from line `first_line` on."""
 
+    path: Path
     names: tuple[str, ...]
     body: str
     first_line: int
@@ -78,16 +78,17 @@ class CsvText:
     @cached_property
     def _rows(self) -> list[tuple[int, list[str]]]:
         """Line number and cells of each line that is not blank, as the fast reader counts them."""
-        return list(_rows(self.body, self.first_line, self.delimiter))
-
-
-def _rows(text: str, first_line: int, delimiter: str) -> Iterator[tuple[int, list[str]]]:
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
-    start = 0
-    for cells in reader:
-        if cells:
-            yield first_line + start, cells
-        start = reader.line_num
+        reader = csv.reader(io.StringIO(self.body, newline=""), delimiter=self.delimiter)
+        rows = []
+        start = self.first_line
+        try:
+            for cells in reader:
+                if cells:
+                    rows.append((start, cells))
+                start = self.first_line + reader.line_num
+        except csv.Error as error:
+            raise BenchError(f"{self.path}: line {start}: {error} (a quotation mark left open?)") from error
+        return rows
 
 
 def split_csv(path: Path, content: bytes) -> CsvText:
@@ -119,7 +120,9 @@ def split_csv(path: Path, content: bytes) -> CsvText:
     if all(_is_number(name.replace(",", ".")) for name in names):
         raise BenchError(f"{path}: line {first_line - 1}: has no header line that names the columns")
     first_row = body.lstrip().split("\n", 1)[0]
-    return CsvText(names, body if end else "", first_line, delimiter, delimiter != "," and "," in first_row)
+    return CsvText(
+        path, names, body if end else "", first_line, delimiter, delimiter != "," and "," in first_row
+    )
 
 
 def _is_number(cell: str) -> bool:

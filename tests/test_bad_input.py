@@ -35,7 +35,7 @@ def test_whatever_happens_to_a_file_it_is_read_or_refused(name: str, tmp_path: P
     good = path.read_bytes()
     chance = random.Random(name)
     pieces = (b'"', b"\n", b",", b";", b"\r", b"\x00", b"nan", b"1e400", b"[", b"\xc3\xa4", b"\xff", b"-")
-    refused = 0
+    messages = []
     for _ in range(60):
         spoilt = bytearray(good)
         for _ in range(chance.choice((1, 1, 5))):
@@ -46,6 +46,6 @@ def test_whatever_happens_to_a_file_it_is_read_or_refused(name: str, tmp_path: P
         try:
             load_dataset(folder)
         except BenchError as error:
-            refused += 1
-            assert "\n" not in str(error)
-    assert refused > 20
+            messages.append(str(error))
+    assert len(messages) > 20
+    assert [message for message in messages if "\n" in message] == []
