@@ -11,9 +11,9 @@ from bench.effects.effect import Effect, EffectParameter, JointSignals
 class CoulombFriction(Effect):
     """tau = Fc sign(qd): dry friction of constant size against the motion.
 
-    Fc: Coulomb friction, positive, N*m or N. Valid while the joint slides; around standstill the real friction
-    is a spring before it slides. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
-    2002, 9.3.
+    Fc: Coulomb friction, positive, N*m or N. Valid while the joint slides; around standstill the real
+    friction is a spring before it slides. Source: Khalil and Dombre, "Modeling, Identification and Control of
+    Robots", 2002, 9.3.
     """
 
     name = "coulomb_friction"
