@@ -18,6 +18,15 @@ from bench.cli.lazy import LazyCommand, LazyGroup
 from bench.errors import BenchError
 
 COMMANDS = {
+    "identify": LazyCommand(
+        "bench.cli.identify:identify", "Identify drive gains and dynamic parameters from a dataset."
+    ),
+    "compare": LazyCommand(
+        "bench.cli.compare:compare", "Apply a saved model to the recordings of a dataset; nothing is fitted."
+    ),
+    "simulate": LazyCommand(
+        "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset."
+    ),
     "import": LazyCommand(
         "bench.cli.import_log:import_log", "Turn a .mat, .csv, .npz or .parquet log into a dataset."
     ),

@@ -1,7 +1,8 @@
 """From a dataset to drive gains, base parameters and effect parameters."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def identify(
     effects: Sequence[str] = (),
     method: str = DEFAULT_METHOD,
     *,
-    settings: FilterSettings | None = None,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
     deviations: Deviations = "autocorrelated",
     fit_gains: bool | None = None,
     essential: bool = False,
@@ -73,11 +74,11 @@ def identify(
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
     effects: names as EFFECT or EFFECT:JOINT, added to the rigid-body model. method: current, ls, wls, tls or
-    wtls. settings: filters; chosen from the spectra by default. deviations: how standard deviations are
+    wtls. filters: settings, or some of them by name; the others are chosen from the spectra. deviations: how standard deviations are
     computed. fit_gains: by default, where a fitted recording carries a payload of known mass; without one
     the gains stay nominal. essential: leave out base parameters that the data do not need. Raises BenchError naming what in the data or the robot cannot be used.
     """
-    prepared = prepare(dataset, effects, settings)
+    prepared = prepare(dataset, effects, filters)
     return fit(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
 
 
@@ -91,10 +92,13 @@ def prepare(
     joints = [actuator.joint for actuator in dataset.robot.actuators]
     instances = select_effects(effects, joints)
     model = build_model(dataset.robot)
-    if settings is None:
-        settings = choose_settings(
+    if isinstance(filters, FilterSettings):
+        settings = filters
+    else:
+        chosen = choose_settings(
             [one.position for one in fitted], [one.current for one in fitted], fitted[0].rate
         )
+        settings = replace(chosen, **(filters or {}))
     count = sum(len(one.effect.parameters) for one in instances)
     carried = [one.payload for one in fitted]
     declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]

@@ -84,9 +84,7 @@ def to_json(result: Identification) -> dict[str, Any]:
         ],
         "notes": list(result.notes),
     }
-    cleaned = _finite(answer)
-    assert isinstance(cleaned, dict)
-    return cleaned
+    return dict(_finite(answer))
 
 
 def _finite(value: Any) -> Any:
@@ -198,3 +196,18 @@ def _base_value(name: str, saved: SavedModel) -> float:
     if name in saved.left_out:
         return 0.0
     raise BenchError(f"{saved.path}: no base parameter {name}; the robot's geometry has changed since")
+
+
+def comparison_json(comparison: Comparison) -> dict[str, Any]:
+    """The comparison as plain data."""
+    answer = _finite(
+        {
+            "robot": comparison.robot,
+            "model": comparison.model,
+            "error": asdict(comparison.error),
+            "recordings": [
+                {"name": one.name, "use": one.use, "payload": one.payload} for one in comparison.recordings
+            ],
+        }
+    )
+    return dict(answer)

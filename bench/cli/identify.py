@@ -1,0 +1,87 @@
+"""`bench identify`: from recordings to drive gains and dynamic parameters."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.cli.options import (
+    METHODS,
+    dataset_argument,
+    filter_options,
+    given_filters,
+    json_option,
+    with_option,
+)
+
+
+@click.command("identify")
+@dataset_argument
+@with_option
+@click.option(
+    "--method", type=click.Choice(METHODS), default="current", show_default=True, help="The estimator."
+)
+@click.option(
+    "--gains",
+    type=click.Choice(["auto", "fit", "nominal"]),
+    default="auto",
+    show_default=True,
+    help="Fit the drive gains where a payload of known mass gives their scale, or keep them nominal.",
+)
+@click.option("--essential", is_flag=True, help="Leave out base parameters that the data do not need.")
+@click.option(
+    "--deviations",
+    type=click.Choice(["autocorrelated", "independent"]),
+    default="autocorrelated",
+    show_default=True,
+    help="Standard deviations for errors that are alike from one sample to the next, or by the customary formula.",
+)
+@filter_options
+@json_option
+@click.option(
+    "--rrd", "rrd_file", type=click.Path(path_type=Path), metavar="FILE", help="Write a Rerun recording."
+)
+@click.option("-v", "--verbose", is_flag=True, help="Print groupings in full.")
+def identify(
+    dataset: Path,
+    effects: tuple[str, ...],
+    method: str,
+    gains: str,
+    essential: bool,
+    deviations: Any,
+    json_file: Path | None,
+    rrd_file: Path | None,
+    verbose: bool,
+    **filters: Any,
+) -> None:
+    """Identify drive gains and dynamic parameters from a dataset.
+
+    DATASET is a folder with a dataset.toml. With a recording that carries a payload of known mass beside one
+    without, the drive gains are identified as well.
+    """
+    from rich.console import Console
+
+    from bench.dataset import load_dataset
+    from bench.estimate.identify import identify as run
+    from bench.estimate.model_file import save_model
+    from bench.show.tables import identification_report
+
+    data = load_dataset(dataset)
+    result = run(
+        data,
+        effects,
+        method,
+        filters=given_filters(**filters),
+        deviations=deviations,
+        fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
+        essential=essential,
+    )
+    identification_report(result, Console(), verbose=verbose)
+    if json_file is not None:
+        save_model(result, json_file)
+        click.echo(f"Model: {json_file}")
+    if rrd_file is not None:
+        from bench.show.recording import write_rrd
+
+        write_rrd(rrd_file, result, data)
+        click.echo(f"Recording: {rrd_file} (open it with: rerun {rrd_file})")

@@ -1,0 +1,77 @@
+"""Options that several commands share."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.errors import BenchError
+
+METHODS = ("current", "ls", "tls", "wls", "wtls")
+
+Command = Callable[..., Any]
+
+dataset_argument = click.argument("dataset", type=click.Path(path_type=Path))
+
+with_option = click.option(
+    "--with",
+    "effects",
+    multiple=True,
+    metavar="EFFECT[:JOINT]",
+    help="Add an effect to the model, on every actuator or on one. Repeat for each.",
+)
+
+json_option = click.option(
+    "--json", "json_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the answer as JSON."
+)
+
+
+def filter_options(command: Command) -> Command:
+    """The filters: each is chosen from the data's spectra unless it is given."""
+    for option in reversed(
+        (
+            click.option("--position-cutoff", type=float, metavar="HZ", help="Low-pass on positions."),
+            click.option(
+                "--decimation",
+                type=int,
+                metavar="N",
+                help="Keep one sample in N after the low-pass of the fit.",
+            ),
+            click.option("--filter-order", type=int, metavar="N", help="Order of the low-pass on positions."),
+            click.option(
+                "--difference-order",
+                type=int,
+                metavar="N",
+                help="Order of the central differences: 2, 4, 6, 8.",
+            ),
+            click.option(
+                "--border", metavar="START,END", help="Samples dropped at both ends, after differentiation."
+            ),
+        )
+    ):
+        command = option(command)
+    return command
+
+
+def given_filters(
+    position_cutoff: float | None,
+    decimation: int | None,
+    filter_order: int | None,
+    difference_order: int | None,
+    border: str | None,
+) -> dict[str, Any]:
+    """The filter settings that were given, by the names of `FilterSettings`."""
+    given: dict[str, Any] = {
+        "position_cutoff": position_cutoff,
+        "decimation": decimation,
+        "filter_order": filter_order,
+        "difference_order": difference_order,
+    }
+    if border is not None:
+        try:
+            start, end = (int(part) for part in border.split(","))
+        except ValueError:
+            raise BenchError(f"--border {border!r}: give two whole numbers, such as 49,0") from None
+        given["border"] = (start, end)
+    return {name: value for name, value in given.items() if value is not None}
