@@ -28,6 +28,8 @@ from bench.scenario_tables import Design, PayloadTable, RecordingTable, Scenario
 from bench.toml_input import UserTable, first_mistake
 from bench.trajectory import FourierTrajectory, random_trajectory
 
+Array = NDArray[np.float64]
+
 TOLERANCES: Mapping[str, str] = {
     "gain_error": "largest relative deviation of an estimated drive gain from the true one",
     "identify_error": "relative error of the current, all fitted recordings",
@@ -96,14 +98,14 @@ def scenario_from_dict(content: Mapping[str, Any], name: str, origin: str | None
     return Scenario(name, robot, reference, settings)
 
 
-def per_joint(value: float | Mapping[str, float], joints: Sequence[str]) -> NDArray[np.float64]:
+def per_joint(value: float | Mapping[str, float], joints: Sequence[str]) -> Array:
     """A number for all joints, or a table joint = number, as an array (n,) in the order of `joints`."""
     if isinstance(value, Mapping):
         return np.array([value[joint] for joint in joints], dtype=float)
     return np.full(len(joints), float(value))
 
 
-def home_position(robot: Robot) -> NDArray[np.float64]:
+def home_position(robot: Robot) -> Array:
     """Positions of the actuated joints (n,) in the keyframe `home`, or in the reference pose without one."""
     model = mujoco.MjModel.from_xml_path(str(robot.model_path))
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
@@ -127,9 +129,10 @@ def resolve_trajectories(
             " and nothing here designs one: give the trajectory, or set optimise = false"
         )
     designed = dict(designer(scenario, to_design)) if to_design and designer is not None else {}
+    home = home_position(scenario.robot)
     trajectories = {}
     for recording in scenario.settings.recordings:
-        trajectory = designed.get(recording.name) or _given_trajectory(scenario, recording)
+        trajectory = designed.get(recording.name) or _given_trajectory(scenario, recording, home)
         if len(trajectory.center) != len(joints):
             raise BenchError(
                 f"scenario {scenario.name}: the trajectory of recording {recording.name!r} is for"
@@ -139,7 +142,7 @@ def resolve_trajectories(
     return trajectories
 
 
-def design_center(robot: Robot, design: Design) -> NDArray[np.float64]:
+def design_center(robot: Robot, design: Design) -> Array:
     """The center (n,) of a designed trajectory: as given, or the home pose."""
     return home_position(robot) if design.center is None else per_joint(design.center, robot.joints)
 
@@ -162,27 +165,27 @@ def payload_declared(name: str, table: PayloadTable) -> Payload:
     )
 
 
-def _given_trajectory(scenario: Scenario, recording: RecordingTable) -> FourierTrajectory:
+def _given_trajectory(scenario: Scenario, recording: RecordingTable, home: Array) -> FourierTrajectory:
     try:
         if recording.trajectory is not None:
             return FourierTrajectory.from_dict(recording.trajectory)
         if recording.trajectory_file is not None:
             return FourierTrajectory.from_dict(read_table(Path(recording.trajectory_file)))
         if recording.design is not None:
-            return _random(scenario.robot, recording.design)
+            return _random(scenario.robot, recording.design, home)
     except BenchError as error:
         raise BenchError(f"scenario {scenario.name}: recording {recording.name!r}: {error}") from error
     raise BenchError(f"scenario {scenario.name}: recording {recording.name!r} has no trajectory")
 
 
-def _random(robot: Robot, design: Design) -> FourierTrajectory:
+def _random(robot: Robot, design: Design, home: Array) -> FourierTrajectory:
     acceleration = np.inf if design.acceleration_limit is None else design.acceleration_limit
     span, velocity, limit = (
         per_joint(x, robot.joints) for x in (design.span, design.velocity_limit, acceleration)
     )
     return random_trajectory(
         design.seed,
-        design_center(robot, design),
+        home if design.center is None else per_joint(design.center, robot.joints),
         span,
         velocity,
         acceleration_limit=limit,

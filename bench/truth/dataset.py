@@ -64,6 +64,8 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
     except OSError as error:
         raise BenchError(f"{folder}: cannot be written: {error.strerror}") from error
     finally:
+        if old.exists() and not target.exists():  # interrupted between the two renames
+            old.rename(target)
         shutil.rmtree(partial, ignore_errors=True)
         shutil.rmtree(old, ignore_errors=True)
     return truth_path(target)

@@ -18,15 +18,18 @@ def loop_gaps(model: mujoco.MjModel, qpos: Array) -> Array:
     """
     loops = [i for i in range(model.neq) if model.eq_active0[i]]
     gaps = np.zeros((len(qpos), len(loops)))
-    for start in range(0, len(qpos) if loops else 0, CHUNK):
+    if gaps.size == 0:
+        return gaps
+    batch = Batch(model, min(CHUNK, len(qpos)), 1)
+    points = {name: batch.bind(name) for name in ("xpos", "xmat", "site_xpos")}
+    for start in range(0, len(qpos), CHUNK):
         poses = qpos[start : start + CHUNK]
-        batch = Batch(model, len(poses), 1)
-        batch.qpos = poses
-        points = {name: batch.bind(name) for name in ("xpos", "xmat", "site_xpos")}
-        batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_POS))
+        count = len(poses)
+        batch.bind("qpos")[:count] = poses
+        batch.forward(np.arange(count), stage=int(mujoco.mjtStage.mjSTAGE_POS))
         for column, loop in enumerate(loops):
             one, other = _halves(model, loop, points)
-            gaps[start : start + CHUNK, column] = np.linalg.norm(one - other, axis=1)
+            gaps[start : start + count, column] = np.linalg.norm(one - other, axis=1)[:count]
     return gaps
 
 
