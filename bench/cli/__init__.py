@@ -22,7 +22,7 @@ COMMANDS = {
         "bench.cli.identify:identify", "Identify drive gains and dynamic parameters from a dataset."
     ),
     "compare": LazyCommand(
-        "bench.cli.compare:compare", "Apply a saved model to the recordings of a dataset; nothing is fitted."
+        "bench.cli.compare:compare", "Apply a saved model to a dataset's recordings; nothing is fitted."
     ),
     "simulate": LazyCommand(
         "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset."

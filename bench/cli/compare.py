@@ -19,7 +19,7 @@ from bench.cli.options import dataset_argument, json_option
 )
 @json_option
 def compare(dataset: Path, model_file: Path, json_file: Path | None) -> None:
-    """Apply a saved model to the recordings of a dataset; nothing is fitted."""
+    """Apply a saved model to a dataset's recordings; nothing is fitted."""
     import json
 
     from rich.console import Console
