@@ -1,0 +1,33 @@
+"""The same true motion, logged again: other noise, other sensors, another seed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from bench.scenario import Scenario
+from bench.truth.sensors import sense
+from bench.truth.simulate import Simulation
+
+
+def sense_again(simulation: Simulation, scenario: Scenario) -> Simulation:
+    """Log the motion of `simulation` with the sensors and the seed of `scenario`.
+
+    Only these two may differ between the scenarios; what moves the machine is taken as it was.
+    """
+    settings = scenario.settings
+    recordings = tuple(
+        replace(
+            one,
+            log=sense(
+                settings.sensors,
+                scenario.robot.joints,
+                settings.seed,
+                one.name,
+                one.motion.time,
+                one.position,
+                one.current,
+            ),
+        )
+        for one in simulation.recordings
+    )
+    return replace(simulation, scenario=scenario, recordings=recordings)
