@@ -42,8 +42,8 @@ class Recording:
 
     @property
     def rate(self) -> float:
-        """Samples per second, Hz."""
-        return float((self.time.size - 1) / (self.time[-1] - self.time[0]))
+        """Samples per second, Hz, to twelve digits."""
+        return float(f"{(self.time.size - 1) / (self.time[-1] - self.time[0]):.12g}")
 
 
 def write_recording(
