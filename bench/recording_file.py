@@ -12,7 +12,7 @@ from bench.errors import BenchError
 from bench.joint_facts import JointFacts
 from bench.recording import Recording, Use
 from bench.recording_checks import Channel, Finding, find
-from bench.sampling import nearest, resample, time_fault, uniform_grid
+from bench.sampling import on_uniform_grid, time_fault
 from bench.table_file import Table, read_table
 
 
@@ -52,12 +52,9 @@ def recording_from_table(
     extra = {
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
     }
-    if (grid := uniform_grid(time)) is not None:
-        signals = resample(time, signals, grid)
-        extra = {column: nearest(time, values, grid) for column, values in extra.items()}
-        time = grid
     n = len(joints)
-    return Recording(name, use, payload, time, signals[:, :n], signals[:, n:], extra)
+    gridded = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra)
+    return Recording(name, use, payload, *gridded)
 
 
 def _check_columns(table: Table, needed: Sequence[str]) -> None:

@@ -2,14 +2,18 @@
 
 Positions are differentiated twice, so a recording must lie on a uniform grid. Real logs nearly do:
 
-- time stamps within a thousandth of a step of a uniform grid are taken as they are (rounded stamps);
-- stamps that jitter more are believed: every signal is read off at the grid's instants by a cubic spline
-  through the samples (other columns: the nearest sample);
+- stamps within a thousandth of a step of a uniform grid are on it (rounded stamps);
+- stamps that jitter more may tell when the samples were really taken, or only when they were written down.
+  The positions decide: a joint moves smoothly. When a cubic spline through the stamps, read off at the grid,
+  is smoother than the samples as they stand, the stamps were right and every signal is read off so (other
+  columns: the nearest sample); else the samples stand and only the time column becomes uniform;
+- stamps half a step or more away from the grid (a clock that drifts, a late sample) are always believed;
 - a sample that was lost is a gap and an error: nothing is invented between two samples.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +24,8 @@ FEWEST = 100  # samples: filters and decimation need some to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
 FASTEST_STEP = 5e-6  # s: and slower than 200 kHz
 UNIFORM = 1e-3  # of a step: stamps this near to a uniform grid are on it
+SMOOTHER = 0.9  # a spline smooths a little noise by itself; less than this is the stamps' merit
+TINY = 1e-300
 GAP = 1.5  # steps: a longer one is a gap, unless a neighbouring step makes good for it
 
 Array = npt.NDArray[np.float64]
@@ -86,19 +92,29 @@ def _more(count: int) -> str:
     return f" (and {count - 1} more)" if count > 1 else ""
 
 
-def uniform_grid(time: Array) -> Array | None:
-    """The uniform grid (N,) from the first stamp to the last, None when the stamps already lie on it."""
+def on_uniform_grid(
+    time: Array, position: Array, current: Array, extra: Mapping[str, Array]
+) -> tuple[Array, Array, Array, dict[str, Array]]:
+    """A recording's time (N,), position (N, n), current (N, n) and other columns (N,) on a uniform grid."""
     grid = np.linspace(time[0], time[-1], time.size)
-    step = (time[-1] - time[0]) / (time.size - 1)
-    return None if np.abs(time - grid).max() <= UNIFORM * step else grid
+    away = np.abs(time - grid).max() / (grid[1] - grid[0])
+    if away <= UNIFORM:
+        return time, position, current, dict(extra)
+    read = np.asarray(make_interp_spline(time, np.hstack([position, current]), k=3)(grid))
+    n = position.shape[1]
+    if away < 0.5 and _roughness(read[:, :n]) > SMOOTHER * _roughness(position):
+        return grid, position, current, dict(extra)
+    chosen = nearest(time, grid)
+    return grid, read[:, :n], read[:, n:], {name: values[chosen] for name, values in extra.items()}
 
 
-def resample(time: Array, signals: Array, grid: Array) -> Array:
-    """Signals (N, m) sampled at the stamps `time` (N,), read off at `grid` (N,) by a cubic spline: (N, m)."""
-    return np.asarray(make_interp_spline(time, signals, k=3)(grid))
+def _roughness(signals: Array) -> float:
+    """Geometric mean over the columns of the RMS of their fourth differences, relative to their range."""
+    rough = np.sqrt(np.mean(np.diff(signals, 4, axis=0) ** 2, axis=0))
+    return float(np.exp(np.mean(np.log(rough / np.maximum(np.ptp(signals, axis=0), TINY) + TINY))))
 
 
-def nearest(time: Array, values: Array, grid: Array) -> Array:
-    """Values (N,) sampled at the stamps `time` (N,): for each instant of `grid` that of the nearest stamp."""
+def nearest(time: Array, grid: Array) -> npt.NDArray[np.intp]:
+    """For each instant of `grid` (M,) the index of the nearest of the stamps `time` (N,): (M,)."""
     after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
-    return values[np.where(grid - time[after - 1] <= time[after] - grid, after - 1, after)]
+    return np.where(grid - time[after - 1] <= time[after] - grid, after - 1, after)

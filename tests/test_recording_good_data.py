@@ -104,6 +104,29 @@ def test_jitter_of_the_sampling_is_accepted_and_undone(jitter: float, tmp_path: 
     assert wrong < 1e-2 * np.abs(np.gradient(position, ideal, axis=0)).max() / RATE * max(jitter, 1e-3)
 
 
+@pytest.mark.parametrize("encoder", [0.0, 2 * np.pi / 2**20])
+def test_stamps_that_were_written_down_late_do_not_move_the_samples(encoder: float, tmp_path: Path) -> None:
+    folder = write_good_dataset(tmp_path)
+    position, current = movement(time_stamps())
+    if encoder:
+        position = np.round(position / encoder) * encoder
+    stamps = time_stamps() + 0.1 / RATE * np.random.default_rng(0).uniform(-1, 1, COUNT)
+    write_recording(folder / CSV, stamps, position, current, JOINTS)
+    recording = load_dataset(folder).recordings[0]
+    assert np.array_equal(recording.position, position)
+    assert np.array_equal(recording.current, current)
+    assert np.ptp(np.diff(recording.time)) < 1e-12
+
+
+def test_a_clock_that_drifts_is_believed(tmp_path: Path) -> None:
+    folder = write_good_dataset(tmp_path)
+    stamps = time_stamps() * (1 + 0.01 * time_stamps() / time_stamps()[-1])
+    position, current = movement(stamps)
+    write_recording(folder / CSV, stamps, position, current, JOINTS)
+    recording = load_dataset(folder).recordings[0]
+    assert np.abs(recording.position - movement(recording.time)[0])[20:-20].max() < 1e-6
+
+
 def test_a_late_sample_is_no_gap(tmp_path: Path) -> None:
     folder = write_good_dataset(tmp_path)
     stamps = time_stamps()
