@@ -9,7 +9,7 @@ from bench.dataset import load_dataset
 from bench.joint_facts import JointFacts
 from bench.recording import write_recording
 from bench.recording_checks import Channel, find
-from tests.broken import CSV, edit, edit_lines
+from tests.broken_kit import CSV, edit, edit_lines
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_good_dataset
 
 WHEEL = JointFacts("wheel", "hinge", None, None, 0.0, in_loop=True)
