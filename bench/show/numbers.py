@@ -1,0 +1,124 @@
+"""Numbers, units and names as people read them; used by tables, figures and Rerun documents alike."""
+
+import math
+import re
+
+from bench.estimate.result import DriveGain, Identification, Quantity
+
+POOR = 0.3  # relative deviation above which a value says little
+GIVEN = "given"
+
+_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+def pretty_unit(unit: str) -> str:
+    """A unit as it is printed: "N*m/A" -> "N·m/A", "kg*m^2" -> "kg·m²"."""
+    raised = re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(_SUPERSCRIPT), unit)
+    return raised.replace("*", "·")
+
+
+def value_and_deviation(value: float, std: float) -> tuple[str, str]:
+    """A value to the digits that its standard deviation supports, and the deviation to two digits."""
+    if not (math.isfinite(value) and math.isfinite(std)):
+        return f"{value:.5g}", f"{std:.2g}"
+    if std == 0.0:
+        return f"{value:.6g}", GIVEN
+    leading = math.floor(math.log10(float(f"{std:.1e}")))
+    decimals = 1 - leading
+    if leading < -6 or max(abs(value), std) >= 1e6:
+        return f"{value:.4e}", f"{std:.1e}"
+    return f"{value:.{max(decimals, 0)}f}", f"{std:.{max(decimals, 0)}f}"
+
+
+def percent(share: float | None, *, signed: bool = False) -> str:
+    """A share as a percentage of about three digits; "–" where there is none."""
+    if share is None or math.isnan(share):
+        return "–"
+    value = 100.0 * share
+    size = abs(value)
+    if size >= 1000.0:
+        return f"{'<-' if value < 0 else '>'}1000 %"
+    if size >= 99.5:
+        text = f"{size:.0f}"
+    elif size >= 0.9995:
+        text = f"{size:.2f}"
+    elif size >= 0.00095 or size == 0.0:
+        text = f"{size:.3f}"
+    else:
+        text = f"{size:.1e}"
+    return f"{'-' if value < 0 else '+' if signed else ''}{text} %"
+
+
+def deviations_away(quantity: Quantity, truth: float) -> str:
+    """How far a value lies from the truth, in standard deviations; "–" for a value that was given."""
+    if not quantity.std:
+        return "–"
+    return f"{(quantity.value - truth) / quantity.std:+.1f} σ"
+
+
+def relative_error_to(quantity: Quantity, truth: float) -> str:
+    """How far a value lies from the truth, in percent of the truth."""
+    return percent(quantity.value / truth - 1.0, signed=True) if truth else "–"
+
+
+def gain_change(gain: DriveGain) -> float:
+    """Change of a drive gain against its nominal value, as a share of the latter."""
+    return gain.value / gain.nominal - 1.0
+
+
+def is_poor(quantity: Quantity) -> bool:
+    """Whether the standard deviation is so large a share of the value that it says little."""
+    return quantity.relative_std > POOR
+
+
+def other_terms(name: str, grouping: str) -> list[str]:
+    """The standard parameters that a base parameter takes up beside its own, each with sign and factor."""
+    terms = re.split(r" (?=[+-] )", grouping)
+    return terms[1:] if terms[0] == name else terms
+
+
+def rounded_terms(terms: list[str]) -> list[str]:
+    """The same terms with factors of three digits."""
+    return [
+        re.sub(r"^([+-] )?(\d\S*) ", lambda m: f"{m.group(1) or ''}{float(m.group(2)):.3g} ", term)
+        for term in terms
+    ]
+
+
+def flat_effects(
+    result: Identification,
+) -> list[tuple[str, str, str, Quantity]]:
+    """(effect, joint, parameter, quantity) for every effect parameter, in the model's order."""
+    return [
+        (effect, joint, name, quantity)
+        for effect, joints in result.effect_parameters.items()
+        for joint, values in joints.items()
+        for name, quantity in values.items()
+    ]
+
+
+def effect_key(effect: str, joint: str, parameter: str) -> str:
+    """Under which name the truth of an effect parameter is given: "viscous_friction:left.Fv"."""
+    return f"{effect}:{joint}.{parameter}"
+
+
+def fit_rate(result: Identification) -> float | None:
+    """Rows per second after decimation [Hz]; None without a recording of two samples."""
+    for series in result.recordings:
+        if len(series.time) > 1:
+            return float((len(series.time) - 1) / (series.time[-1] - series.time[0]))
+    return None
+
+
+def settings_lines(result: Identification) -> list[str]:
+    """Rank, conditioning and filters, one line each."""
+    rows = sum(one.measured.size for one in result.recordings if one.use == "identify")
+    rate = fit_rate(result)
+    filters = f"positions low-passed at {result.settings.position_cutoff:.4g} Hz"
+    if rate is not None:
+        filters += f", fit at {rate:.4g} Hz (one sample in {result.settings.decimation})"
+    return [
+        f"{rows} equations, {result.unknowns} unknowns, rank {result.rank}",
+        f"condition number {result.condition:.4g}, with columns of unit length {result.scaled_condition:.4g}",
+        filters,
+    ]
