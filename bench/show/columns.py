@@ -23,6 +23,7 @@ class Column:
 
     @property
     def width(self) -> int:
+        """Columns of the terminal that the widest cell takes."""
         return max(cell_len(text) for text in (self.header, *self.cells))
 
 

@@ -7,6 +7,7 @@ from bench.estimate.result import DriveGain, Identification, Quantity
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
+USES = {"identify": "fitted", "validate": "not fitted"}
 
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -15,6 +16,11 @@ def pretty_unit(unit: str) -> str:
     """A unit as it is printed: "N*m/A" -> "N·m/A", "kg*m^2" -> "kg·m²"."""
     raised = re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(_SUPERSCRIPT), unit)
     return raised.replace("*", "·")
+
+
+def current_unit(gain_unit: str) -> str:
+    """The drive's unit, A or V, out of the unit of a gain."""
+    return gain_unit.rsplit("/", maxsplit=1)[-1]
 
 
 def value_and_deviation(value: float, std: float) -> tuple[str, str]:

@@ -12,6 +12,7 @@ from bench.show.columns import Column, aligned_pair, fit_columns, table_of
 from bench.show.numbers import (
     GIVEN,
     POOR,
+    USES,
     deviations_away,
     effect_key,
     flat_effects,
@@ -31,7 +32,6 @@ Truth = Mapping[str, float]
 
 WIDTH = 100  # columns of a table that is asked for by itself
 NARROWEST_GROUPING = 14  # columns below which a grouping says nothing
-USES = {"identify": "fitted", "validate": "not fitted"}
 POOR_STYLE = "yellow"
 
 
@@ -224,7 +224,8 @@ def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: S
 def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
     poor = sum(is_poor(one) for one in quantities)
     if poor:
-        text = f"! {poor} of {len(quantities)} poorly determined: deviation above {100 * POOR:.0f} % of the value"
+        share = f"deviation above {100 * POOR:.0f} % of the value"
+        text = f"! {poor} of {len(quantities)} poorly determined: {share}"
         console.print(Text(text, POOR_STYLE))
 
 
