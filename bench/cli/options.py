@@ -46,6 +46,12 @@ def filter_options(command: Command) -> Command:
                 help="Order of the central differences: 2, 4, 6, 8.",
             ),
             click.option(
+                "--keep-standstill",
+                is_flag=True,
+                default=None,
+                help="Fit and judge the rows of joints that stand still, too.",
+            ),
+            click.option(
                 "--border", metavar="START,END", help="Samples dropped at both ends, after differentiation."
             ),
         )
@@ -59,6 +65,7 @@ def given_filters(
     decimation: int | None,
     filter_order: int | None,
     difference_order: int | None,
+    keep_standstill: bool | None,
     border: str | None,
 ) -> dict[str, Any]:
     """The filter settings that were given, by the names of `FilterSettings`."""
@@ -67,6 +74,7 @@ def given_filters(
         "decimation": decimation,
         "filter_order": filter_order,
         "difference_order": difference_order,
+        "keep_standstill": keep_standstill,
     }
     if border is not None:
         try:

@@ -66,14 +66,19 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     rank = int((singular > 1e-10 * singular[0]).sum())
     inverse = np.linalg.pinv(np.einsum("kjp,kjq->pq", jacobian, jacobian), rcond=1e-18, hermitian=True)
     if deviations == "independent":
-        middle = inverse * float(residual.reshape(-1).var(ddof=1))
+        middle = inverse * float(residual[stack.moving].var(ddof=1))
     else:
         score = sum(
-            _autocorrelated(jacobian[a:b, j], residual[a:b, j], _covariances(residual[:, j], stack.starts))
+            _autocorrelated(
+                jacobian[a:b, j],
+                residual[a:b, j],
+                _covariances(residual[:, j], stack.moving[:, j], stack.starts),
+            )
             for j in range(n)
             for a, b in zip(stack.starts, (*stack.starts[1:], samples), strict=True)
         )
-        freedom = samples * n / max(samples * n - size, 1)
+        equations = int(stack.moving.sum())
+        freedom = equations / max(equations - size, 1)
         middle = inverse @ score @ inverse * freedom
     covariance = np.zeros((stack.phi.shape[2] + n,) * 2)
     covariance[:size, :size] = middle / np.outer(lengths, lengths)
@@ -86,12 +91,21 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     )
 
 
-def _covariances(residual: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
-    """Tapered autocovariances of one motor's residual, pooled over the recordings, (L + 1,)."""
-    pieces = [residual[a:b] for a, b in zip(starts, (*starts[1:], len(residual)), strict=True)]
-    lags = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), min(len(piece) for piece in pieces) - 1)
-    values = np.array([sum(float(x[: len(x) - k] @ x[k:]) for x in pieces) for k in range(lags + 1)])
-    return values / len(residual) * (1.0 - np.arange(lags + 1) / (lags + 1.0))
+def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
+    """Tapered autocovariances (L + 1,) of one motor's residual (M,), zero where not moving, over all recordings."""
+    ends = (*starts[1:], len(residual))
+    lags = min(
+        int(np.ceil(1.5 * len(residual) ** (1 / 3))),
+        min(b - a for a, b in zip(starts, ends, strict=True)) - 1,
+    )
+    values = np.zeros(lags + 1)
+    for lag in range(lags + 1):
+        pairs = count = 0.0
+        for a, b in zip(starts, ends, strict=True):
+            pairs += float(residual[a : b - lag] @ residual[a + lag : b])
+            count += float(moving[a : b - lag] @ moving[a + lag : b].astype(float))
+        values[lag] = pairs / max(count, 1.0)
+    return values * (1.0 - np.arange(lags + 1) / (lags + 1.0))
 
 
 def _autocorrelated(jacobian: np.ndarray, residual: np.ndarray, covariances: np.ndarray) -> np.ndarray:

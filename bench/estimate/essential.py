@@ -17,7 +17,8 @@ Solve = Callable[[Stack, np.ndarray], Solution]
 def reduced(stack: Stack, kept: np.ndarray) -> Stack:
     """The equations with some columns of phi only, kept (k,) indices."""
     phi = stack.phi[:, :, kept]
-    return Stack(phi, stack.kappa, stack.current, stack.starts, compress(phi, stack.kappa, stack.current))
+    factors = compress(phi, stack.kappa, stack.current)
+    return Stack(phi, stack.kappa, stack.current, stack.moving, stack.starts, factors)
 
 
 def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: Deviations) -> np.ndarray:

@@ -11,8 +11,8 @@ from bench.effects import EffectInstance, select_effects
 from bench.errors import BenchError
 from bench.estimate.column_errors import column_errors
 from bench.estimate.deviations import Deviations, Uncertainty, uncertainty
-from bench.estimate.estimators import DEFAULT_METHOD, Request, solve
 from bench.estimate.essential import essential_columns, expanded, reduced
+from bench.estimate.estimators import DEFAULT_METHOD, Request, solve
 from bench.estimate.identifiability import check_gains_identifiable
 from bench.estimate.layout import (
     ParameterLayout,
@@ -83,10 +83,19 @@ def identify(
 
 
 def prepare(
-    dataset: Dataset, effects: Sequence[str] = (), settings: FilterSettings | None = None
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    *,
+    fitted_only: bool = True,
 ) -> Prepared:
-    """Build the model and turn every recording into equations, filtered and decimated alike."""
-    fitted = [recording for recording in dataset.recordings if recording.use == "identify"]
+    """Build the model and turn every recording into equations, filtered and decimated alike.
+
+    The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
+    from all. A recording whose payload no such recording carries is left aside, unless all parameters of
+    the payload are declared.
+    """
+    fitted = [one for one in dataset.recordings if one.use == "identify" or not fitted_only]
     if not fitted:
         raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
     joints = [actuator.joint for actuator in dataset.robot.actuators]
@@ -128,9 +137,10 @@ def fit(
         carried = [one.payload_name for one in prepared.fitted]
         check_gains_identifiable(prepared.model, layout, dataset.payloads, carried)
     unknowns = layout.size + (stack.current.shape[1] if gains_fitted else 0)
-    if stack.current.size < 2 * unknowns:
+    equations = int(stack.moving.sum())
+    if equations < 2 * unknowns:
         raise BenchError(
-            f"{dataset.folder}: {stack.current.size} equations after decimation are too few for {unknowns} unknowns"
+            f"{dataset.folder}: {equations} equations after decimation are too few for {unknowns} unknowns"
         )
 
     def errors_of_columns() -> np.ndarray:
@@ -145,12 +155,12 @@ def fit(
 
     nominal = dataset.robot.nominal_gains
 
-    def solved(equations: Stack, columns: np.ndarray) -> Solution:
+    def solved(system: Stack, columns: np.ndarray) -> Solution:
         errors = np.append(columns, [layout.size, layout.size + 1])
         return solve(
             method,
             Request(
-                equations, nominal, gains_fitted, lambda: errors_of_columns()[np.ix_(motors, errors, errors)]
+                system, nominal, gains_fitted, lambda: errors_of_columns()[np.ix_(motors, errors, errors)]
             ),
         )
 
@@ -179,6 +189,7 @@ def modelled_series(prepared: Prepared, observation: Observation, solution: Solu
         position=observation.position,
         velocity=observation.velocity,
         acceleration=observation.acceleration,
+        moving=observation.moving,
     )
 
 

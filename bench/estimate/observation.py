@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.effects import EffectInstance, JointSignals
 from bench.errors import BenchError
+from bench.estimate.standstill import moving_rows
 from bench.model.model import IdentificationModel
 from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
@@ -24,6 +25,7 @@ class Observation:
     time (M,) s; current (M, n) drive unit; rigid (M, n, nb), payload (M, n, 10) or None, effects (M, n, ne):
     torque or force for each unit of the base parameters, of the payload's standard parameters in the tool
     frame, and of the effects' parameters. position, velocity, acceleration (M, n) of the active joints.
+    moving (M, n): False where the joint stands still; such rows are neither fitted nor judged.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Observation:
     position: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
+    moving: np.ndarray
 
 
 def observe(
@@ -92,6 +95,9 @@ def observe(
         position=position,
         velocity=velocity,
         acceleration=acceleration,
+        moving=np.ones((count, n), dtype=bool)
+        if settings.keep_standstill
+        else moving_rows(motion.velocity, recording.rate, settings.decimation),
     )
 
 

@@ -51,7 +51,10 @@ class ErrorSummary:
 
 @dataclass(frozen=True)
 class CurrentSeries:
-    """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n)."""
+    """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
+
+    moving: False where a joint stands still; errors are not judged there.
+    """
 
     name: str
     use: str
@@ -62,6 +65,7 @@ class CurrentSeries:
     position: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
+    moving: np.ndarray
 
     @property
     def error(self) -> np.ndarray:
@@ -106,8 +110,8 @@ def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) ->
     if not series:
         return None
     chosen = slice(None) if motor is None else slice(motor, motor + 1)
-    error = sum(float((one.error[:, chosen] ** 2).sum()) for one in series)
-    measured = sum(float((one.measured[:, chosen] ** 2).sum()) for one in series)
+    error = sum(float(((one.error * one.moving)[:, chosen] ** 2).sum()) for one in series)
+    measured = sum(float(((one.measured * one.moving)[:, chosen] ** 2).sum()) for one in series)
     return float(np.sqrt(error / measured)) if measured else float("nan")
 
 

@@ -14,6 +14,7 @@ from bench.payload import Payload
 class Stack:
     """All rows of the fit: diag(v) g = Phi theta + kappa (equation 11), M samples of n motors.
 
+    Rows of a joint at standstill are zero and `moving` (M, n) is False there.
     phi (M, n, p) torque or force for each unit of theta; kappa (M, n) torque of the known payload
     parameters; current (M, n); starts: the first row of every recording. factors (n, p + 2, p + 2): for every
     motor the triangular factor of [phi, kappa, current], which has the same inner products.
@@ -22,6 +23,7 @@ class Stack:
     phi: np.ndarray
     kappa: np.ndarray
     current: np.ndarray
+    moving: np.ndarray
     starts: tuple[int, ...]
     factors: np.ndarray
 
@@ -35,12 +37,14 @@ def stack_observations(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> Stack:
     """Put the equations of several recordings under each other."""
-    phi = np.concatenate([regressor_rows(one, layout) for one in observations])
-    kappa = np.concatenate([known_rows(one, payloads) for one in observations])
-    current = np.concatenate([one.current for one in observations])
+    """Stack the recordings; see `Stack`."""
+    moving = np.concatenate([one.moving for one in observations])
+    phi = np.concatenate([regressor_rows(one, layout) for one in observations]) * moving[:, :, None]
+    kappa = np.concatenate([known_rows(one, payloads) for one in observations]) * moving
+    current = np.concatenate([one.current for one in observations]) * moving
     lengths = [len(one.time) for one in observations]
     starts = tuple(int(start) for start in np.cumsum([0, *lengths[:-1]]))
-    return Stack(phi, kappa, current, starts, compress(phi, kappa, current))
+    return Stack(phi, kappa, current, moving, starts, compress(phi, kappa, current))
 
 
 def compress(phi: np.ndarray, kappa: np.ndarray, current: np.ndarray) -> np.ndarray:

@@ -45,6 +45,8 @@ class FilterSettings:
         filter_order: order of one pass of the position filter.
         difference_order: order of the central differences: 2, 4, 6 or 8.
         border: samples dropped at the start and at the end after differentiation, before decimation.
+        keep_standstill: whether rows of a joint that stands still are fitted and judged; there friction takes
+            any value up to its limit.
     """
 
     position_cutoff: float
@@ -52,6 +54,7 @@ class FilterSettings:
     filter_order: int = 4
     difference_order: int = 8
     border: tuple[int, int] = (0, 0)
+    keep_standstill: bool = False
 
     def __post_init__(self) -> None:
         if not self.position_cutoff > 0:

@@ -1,0 +1,1 @@
+"""Scenarios in numbers: truth and identification side by side."""
