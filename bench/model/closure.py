@@ -1,144 +1,148 @@
 """Loop closures: residual, Jacobian and velocity-product terms for all samples at once (equations 2-4).
 
 Rows are the stacked loops, `second` minus `first` anchor, in the world: three of position and, for a weld,
-three of orientation [m, rad]. Arrays keep the samples last: residual (m, N), Jacobian (m, nv, N).
+three of orientation [m, rad].
 """
+
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from bench.model.geometry import Geometry
+from bench.model.elimination import Row
+from bench.model.geometry import Anchor, Geometry
 from bench.model.kinematics import (
+    End,
     Frames,
+    Link,
     ancestors,
-    anchor_bias,
-    anchor_point,
-    anchor_rotation,
-    apply,
-    joint_columns,
-    loop_joints,
+    end_bias,
+    end_of,
+    end_point,
+    end_rotation,
+    frames_of,
+    link_columns,
+    link_of,
     rates_of,
-    rotation_of,
 )
+from bench.model.scalars import Scalar, Vector, add, cross, dense, minus, scaled, subtract
 
 
-def loop_residual(geometry: Geometry, frames: Frames) -> np.ndarray:
-    """What keeps every loop from being closed, (m, N) [m, rad]: f_t and f_p of equation 2."""
-    rows = []
-    for loop in geometry.loops:
-        rows.append(anchor_point(frames, loop.second) - anchor_point(frames, loop.first))
-        if loop.kind == "weld":
-            first, second = anchor_rotation(frames, loop.first), anchor_rotation(frames, loop.second)
-            turn = np.einsum("kin,kjn->ijn", first, second)
-            error = 0.5 * np.stack(
-                (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
-            )
-            rows.append(apply(first, error))
-    return np.concatenate(rows)
+@dataclass(frozen=True)
+class Side:
+    """One anchor of a loop and the links that move it, root first."""
+
+    end: End
+    links: tuple[Link, ...]
 
 
-def loop_jacobian(geometry: Geometry, frames: Frames) -> np.ndarray:
-    """Derivative of the residual by the tree velocities, (m, nv, N): A_t, A_p, B_t, B_p of equation 3."""
-    jacobian = np.zeros((sum(loop.size for loop in geometry.loops), geometry.nv, frames.samples))
-    row = 0
-    for loop in geometry.loops:
-        for sign, anchor in ((-1.0, loop.first), (1.0, loop.second)):
-            if anchor.joint < 0:
-                continue
-            point = anchor_point(frames, anchor)
-            for index in ancestors(geometry, anchor.joint):
-                joint = geometry.joints[index]
-                linear, angular = joint_columns(joint, index, frames, point)
-                jacobian[row : row + 3, joint.v] += sign * linear
-                if loop.kind == "weld" and angular is not None:
-                    jacobian[row + 3 : row + 6, joint.v] += sign * angular
-        row += loop.size
-    return jacobian
+@dataclass(frozen=True)
+class Closures:
+    """The loops of a robot and the links that move them (in tree order), prepared for many samples."""
+
+    links: tuple[Link, ...]
+    loops: tuple[tuple[Literal["connect", "weld"], Side, Side], ...]
+    active: tuple[int, ...]
+    passive: tuple[int, ...]
+    nv: int
 
 
-def loop_bias(geometry: Geometry, frames: Frames, v: np.ndarray) -> np.ndarray:
-    """Time derivative of the Jacobian times the tree velocities v (nv, N): (m, N), as in equation 4."""
-    rates = rates_of(geometry, frames, v, loop_joints(geometry))
-    rows = []
-    for loop in geometry.loops:
-        rows.append(anchor_bias(rates, frames, loop.second) - anchor_bias(rates, frames, loop.first))
-        if loop.kind == "weld":
-            rows.append(rates.angular_bias[loop.second.joint] - rates.angular_bias[loop.first.joint])
-    return np.concatenate(rows)
+def closures_of(geometry: Geometry) -> Closures:
+    """What the loop closures need of the geometry, as constants."""
+    chains = {
+        anchor.joint: ancestors(geometry, anchor.joint)
+        for loop in geometry.loops
+        for anchor in (loop.first, loop.second)
+    }
+    moving = sorted({joint for chain in chains.values() for joint in chain})
+    links = {index: link_of(index, geometry.joints[index]) for index in moving}
 
+    def side_of(anchor: Anchor) -> Side:
+        return Side(end_of(anchor), tuple(links[i] for i in chains[anchor.joint]))
 
-def solve_passive(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve matrix (m, k, N) x = right (m, r, N) for x (k, r, N), consistent equations, rank k.
-
-    More equations than unknowns (a planar loop in space repeats itself) go through the normal equations.
-    Raises numpy.linalg.LinAlgError where a sample is exactly singular.
-    """
-    a = np.ascontiguousarray(matrix.transpose(2, 0, 1))
-    b = np.ascontiguousarray(right.transpose(2, 0, 1))
-    if a.shape[1] != a.shape[2]:
-        transposed = a.transpose(0, 2, 1)
-        a, b = transposed @ a, transposed @ b
-    return np.linalg.solve(a, b).transpose(1, 2, 0)
-
-
-def integrate(geometry: Geometry, q: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """Configurations q (nq, N) moved by the tree velocities step (nv, N) over unit time."""
-    moved = q.copy()
-    for joint in geometry.joints:
-        if joint.kind in ("hinge", "slide"):
-            moved[joint.q] += step[joint.v]
-            continue
-        at = joint.q.start
-        if joint.kind == "free":
-            moved[at : at + 3] += apply(
-                rotation_of(q[at + 3 : at + 7]), step[joint.v.start : joint.v.start + 3]
-            )
-            at += 3
-        moved[at : at + 4] = _turned(q[at : at + 4], step[joint.v.stop - 3 : joint.v.stop])
-    return moved
-
-
-def configuration_rate(geometry: Geometry, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Time derivative (nq, N) of the configuration at the tree velocities v (nv, N)."""
-    rate = np.empty_like(q)
-    for joint in geometry.joints:
-        if joint.kind in ("hinge", "slide"):
-            rate[joint.q] = v[joint.v]
-            continue
-        at = joint.q.start
-        if joint.kind == "free":
-            rate[at : at + 3] = apply(rotation_of(q[at + 3 : at + 7]), v[joint.v.start : joint.v.start + 3])
-            at += 3
-        half = 0.5 * v[joint.v.stop - 3 : joint.v.stop]
-        rate[at : at + 4] = _quaternion_product(
-            q[at : at + 4], np.concatenate((half, np.zeros_like(half[:1])))
-        )
-    return rate
-
-
-def normalised(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """The configurations with unit quaternions, in place."""
-    for joint in geometry.joints:
-        if joint.kind in ("ball", "free"):
-            part = q[joint.q.stop - 4 : joint.q.stop]
-            part /= np.sqrt((part * part).sum(axis=0))
-    return q
-
-
-def _turned(quaternion: np.ndarray, rotation_vector: np.ndarray) -> np.ndarray:
-    angle = np.sqrt((rotation_vector * rotation_vector).sum(axis=0))
-    scale = 0.5 * np.sinc(angle / (2.0 * np.pi))
-    step = np.concatenate((rotation_vector * scale, np.cos(0.5 * angle)[None]))
-    return _quaternion_product(quaternion, step)
-
-
-def _quaternion_product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    ax, ay, az, aw = a
-    bx, by, bz, bw = b
-    return np.stack(
-        (
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        )
+    return Closures(
+        links=tuple(links.values()),
+        loops=tuple((loop.kind, side_of(loop.first), side_of(loop.second)) for loop in geometry.loops),
+        active=tuple(int(i) for i in geometry.active),
+        passive=tuple(int(i) for i in geometry.passive),
+        nv=geometry.nv,
     )
+
+
+def loop_rows(closures: Closures, frames: Frames) -> tuple[list[Scalar], list[Row]]:
+    """Residual and Jacobian of every row: f_t and f_p of equation 2, and A_t, A_p, B_t, B_p of equation 3.
+
+    The Jacobian is by tree velocities, with an entry only where a joint moves the loop. Its orientation rows
+    are exact where the loop is closed.
+    """
+    residual: list[Scalar] = []
+    rows: list[Row] = []
+    for kind, first, second in closures.loops:
+        from_point, to_point = end_point(frames, first.end), end_point(frames, second.end)
+        residual += subtract(to_point, from_point)
+        linear: dict[int, Vector] = {}
+        angular: dict[int, Vector] = {}
+        for side, point, collect in ((first, from_point, _taken), (second, to_point, _given)):
+            for link in side.links:
+                for index, velocity, turning in link_columns(link, frames, point):
+                    collect(linear, index, velocity)
+                    if kind == "weld":
+                        collect(angular, index, turning)
+        rows += _rows(linear)
+        if kind == "weld":
+            residual += _turn_between(frames, first.end, second.end)
+            rows += _rows(angular)
+    return residual, rows
+
+
+def _given(columns: dict[int, Vector], index: int, vector: Vector) -> None:
+    columns[index] = add(columns[index], vector) if index in columns else vector
+
+
+def _taken(columns: dict[int, Vector], index: int, vector: Vector) -> None:
+    x, y, z = vector
+    columns[index] = minus(0.0, x), minus(0.0, y), minus(0.0, z)
+
+
+def _rows(columns: dict[int, Vector]) -> list[Row]:
+    rows: list[Row] = [{}, {}, {}]
+    for index, vector in columns.items():
+        for row, value in zip(rows, vector, strict=True):
+            if not (isinstance(value, float) and value == 0.0):
+                row[index] = value
+    return rows
+
+
+def _turn_between(frames: Frames, first: End, second: End) -> Vector:
+    """Sine of the angle from the first frame to the second along its axis (3)."""
+    a, b = end_rotation(frames, first), end_rotation(frames, second)
+    return scaled(add(add(cross(a[0], b[0]), cross(a[1], b[1])), cross(a[2], b[2])), 0.5)
+
+
+def loop_bias(closures: Closures, frames: Frames, v: list[Scalar]) -> list[Scalar]:
+    """Time derivative of the Jacobian times the tree velocities v (nv of them), by row, as in equation 4."""
+    rates = rates_of(closures.links, frames, v)
+    bias: list[Scalar] = []
+    for kind, first, second in closures.loops:
+        bias += subtract(end_bias(rates, frames, second.end), end_bias(rates, frames, first.end))
+        if kind == "weld":
+            ends = rates.angular_bias[second.end.joint], rates.angular_bias[first.end.joint]
+            bias += subtract(*ends)
+    return bias
+
+
+def loop_residual(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """What keeps every loop from being closed at q (nq, N): (m, N) [m, rad]."""
+    closures = closures_of(geometry)
+    return dense(loop_rows(closures, frames_of(closures.links, q))[0], q.shape[1])
+
+
+def loop_jacobian(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Derivative of the residual by the tree velocities at q (nq, N): (m, nv, N)."""
+    closures = closures_of(geometry)
+    rows = loop_rows(closures, frames_of(closures.links, q))[1]
+    jacobian = np.zeros((len(rows), closures.nv, q.shape[1]))
+    for i, row in enumerate(rows):
+        for index, value in row.items():
+            jacobian[i, index] = value
+    return jacobian

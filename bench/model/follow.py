@@ -9,10 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from bench.errors import BenchError
 from bench.model.geometry import Geometry
 from bench.model.tree import build_tree, loop_constraints
 
-CLOSED = 1e-10  # m or rad: a loop is closed
+CLOSED = 1e-6  # m or rad: after a smaller correction, Newton has closed the loops to rounding
+NEARLY_CLOSED = 1e-3  # m or rad: after a smaller correction, to about its square
 LARGEST_CORRECTION = 0.05  # m or rad: what a Newton correction may move after a prediction
 SMALLEST_STEP = 2.0**-12  # share of the way to a target below which it counts as out of reach
 MOST_ITERATIONS = 5
@@ -27,79 +29,93 @@ class Follower:
     data: pin.Data
     constraints: tuple[pin.ConstraintModel, ...]
     constraint_data: tuple[pin.ConstraintData, ...]
+    passive: np.ndarray
 
     def linearise(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual (m,) and Jacobian (m, nv) of the loops at q (nq,)."""
+        if not self.constraints:
+            return np.zeros(0), np.zeros((0, self.model.nv))
         pin.computeJointJacobians(self.model, self.data, q)
         residuals, jacobians = [], []
         for constraint, data in zip(self.constraints, self.constraint_data, strict=True):
             constraint.calc(self.model, self.data, data)
-            residuals.append(np.asarray(data.constraint_position_error).ravel())
+            residuals.append(data.constraint_position_error.ravel())
             jacobians.append(constraint.jacobian(self.model, self.data, data))
-        return np.concatenate(residuals), np.vstack(jacobians)
+        return np.concatenate(residuals), np.concatenate(jacobians)
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A closed pose q (nq,) and, there, the passive velocities for the active ones (passive, n)."""
+
+    q: np.ndarray
+    amplification: np.ndarray
 
 
 def make_follower(geometry: Geometry) -> Follower:
-    """A follower of the robot's loop closures, with Pinocchio's model of the opened tree."""
+    """Pinocchio's model and scratch space, to be kept while a path is followed."""
     model = build_tree(geometry)
     constraints = tuple(loop_constraints(geometry, model))
-    return Follower(
-        geometry, model, model.createData(), constraints, tuple(c.createData() for c in constraints)
-    )
+    data = tuple(constraint.createData() for constraint in constraints)
+    return Follower(geometry, model, model.createData(), constraints, data, geometry.passive)
 
 
-def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    if matrix.shape[0] != matrix.shape[1]:
-        matrix, right = matrix.T @ matrix, matrix.T @ right
-    return np.linalg.solve(matrix, right)
+def home_pose(follower: Follower) -> Pose:
+    """The pose from which everything is followed. Raises BenchError where home is not assembled."""
+    pose = close(follower, follower.geometry.home)
+    if pose is None:
+        raise BenchError(
+            f"robot {follower.geometry.robot.name}: its loops are not closed at home, or home is singular"
+        )
+    return pose
 
 
-def close(follower: Follower, q: np.ndarray) -> np.ndarray | None:
-    """The closed pose (nq,) near q with the active joints held; None where Newton would go far or fail."""
-    passive = follower.geometry.passive
+def close(follower: Follower, q: np.ndarray, enough: float = CLOSED) -> Pose | None:
+    """The closed pose near q (nq,) with the active joints held; None where Newton would go far or fail.
+
+    Newton ends with the first correction smaller than `enough`, which is still made.
+    """
+    active, passive = follower.geometry.active, follower.passive
     for _ in range(MOST_ITERATIONS):
         residual, jacobian = follower.linearise(q)
-        if np.abs(residual).max() < CLOSED:
-            return q
-        step = np.zeros(follower.geometry.nv)
+        matrix, right = jacobian[:, passive], -np.column_stack((residual, jacobian[:, active]))
+        if len(matrix) > len(passive):
+            matrix, right = matrix.T @ matrix, matrix.T @ right
         try:
-            step[passive] = _solve(jacobian[:, passive], -residual)
+            solved = np.linalg.solve(matrix, right)
         except np.linalg.LinAlgError:
             return None
-        if not np.abs(step).max() < LARGEST_CORRECTION:
+        step = np.zeros(follower.model.nv)
+        step[passive] = solved[:, 0]
+        largest = np.abs(step).max()
+        if not largest < LARGEST_CORRECTION:
             return None
         q = pin.integrate(follower.model, q, step)
+        if largest < enough:
+            return Pose(q, solved[:, 1:])
     return None
 
 
-def advance(follower: Follower, q: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, float]:
-    """Move the active joints of the closed pose q (nq,) straight to `target` (n,), closing the loops.
+def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = CLOSED) -> tuple[Pose, float]:
+    """Move the active joints of the pose straight to `target` (n,), closing the loops.
 
     Returns the last closed pose and the share of the way that was reached (1: the target).
     """
     geometry = follower.geometry
-    passive, active = geometry.passive, geometry.active
-    way = target - q[geometry.active_configuration]
+    way = target - pose.q[geometry.active_configuration]
     done, share = 0.0, 1.0
+    step = np.zeros(geometry.nv)
     while done < 1.0:
         share = min(share, 1.0 - done)
-        step = np.zeros(geometry.nv)
-        step[active] = share * way
-        if len(passive):
-            _, jacobian = follower.linearise(q)
-            try:
-                step[passive] = _solve(jacobian[:, passive], -jacobian[:, active] @ step[active])
-            except np.linalg.LinAlgError:
-                return q, done
-        moved = close(follower, pin.integrate(follower.model, q, step)) if len(passive) else q
-        if not len(passive):
-            moved = pin.integrate(follower.model, q, step)
+        step[geometry.active] = share * way
+        step[follower.passive] = pose.amplification @ (share * way)
+        moved = close(follower, pin.integrate(follower.model, pose.q, step), enough)
         if moved is None:
             share /= 2.0
             if share < SMALLEST_STEP:
-                return q, done
+                return pose, done
             continue
-        q = moved
+        pose = moved
         done = 1.0 if share >= 1.0 - done else done + share
         share *= 2.0
-    return q, 1.0
+    return pose, 1.0

@@ -1,58 +1,94 @@
-"""Kinematics of the opened tree for all samples at once.
+"""Kinematics of the opened tree for all samples at once, in the scalars of bench.model.scalars.
 
-Arrays keep the samples in their last axis: positions (3, N), rotations (3, 3, N), so that every operation
-runs along contiguous samples. Coordinates are Pinocchio's: a free joint's position is x y z and a quaternion
-x y z w, its velocity is linear then angular, both in the body's own frame.
+Coordinates are Pinocchio's: a free joint's position is x y z and a quaternion x y z w, its velocity is linear
+then angular, both in the body's own frame; a ball joint's velocity is in the body's frame too. Vectors below
+are in the world's axes.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from bench.model.geometry import Anchor, Geometry, Joint
+from bench.model.geometry import Anchor, Geometry, Joint, JointKind
+from bench.model.scalars import (
+    Matrix,
+    Scalar,
+    Vector,
+    add,
+    constant_matrix,
+    constant_vector,
+    cross,
+    dot,
+    minus_product,
+    plus_product,
+    product,
+    scaled,
+    subtract,
+    turned,
+)
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Link:
+    """What kinematics needs of a joint, as constants; `square` is K K with K x = axis cross x."""
+
+    index: int
+    kind: JointKind
+    parent: int
+    rotation: Matrix
+    translation: Vector
+    axis: Vector
+    along: Matrix
+    skew: Matrix
+    square: Matrix
+    q: int
+    v: int
+
+
+@dataclass(frozen=True)
+class End:
+    """An anchor of a loop: the joint that carries it (-1: the world), and its place in that joint's frame."""
+
+    joint: int
+    rotation: Matrix
+    translation: Vector
 
 
 @dataclass(frozen=True)
 class Frames:
-    """Joint frames in the world: rotations (3, 3, N) and origins (3, N) [m], by joint index."""
+    """Joint frames in the world by joint index: rotations, origins [m], and the axes of hinges and slides."""
 
-    rotation: dict[int, np.ndarray]
-    origin: dict[int, np.ndarray]
-    samples: int
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Cross product along the first axis; (3, N) by (3, N), or (3, 1) for a constant."""
-    return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+    rotation: dict[int, Matrix]
+    origin: dict[int, Vector]
+    axis: dict[int, Vector]
 
 
-def skew(w: np.ndarray) -> np.ndarray:
-    """The matrix (3, 3) with skew(w) x = w cross x."""
-    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
-
-
-def rotation_of(quaternion: np.ndarray) -> np.ndarray:
-    """Rotations (3, 3, N) of unit quaternions (4, N), x y z w."""
-    x, y, z, w = quaternion
-    return np.stack(
-        (
-            np.stack((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w))),
-            np.stack((2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w))),
-            np.stack((2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y))),
-        )
+def link_of(index: int, joint: Joint) -> Link:
+    """The constants of joint `index`."""
+    x, y, z = joint.axis
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return Link(
+        index=index,
+        kind=joint.kind,
+        parent=joint.parent,
+        rotation=constant_matrix(joint.placement.rotation),
+        translation=constant_vector(joint.placement.translation),
+        axis=constant_vector(joint.axis),
+        along=constant_matrix(np.outer(joint.axis, joint.axis)),
+        skew=constant_matrix(skew),
+        square=constant_matrix(skew @ skew),
+        q=joint.q.start,
+        v=joint.v.start,
     )
 
 
-def multiply(rotation: np.ndarray, constant: np.ndarray) -> np.ndarray:
-    """rotation (3, 3, N) times a constant (3, k): (3, k, N), or (3, N) for a constant vector (3,)."""
-    if constant.ndim == 1:
-        return constant[0] * rotation[:, 0] + constant[1] * rotation[:, 1] + constant[2] * rotation[:, 2]
-    return np.matmul(constant.T, rotation)
-
-
-def apply(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """rotation (3, 3, N) times vector (3, N): (3, N)."""
-    return rotation[:, 0] * vector[0] + rotation[:, 1] * vector[1] + rotation[:, 2] * vector[2]
+def end_of(anchor: Anchor) -> End:
+    """The constants of an anchor."""
+    place = anchor.placement
+    return End(anchor.joint, constant_matrix(place.rotation), constant_vector(place.translation))
 
 
 def ancestors(geometry: Geometry, joint: int) -> tuple[int, ...]:
@@ -64,150 +100,140 @@ def ancestors(geometry: Geometry, joint: int) -> tuple[int, ...]:
     return tuple(reversed(chain))
 
 
-def loop_joints(geometry: Geometry) -> tuple[int, ...]:
-    """The joints that move an anchor of a loop, in tree order."""
-    ends = [anchor.joint for loop in geometry.loops for anchor in (loop.first, loop.second)]
-    return tuple(sorted({joint for end in ends for joint in ancestors(geometry, end)}))
-
-
-def frames_of(geometry: Geometry, q: np.ndarray, joints: tuple[int, ...] | None = None) -> Frames:
-    """Frames of the named joints (all when None) at the configurations q (nq, N)."""
-    samples = q.shape[1]
-    rotation: dict[int, np.ndarray] = {}
-    origin: dict[int, np.ndarray] = {}
-    for index in range(len(geometry.joints)) if joints is None else joints:
-        joint = geometry.joints[index]
-        at = joint.placement
-        if joint.parent < 0:
-            base = np.broadcast_to(at.translation[:, None], (3, samples))
-        else:
-            base = origin[joint.parent] + multiply(rotation[joint.parent], at.translation)
-        if joint.kind == "hinge":
-            k = skew(joint.axis)
-            # Rodrigues: a a' + sin q K - cos q K K
-            parts = np.hstack(
-                (at.rotation @ np.outer(joint.axis, joint.axis), at.rotation @ k, -at.rotation @ k @ k)
-            )
-            if joint.parent < 0:
-                turned = np.broadcast_to(parts[:, :, None], (3, 9, samples))
-            else:
-                turned = multiply(rotation[joint.parent], parts)
-            angle = q[joint.q.start]
-            rotation[index] = turned[:, 0:3] + np.sin(angle) * turned[:, 3:6] + np.cos(angle) * turned[:, 6:9]
-            origin[index] = base
+def frames_of(links: tuple[Link, ...], q: np.ndarray) -> Frames:
+    """Frames of the links (parents first) at the configurations q (nq, N)."""
+    frames = Frames({-1: IDENTITY}, {-1: ZERO}, {})
+    for link in links:
+        if link.kind == "free":
+            frames.rotation[link.index] = rotation_of(q[link.q + 3 : link.q + 7])
+            frames.origin[link.index] = (q[link.q], q[link.q + 1], q[link.q + 2])
             continue
-        if joint.parent < 0:
-            fixed = np.broadcast_to(at.rotation[:, :, None], (3, 3, samples))
+        parent = frames.rotation[link.parent]
+        base = add(frames.origin[link.parent], turned(parent, link.translation))
+        fixed = product(parent, link.rotation)
+        if link.kind == "ball":
+            fixed = product(fixed, rotation_of(q[link.q : link.q + 4]))
         else:
-            fixed = multiply(rotation[joint.parent], at.rotation)
-        if joint.kind == "slide":
-            rotation[index] = fixed
-            origin[index] = base + q[joint.q.start] * multiply(fixed, joint.axis)
-        elif joint.kind == "ball":
-            turn = rotation_of(q[joint.q])
-            rotation[index] = np.stack([apply(fixed, turn[:, i]) for i in range(3)], axis=1)
-            origin[index] = base
-        else:
-            rotation[index] = rotation_of(q[joint.q.start + 3 : joint.q.stop])
-            origin[index] = q[joint.q.start : joint.q.start + 3]
-    return Frames(rotation, origin, samples)
+            axis = frames.axis[link.index] = turned(fixed, link.axis)
+            if link.kind == "slide":
+                base = add(base, scaled(axis, q[link.q]))
+            else:
+                fixed = product(fixed, _turn(link, q[link.q]))
+        frames.rotation[link.index] = fixed
+        frames.origin[link.index] = base
+    return frames
 
 
-def anchor_point(frames: Frames, anchor: Anchor) -> np.ndarray:
-    """World position (3, N) of an anchor."""
-    if anchor.joint < 0:
-        return np.broadcast_to(anchor.placement.translation[:, None], (3, frames.samples))
-    arm = multiply(frames.rotation[anchor.joint], anchor.placement.translation)
-    return np.asarray(frames.origin[anchor.joint] + arm)
+def _turn(link: Link, angle: np.ndarray) -> Matrix:
+    """Rodrigues: a a' + sin K - cos K K."""
+    sine, cosine = np.sin(angle), np.cos(angle)
+
+    def column(k: int) -> Vector:
+        x, y, z = (
+            minus_product(plus_product(a, sine, s), cosine, kk)
+            for a, s, kk in zip(link.along[k], link.skew[k], link.square[k], strict=True)
+        )
+        return x, y, z
+
+    return column(0), column(1), column(2)
 
 
-def anchor_rotation(frames: Frames, anchor: Anchor) -> np.ndarray:
-    """World orientation (3, 3, N) of an anchor."""
-    if anchor.joint < 0:
-        return np.broadcast_to(anchor.placement.rotation[:, :, None], (3, 3, frames.samples))
-    return multiply(frames.rotation[anchor.joint], anchor.placement.rotation)
-
-
-def joint_columns(
-    joint: Joint, index: int, frames: Frames, point: np.ndarray
-) -> tuple[np.ndarray, np.ndarray | None]:
-    """What the joint's velocities do to a point of a body that it moves.
-
-    Returns linear and angular columns, each (3, size, N) in the world; angular is None where it is zero.
-    """
-    rotation = frames.rotation[index]
-    if joint.kind == "slide":
-        return multiply(rotation, joint.axis)[:, None], None
-    arm = point - frames.origin[index]
-    if joint.kind == "hinge":
-        axis = multiply(rotation, joint.axis)
-        return cross(axis, arm)[:, None], axis[:, None]
-    turning = np.stack([cross(rotation[:, k], arm) for k in range(3)], axis=1)
-    if joint.kind == "ball":
-        return turning, rotation
+def rotation_of(quaternion: np.ndarray) -> Matrix:
+    """Rotations of unit quaternions (4, N), x y z w."""
+    x, y, z, w = quaternion
+    x2, y2, z2 = x + x, y + y, z + z
+    xx, yy, zz = x2 * x, y2 * y, z2 * z
+    xy, xz, yz = x2 * y, x2 * z, y2 * z
+    xw, yw, zw = x2 * w, y2 * w, z2 * w
     return (
-        np.concatenate((rotation, turning), axis=1),
-        np.concatenate((np.zeros_like(rotation), rotation), axis=1),
+        (1.0 - (yy + zz), xy + zw, xz - yw),
+        (xy - zw, 1.0 - (xx + zz), yz + xw),
+        (xz + yw, yz - xw, 1.0 - (xx + yy)),
     )
+
+
+def end_point(frames: Frames, end: End) -> Vector:
+    """World position of an anchor."""
+    return add(frames.origin[end.joint], turned(frames.rotation[end.joint], end.translation))
+
+
+def end_rotation(frames: Frames, end: End) -> Matrix:
+    """World orientation of an anchor."""
+    return product(frames.rotation[end.joint], end.rotation)
+
+
+def link_columns(link: Link, frames: Frames, point: Vector) -> list[tuple[int, Vector, Vector]]:
+    """What the joint's velocities do to a point that it moves: (velocity index, linear, angular) each."""
+    if link.kind == "slide":
+        return [(link.v, frames.axis[link.index], ZERO)]
+    arm = subtract(point, frames.origin[link.index])
+    if link.kind == "hinge":
+        axis = frames.axis[link.index]
+        return [(link.v, cross(axis, arm), axis)]
+    rotation, first = frames.rotation[link.index], link.v
+    columns: list[tuple[int, Vector, Vector]] = []
+    if link.kind == "free":
+        columns = [(first + k, rotation[k], ZERO) for k in range(3)]
+        first += 3
+    return columns + [(first + k, cross(rotation[k], arm), rotation[k]) for k in range(3)]
 
 
 @dataclass(frozen=True)
 class Rates:
-    """Angular velocity, and the accelerations that remain at zero joint accelerations; (3, N) each."""
+    """Angular velocity, and the accelerations that remain when all joint accelerations are zero."""
 
-    angular: dict[int, np.ndarray]
-    angular_bias: dict[int, np.ndarray]
-    linear_bias: dict[int, np.ndarray]
+    angular: dict[int, Vector]
+    angular_bias: dict[int, Vector]
+    linear_bias: dict[int, Vector]
 
 
-def rates_of(geometry: Geometry, frames: Frames, v: np.ndarray, joints: tuple[int, ...]) -> Rates:
-    """Velocity-product accelerations of the joint frames at the tree velocities v (nv, N)."""
-    zero = np.zeros((3, frames.samples))
-    angular: dict[int, np.ndarray] = {-1: zero}
-    angular_bias: dict[int, np.ndarray] = {-1: zero}
-    linear_bias: dict[int, np.ndarray] = {-1: zero}
-    for index in joints:
-        joint = geometry.joints[index]
-        rotation = frames.rotation[index]
-        if joint.kind == "free":
-            angular[index] = apply(rotation, v[joint.v.start + 3 : joint.v.stop])
-            angular_bias[index] = zero
-            linear_bias[index] = cross(angular[index], apply(rotation, v[joint.v.start : joint.v.start + 3]))
+def rates_of(links: tuple[Link, ...], frames: Frames, v: list[Scalar]) -> Rates:
+    """Velocity-product accelerations of the joint frames at the tree velocities v (nv of them)."""
+    rates = Rates({-1: ZERO}, {-1: ZERO}, {-1: ZERO})
+    for link in links:
+        at, parent = link.index, link.parent
+        rotation = frames.rotation[at]
+        own = (v[link.v], v[link.v + 1], v[link.v + 2]) if link.kind in ("ball", "free") else ZERO
+        if link.kind == "free":
+            rates.angular[at] = turned(rotation, (v[link.v + 3], v[link.v + 4], v[link.v + 5]))
+            rates.angular_bias[at] = ZERO
+            rates.linear_bias[at] = cross(rates.angular[at], turned(rotation, own))
             continue
-        parent = joint.parent
-        if parent < 0:
-            linear = zero
+        angular, bias = rates.angular[parent], rates.angular_bias[parent]
+        linear = rates.linear_bias[parent]
+        if parent >= 0:
+            arm = subtract(frames.origin[at], frames.origin[parent])
+            linear = add(linear, carried(angular, bias, arm))
+        if link.kind == "slide":
+            sliding = scaled(frames.axis[at], v[link.v])
+            linear = add(linear, scaled(cross(angular, sliding), 2.0))
+            rates.angular[at], rates.angular_bias[at] = angular, bias
         else:
-            arm = frames.origin[index] - frames.origin[parent]
-            linear = linear_bias[parent] + _carried(angular[parent], angular_bias[parent], arm)
-        if joint.kind == "slide":
-            sliding = multiply(rotation, joint.axis) * v[joint.v.start]
-            angular[index], angular_bias[index] = angular[parent], angular_bias[parent]
-            linear_bias[index] = linear if parent < 0 else linear + 2.0 * cross(angular[parent], sliding)
-            continue
-        if joint.kind == "hinge":
-            turning = multiply(rotation, joint.axis) * v[joint.v.start]
-        else:
-            turning = apply(rotation, v[joint.v])
-        linear_bias[index] = linear
-        if parent < 0:
-            angular[index], angular_bias[index] = turning, zero
-        else:
-            angular[index] = angular[parent] + turning
-            angular_bias[index] = angular_bias[parent] + cross(angular[parent], turning)
-    return Rates(angular, angular_bias, linear_bias)
+            turning = scaled(frames.axis[at], v[link.v]) if link.kind == "hinge" else turned(rotation, own)
+            rates.angular[at] = add(angular, turning)
+            rates.angular_bias[at] = add(bias, cross(angular, turning))
+        rates.linear_bias[at] = linear
+    return rates
 
 
-def _carried(angular: np.ndarray, angular_bias: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    return cross(angular_bias, arm) + cross(angular, cross(angular, arm))
+def carried(angular: Vector, angular_acceleration: Vector, arm: Vector) -> Vector:
+    """Acceleration of a point at `arm` from the origin of a turning frame, less that of the origin.
 
-
-def anchor_bias(rates: Rates, frames: Frames, anchor: Anchor) -> np.ndarray:
-    """Acceleration (3, N) of an anchor when all joint accelerations are zero."""
-    if anchor.joint < 0:
-        return np.zeros((3, frames.samples))
-    arm = multiply(frames.rotation[anchor.joint], anchor.placement.translation)
-    joint = anchor.joint
-    return np.asarray(
-        rates.linear_bias[joint] + _carried(rates.angular[joint], rates.angular_bias[joint], arm)
+    Equals w' x r + w x (w x r), here w' x r + w (w r) - r (w w).
+    """
+    along, square = dot(angular, arm), dot(angular, angular)
+    turning = cross(angular_acceleration, arm)
+    x, y, z = (
+        minus_product(plus_product(t, w, along), square, r)
+        for t, w, r in zip(turning, angular, arm, strict=True)
     )
+    return x, y, z
+
+
+def end_bias(rates: Rates, frames: Frames, end: End) -> Vector:
+    """Acceleration of an anchor when all joint accelerations are zero."""
+    if end.joint < 0:
+        return ZERO
+    arm = turned(frames.rotation[end.joint], end.translation)
+    at = end.joint
+    return add(rates.linear_bias[at], carried(rates.angular[at], rates.angular_bias[at], arm))

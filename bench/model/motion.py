@@ -1,33 +1,28 @@
-"""From measured active joints to the motion of every joint: position, velocity, acceleration (eqs. 2-4)."""
+"""From the active joints to the motion of every joint: positions, velocities, accelerations (eqs. 2-4)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from bench.errors import BenchError
-from bench.model.closure import (
-    configuration_rate,
-    integrate,
-    loop_bias,
-    loop_jacobian,
-    loop_residual,
-    normalised,
-    solve_passive,
-)
-from bench.model.follow import advance, make_follower
+from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
+from bench.model.configuration import configuration_rates, hermite, integrate, normalised
+from bench.model.elimination import Elimination, eliminate
+from bench.model.follow import NEARLY_CLOSED, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
-from bench.model.kinematics import Frames, frames_of, loop_joints
+from bench.model.kinematics import Frames, frames_of
+from bench.model.scalars import Scalar, dot, minus, plus
 
-CLOSED = 1e-9  # m or rad: loops closed at every sample
-TRAVEL = 0.2  # active travel between followed nodes, rad, or in units of the robot's length for a slide
-STRIDE = 8  # samples between the nodes of the middle level
-BLOCK = 2048  # samples worked on together: what fits into a processor's cache
-LARGEST_AMPLIFICATION = (
-    200.0  # rad/rad, m/rad ...: passive speed for active speed, beyond which it is singular
-)
+CLOSED = 1e-7  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
+TRAVEL = 0.3  # active travel between followed nodes, rad, or in units of the robot's length for a slide
+STRIDE = 16  # samples between the nodes of the middle level
+BLOCK = 4096  # samples worked on together: more keep Python's share small, fewer stay in the cache
+LARGEST_AMPLIFICATION = 200.0  # rad/rad, m/rad ...: passive speed for active speed; beyond it is singular
 LARGEST_CORRECTION = 0.05  # m or rad: between an interpolated pose and the closed one
 MOST_ITERATIONS = 6
+
+_Guess = Callable[[slice], np.ndarray]  # nearly closed poses (nq, K) of a slice of the samples
 
 
 @dataclass(frozen=True)
@@ -50,68 +45,141 @@ def motion_of(
 ) -> Motion:
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
-    The closures are followed continuously from the home pose. Raises BenchError that names the time of a
-    sample which is out of reach or singular.
+    The closures are followed continuously from the home pose: a few nodes one after the other, then every
+    STRIDE-th sample from their interpolation, then all samples from theirs. Raises BenchError that names
+    the time of a sample which is out of reach or singular.
     """
-    active = (position - geometry.active_offset).T
+    closures = closures_of(geometry)
+    track = _Track(time, position - geometry.active_offset, velocity, acceleration)
     if not geometry.loops:
-        q = np.empty((geometry.nq, len(time)))
-        q[geometry.active_configuration] = active
-        return rates_at(geometry, time, q, velocity.T, acceleration.T)
-    middle = _pose_guess(geometry, time, active, velocity.T)
-    parts = []
-    for start in range(0, len(time), BLOCK):
-        block = slice(start, start + BLOCK)
-        q = middle(time[block])
-        q[geometry.active_configuration] = active[:, block]
-        q, frames = _closed(geometry, time[block], normalised(geometry, q))
-        parts.append((q, *_rates(geometry, time[block], frames, velocity[block].T, acceleration[block].T)))
-    return _assembled(time, [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)])
+        return _solved(geometry, closures, track, lambda block: np.zeros((geometry.nq, len(time[block]))))
+    nodes = track.at(_node_indices(geometry, track.position))
+    followed = _followed(geometry, nodes).T
+    coarse = _solved(geometry, closures, nodes, lambda block: followed[:, block])
+    between = track.at(np.unique(np.append(np.arange(0, len(time), STRIDE), len(time) - 1)))
+    middle = _solved(geometry, closures, between, _between(geometry, coarse, between))
+    return _solved(geometry, closures, track, _between(geometry, middle, track))
 
 
 def rates_at(
     geometry: Geometry, time: np.ndarray, q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> Motion:
-    """The motion at closed poses q (nq, N), from active velocities and accelerations, each (n, N)."""
-    frames = frames_of(geometry, q, loop_joints(geometry))
-    return _assembled(time, [q, *_rates(geometry, time, frames, velocity, acceleration)])
+    """The motion at closed poses q (N, nq), from active velocities and accelerations, each (N, n)."""
+    track = _Track(time, q[:, geometry.active_configuration], velocity, acceleration)
+    return _solved(geometry, closures_of(geometry), track, lambda block: q[block].T)
 
 
-def _assembled(time: np.ndarray, parts: list[np.ndarray]) -> Motion:
-    q, v, a, jacobian = parts
-    return Motion(time, q.T.copy(), v.T.copy(), a.T.copy(), np.ascontiguousarray(jacobian.transpose(2, 0, 1)))
+@dataclass(frozen=True)
+class _Track:
+    """What is given: time (N,); of the active joints position, velocity and acceleration, (N, n) each."""
+
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+    def at(self, samples: np.ndarray) -> "_Track":
+        return _Track(
+            self.time[samples], self.position[samples], self.velocity[samples], self.acceleration[samples]
+        )
 
 
-class _Guess:
-    """Cubic Hermite interpolation of closed poses; (nq, N) at the times asked."""
+def _solved(geometry: Geometry, closures: Closures, track: _Track, guess: _Guess) -> Motion:
+    """Poses closed from the guess, velocities and accelerations, block by block."""
+    samples, n = track.position.shape
+    q = np.empty((samples, geometry.nq))
+    v, a = np.empty((2, samples, geometry.nv))
+    jacobian = np.zeros((samples, geometry.nv, n))
+    jacobian[:, geometry.active, np.arange(n)] = 1.0
+    for start in range(0, samples, BLOCK):
+        block = slice(start, start + BLOCK)
+        time = track.time[block]
+        pose = np.ascontiguousarray(guess(block))
+        pose[geometry.active_configuration] = track.position[block].T
+        pose, frames, elimination, motors = _closed(geometry, closures, time, normalised(geometry, pose))
+        amplification = [elimination.solve(right) for right in motors]
+        _check(geometry, time, amplification)
+        speeds = _tree_rates(closures, amplification, track.velocity[block])
+        bias = elimination.solve([minus(0.0, value) for value in loop_bias(closures, frames, speeds)])
+        q[block] = pose.T
+        for index, speed in enumerate(speeds):
+            v[block, index] = speed
+        for index, rate in enumerate(_tree_rates(closures, amplification, track.acceleration[block])):
+            a[block, index] = plus(rate, bias[index]) if index in bias else rate
+        for j, column in enumerate(amplification):
+            for index, value in column.items():
+                jacobian[block, index, j] = value
+    return Motion(track.time, q, v, a, jacobian)
 
-    def __init__(self, time: np.ndarray, q: np.ndarray, rate: np.ndarray) -> None:
-        self._spline = CubicHermiteSpline(time, q.T, rate.T) if len(time) > 1 else None
-        self._only = q[:, :1]
 
-    def __call__(self, time: np.ndarray) -> np.ndarray:
-        if self._spline is None:
-            return np.repeat(self._only, len(time), axis=1)
-        return np.ascontiguousarray(self._spline(time).T)
-
-
-def _pose_guess(geometry: Geometry, time: np.ndarray, active: np.ndarray, velocity: np.ndarray) -> _Guess:
-    """Coarse to fine: followed nodes, then every STRIDE-th sample closed from their interpolation."""
-    nodes = _node_indices(geometry, active)
-    followed = _followed(geometry, time, active, nodes)
-    guess = _through(geometry, time[nodes], followed, velocity[:, nodes])
-    between = np.unique(np.append(np.arange(0, len(time), STRIDE), len(time) - 1))
-    q = guess(time[between])
-    q[geometry.active_configuration] = active[:, between]
-    q, _ = _closed(geometry, time[between], normalised(geometry, q))
-    return _through(geometry, time[between], q, velocity[:, between])
+def _tree_rates(
+    closures: Closures, amplification: list[dict[int, Scalar]], active: np.ndarray
+) -> list[Scalar]:
+    """All joints' rates (nv of them) for those of the active joints (K, n)."""
+    motors = [np.ascontiguousarray(column) for column in active.T]
+    rates: list[Scalar] = [0.0] * closures.nv
+    for index, motor in zip(closures.active, motors, strict=True):
+        rates[index] = motor
+    for index in closures.passive:
+        rates[index] = dot([column[index] for column in amplification], motors)
+    return rates
 
 
-def _through(geometry: Geometry, time: np.ndarray, q: np.ndarray, velocity: np.ndarray) -> _Guess:
-    v = _velocities(
-        geometry, time, loop_jacobian(geometry, frames_of(geometry, q, loop_joints(geometry))), velocity
-    )
-    return _Guess(time, q, configuration_rate(geometry, q, v))
+def _closed(
+    geometry: Geometry, closures: Closures, time: np.ndarray, q: np.ndarray
+) -> tuple[np.ndarray, Frames, Elimination, list[list[Scalar]]]:
+    """Newton on all samples together, from poses q (nq, K) that are nearly closed.
+
+    Returns the closed poses and what the last, small, correction was found with: frames, reduced equations,
+    and their right sides for every motor.
+    """
+    moved = np.zeros(q.shape[1])
+    step = np.zeros((geometry.nv, q.shape[1]))
+    passive = set(closures.passive)
+    for _ in range(MOST_ITERATIONS):
+        frames = frames_of(closures.links, q)
+        residual, rows = loop_rows(closures, frames)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            elimination = eliminate([{c: x for c, x in row.items() if c in passive} for row in rows])
+            correction = elimination.solve([minus(0.0, value) for value in residual])
+        for index, value in correction.items():
+            step[index] = value
+        size = np.abs(step).max(axis=0)
+        moved += size
+        if not moved.max() < LARGEST_CORRECTION:
+            raise _singular(geometry, time, int(np.argmax(moved)))
+        q = integrate(geometry, q, step)
+        if size.max() < CLOSED:
+            motors = [[minus(0.0, row.get(index, 0.0)) for row in rows] for index in closures.active]
+            return q, frames, elimination, motors
+    raise _singular(geometry, time, int(np.argmax(size)))
+
+
+def _check(geometry: Geometry, time: np.ndarray, amplification: list[dict[int, Scalar]]) -> None:
+    largest = np.zeros(len(time))
+    for column in amplification:
+        for value in column.values():
+            np.maximum(largest, np.abs(value), out=largest)
+    if not largest.max() < LARGEST_AMPLIFICATION:
+        raise _singular(geometry, time, int(np.argmax(largest)))
+
+
+def _between(geometry: Geometry, nodes: Motion, track: _Track) -> _Guess:
+    """Poses between nodes: their interpolation, moved by what it is off at the active joints."""
+    if len(nodes.time) == 1:
+        return lambda block: np.repeat(nodes.q.T, len(track.time[block]), axis=1)
+    first, second = configuration_rates(geometry, nodes.q.T, nodes.v.T, nodes.a.T)
+    curve = hermite(nodes.time, nodes.q.T, first, second)
+    middles = 0.5 * (nodes.time[1:] + nodes.time[:-1])
+
+    def guess(block: slice) -> np.ndarray:
+        time = track.time[block]
+        q = normalised(geometry, np.ascontiguousarray(curve(time).T))
+        off = track.position[block] - q[geometry.active_configuration].T
+        nearest = nodes.jacobian[np.searchsorted(middles, time)]
+        return integrate(geometry, q, np.einsum("kvj,kj->vk", nearest, off))
+
+    return guess
 
 
 def robot_length(geometry: Geometry) -> float:
@@ -125,57 +193,35 @@ def _node_indices(geometry: Geometry, active: np.ndarray) -> np.ndarray:
     """Samples between which the active joints travel no further than TRAVEL, the first and last included."""
     slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
     scale = np.array([1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active])
-    travel = np.append(0.0, np.cumsum(np.abs(np.diff(active * scale[:, None], axis=1)).sum(axis=0)))
+    travel = np.append(0.0, np.cumsum(np.abs(np.diff(active * scale, axis=0)).sum(axis=1)))
     count = int(np.ceil(travel[-1] / TRAVEL)) + 1
     chosen = np.searchsorted(travel, np.linspace(0.0, travel[-1], count))
-    last = active.shape[1] - 1
+    last = len(active) - 1
     return np.unique(np.concatenate(([0], np.clip(chosen, 0, last), [last])))
 
 
-def _followed(geometry: Geometry, time: np.ndarray, active: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+def _followed(geometry: Geometry, nodes: _Track) -> np.ndarray:
+    """Nearly closed poses (M, nq) at the nodes, each reached from the one before."""
     follower = make_follower(geometry)
-    q = geometry.home
-    poses = np.empty((geometry.nq, len(nodes)))
-    for i, node in enumerate(nodes):
-        q, share = advance(follower, q, active[:, node])
+    pose = home_pose(follower)
+    poses = np.empty((len(nodes.time), geometry.nq))
+    for i, target in enumerate(nodes.position):
+        pose, share = advance(follower, pose, target, NEARLY_CLOSED)
         if share < 1.0:
-            reached = q[geometry.active_configuration] + geometry.active_offset
-            raise _unreachable(geometry, time[node], active[:, node] + geometry.active_offset, reached)
-        poses[:, i] = q
+            raise _unreachable(geometry, nodes.time[i], target, pose.q[geometry.active_configuration])
+        poses[i] = pose.q
     return poses
 
 
 def _unreachable(geometry: Geometry, time: float, wanted: np.ndarray, reached: np.ndarray) -> BenchError:
     names = [actuator.joint for actuator in geometry.robot.actuators]
-    at = ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, wanted, strict=True))
-    near = ", ".join(f"{value:.4g}" for value in reached)
+    offset = geometry.active_offset
+    at = ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, wanted + offset, strict=True))
+    near = ", ".join(f"{value:.4g}" for value in reached + offset)
     return BenchError(
         f"t = {time:.4f} s: the loops of {geometry.robot.name} cannot be closed at {at} "
         f"(singular or out of reach; last closed at {near})"
     )
-
-
-def _closed(geometry: Geometry, time: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, Frames]:
-    """Newton on all samples together, from poses that are nearly closed."""
-    joints, passive = loop_joints(geometry), geometry.passive
-    moved = np.zeros(q.shape[1])
-    for _ in range(MOST_ITERATIONS):
-        frames = frames_of(geometry, q, joints)
-        residual = loop_residual(geometry, frames)
-        open_by = np.abs(residual).max(axis=0)
-        if open_by.max() < CLOSED:
-            return q, frames
-        step = np.zeros((geometry.nv, q.shape[1]))
-        try:
-            matrix = loop_jacobian(geometry, frames)[:, passive]
-            step[passive] = solve_passive(matrix, -residual[:, None])[:, 0]
-        except np.linalg.LinAlgError:
-            raise _singular(geometry, time, int(np.argmax(open_by))) from None
-        moved += np.abs(step).max(axis=0)
-        if not moved.max() < LARGEST_CORRECTION:
-            raise _singular(geometry, time, int(np.argmax(moved)))
-        q = integrate(geometry, q, step)
-    raise _singular(geometry, time, int(np.argmax(open_by)))
 
 
 def _singular(geometry: Geometry, time: np.ndarray, sample: int) -> BenchError:
@@ -183,50 +229,3 @@ def _singular(geometry: Geometry, time: np.ndarray, sample: int) -> BenchError:
         f"t = {time[sample]:.4f} s: {geometry.robot.name} is at or near a singular pose; its loop closures "
         "do not determine the passive joints there"
     )
-
-
-def _velocities(
-    geometry: Geometry, time: np.ndarray, jacobian: np.ndarray, velocity: np.ndarray
-) -> np.ndarray:
-    return np.einsum("vjn,jn->vn", _amplification(geometry, time, jacobian), velocity)
-
-
-def _amplification(geometry: Geometry, time: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
-    """J_t, J_p (nv, n, N) of equation 3."""
-    passive, active = geometry.passive, geometry.active
-    full = np.zeros((geometry.nv, len(active), jacobian.shape[2]))
-    full[active, np.arange(len(active))] = 1.0
-    try:
-        full[passive] = solve_passive(jacobian[:, passive], -jacobian[:, active])
-    except np.linalg.LinAlgError:
-        raise _singular(geometry, time, _most_singular(jacobian[:, passive])) from None
-    largest = np.abs(full).max(axis=(0, 1))
-    if not largest.max() < LARGEST_AMPLIFICATION:
-        raise _singular(geometry, time, int(np.argmax(largest)))
-    return full
-
-
-def _most_singular(matrix: np.ndarray) -> int:
-    return int(np.argmin(np.linalg.svd(matrix.transpose(2, 0, 1), compute_uv=False)[:, -1]))
-
-
-def _rates(
-    geometry: Geometry,
-    time: np.ndarray,
-    frames: Frames,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    if not geometry.loops:
-        amplification = np.zeros((geometry.nv, len(geometry.active), len(time)))
-        amplification[geometry.active, np.arange(len(geometry.active))] = 1.0
-        v, a = np.zeros((2, geometry.nv, len(time)))
-        v[geometry.active], a[geometry.active] = velocity, acceleration
-        return v, a, amplification
-    jacobian = loop_jacobian(geometry, frames)
-    amplification = _amplification(geometry, time, jacobian)
-    v = np.einsum("vjn,jn->vn", amplification, velocity)
-    a = np.einsum("vjn,jn->vn", amplification, acceleration)
-    bias = loop_bias(geometry, frames, v)
-    a[geometry.passive] += solve_passive(jacobian[:, geometry.passive], -bias[:, None])[:, 0]
-    return v, a, amplification

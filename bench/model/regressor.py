@@ -8,12 +8,13 @@ import numpy as np
 import pinocchio as pin
 
 from bench.model.geometry import Anchor, Geometry
+from bench.model.kinematics import ancestors
 from bench.model.motion import Motion
 from bench.model.tree import build_tree
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 UNITS = ("kg", "kg*m", "kg*m", "kg*m", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2")
-BLOCK = 512
+BLOCK = 2048  # samples projected together
 
 
 def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray | None = None) -> np.ndarray:
@@ -25,20 +26,41 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
     model = build_tree(geometry)
     data = model.createData()
     regressor = pin.computeJointTorqueRegressor
+    tree = data.jointTorqueRegressor.T.reshape(-1)  # Pinocchio's own memory, column after column
     chosen = np.arange(10 * len(geometry.joints)) if columns is None else np.asarray(columns)
+    supports = [_support(geometry, int(column) // 10) for column in chosen]
+    entries = np.concatenate(
+        [model.nv * column + support for column, support in zip(chosen, supports, strict=True)]
+    )
     samples, n = len(motion.time), len(geometry.active)
     rows = np.empty((samples, n, len(chosen)))
-    buffer = np.empty((min(BLOCK, samples), n, 10 * len(geometry.joints)))
-    projection = np.ascontiguousarray(motion.jacobian.transpose(0, 2, 1))
+    taken = np.empty((min(BLOCK, samples), len(entries)))
     for start in range(0, samples, BLOCK):
-        stop = min(start + BLOCK, samples)
-        block = slice(start, stop)
-        for jt, q, v, a, out in zip(
-            projection[block], motion.q[block], motion.v[block], motion.a[block], buffer, strict=False
-        ):
-            np.dot(jt, regressor(model, data, q, v, a), out=out)
-        rows[block] = buffer[: stop - start, :, chosen]
+        block = slice(start, min(start + BLOCK, samples))
+        for q, v, a, out in zip(motion.q[block], motion.v[block], motion.a[block], taken, strict=False):
+            regressor(model, data, q, v, a)
+            tree.take(entries, out=out, mode="clip")
+        _project(motion.jacobian[block], taken[: block.stop - start], supports, rows[block])
     return rows
+
+
+def _support(geometry: Geometry, joint: int) -> np.ndarray:
+    """Velocity indices of the joints that carry a joint's body: no other feels its parameters."""
+    return np.concatenate(
+        [np.arange(geometry.joints[i].v.start, geometry.joints[i].v.stop) for i in ancestors(geometry, joint)]
+    )
+
+
+def _project(jacobian: np.ndarray, taken: np.ndarray, supports: list[np.ndarray], rows: np.ndarray) -> None:
+    """rows (K, n, p) = jacobian (K, nv, n)' regressor; of that, `taken` (K, e) has the supports' entries."""
+    weights, values = jacobian.transpose(2, 1, 0).copy(), taken.T.copy()
+    at = 0
+    for column, support in enumerate(supports):
+        sums = weights[:, support[0]] * values[at]
+        for i, index in enumerate(support[1:], start=1):
+            sums += weights[:, index] * values[at + i]
+        rows[:, :, column] = sums.T
+        at += len(support)
 
 
 def body_columns(geometry: Geometry) -> np.ndarray:
@@ -59,11 +81,12 @@ def payload_transform(anchor: Anchor) -> np.ndarray:
     """(10, 10): standard parameters in the tool frame to those of the joint frame that carries the tool."""
     transform = np.empty((10, 10))
     for i, unit in enumerate(np.eye(10)):
-        transform[:, i] = _moved(unit, anchor.placement.rotation, anchor.placement.translation)
+        transform[:, i] = moved_parameters(unit, anchor.placement.rotation, anchor.placement.translation)
     return transform
 
 
-def _moved(parameters: np.ndarray, rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
+def moved_parameters(parameters: np.ndarray, rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
+    """Standard parameters (10,) of a frame, in the frame in which it has this rotation and translation [m]."""
     mass, moment = parameters[0], rotation @ parameters[1:4]
     xx, xy, yy, xz, yz, zz = parameters[4:]
     inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T

@@ -1,4 +1,4 @@
-"""Arithmetic on scalars that are the same at every sample (float) or differ from one to the next (array (N,)).
+"""Arithmetic on scalars: floats where all samples have the same, arrays (N,) where they differ.
 
 What is zero or one by the robot's build - an axis along z, a planar mechanism, a leg that another leg's motor
 does not move - is a float and folds away (0 x = 0, 1 x = x, 0 + x = x): structure costs no time and needs no

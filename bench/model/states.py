@@ -2,10 +2,8 @@
 
 import numpy as np
 
-from bench.model.closure import loop_jacobian
-from bench.model.follow import advance, make_follower
+from bench.model.follow import Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
-from bench.model.kinematics import frames_of, loop_joints
 from bench.model.motion import Motion, rates_at
 
 LARGEST_AMPLIFICATION = 20.0  # poses nearer to a singularity say nothing more and cost digits
@@ -21,23 +19,23 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     random = np.random.default_rng(seed)
     low, high = active_ranges(geometry)
     follower = make_follower(geometry)
-    q = geometry.home
-    poses: list[np.ndarray] = []
+    home = pose = home_pose(follower)
+    poses: list[Pose] = []
     tries = 0
     while len(poses) < count and tries < 20 * count:
         tries += 1
         target = random.uniform(low, high)
-        reached, _ = advance(follower, q, q[geometry.active_configuration] * 0.3 + target * 0.7)
-        if _regular(geometry, reached):
-            q = reached
-            poses.append(q)
+        reached, _ = advance(follower, pose, pose.q[geometry.active_configuration] * 0.3 + target * 0.7)
+        if np.abs(reached.amplification).max(initial=0.0) < LARGEST_AMPLIFICATION:
+            pose = reached
+            poses.append(pose)
         else:
-            q = geometry.home if not poses else poses[int(random.integers(len(poses)))]
-    states = np.array(poses).T
+            pose = home if not poses else poses[int(random.integers(len(poses)))]
+    states = np.array([pose.q for pose in poses]).reshape(-1, geometry.nq)
     n = len(geometry.active)
     velocity = random.normal(size=(n, len(poses)))
     acceleration = 5.0 * random.normal(size=(n, len(poses)))
-    return rates_at(geometry, np.arange(len(poses), dtype=float), states, velocity, acceleration)
+    return rates_at(geometry, np.arange(len(poses), dtype=float), states, velocity.T, acceleration.T)
 
 
 def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
@@ -50,12 +48,3 @@ def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
         if joint.limits is not None:
             low[i], high[i] = joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
     return low, high
-
-
-def _regular(geometry: Geometry, q: np.ndarray) -> bool:
-    if not len(geometry.passive):
-        return True
-    jacobian = loop_jacobian(geometry, frames_of(geometry, q[:, None], loop_joints(geometry)))[:, :, 0]
-    passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
-    amplification = np.linalg.lstsq(passive, active)[0]
-    return bool(np.abs(amplification).max() < LARGEST_AMPLIFICATION)
