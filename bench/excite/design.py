@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.estimate.layout import payload_columns
-from bench.model.guess import guessed_parameters
 from bench.excite.limits import Limits, feasible_motion, limits_of
+from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
@@ -27,7 +27,8 @@ FIRST_SPREAD, LAST_SPREAD = 0.4, 0.05  # of a change, relative to a coefficient'
 @dataclass(frozen=True)
 class Movement:
     """What a trajectory may do. span, velocity, acceleration (n,): largest distance from `center`, rad or m,
-    and largest rates; fitted: whether its recording is for identification, with `payload` or None."""
+    and largest rates; fitted: whether its recording is for identification, with `payload` or None.
+    """
 
     name: str
     fitted: bool

@@ -3,6 +3,7 @@
 Masses and inertias of the file are never read: they are the simulator's truth or a user's CAD values.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -88,7 +89,8 @@ class Geometry:
     """All that identification knows of a robot beside its measurements.
 
     `home` is the assembled pose (nq,) in Pinocchio's coordinates (quaternions x y z w); `active` are the
-    velocity indices of the actuated joints in actuator order; `tool` is where a payload is fixed.
+    velocity indices of the actuated joints in actuator order; `tool` is where a payload is fixed;
+    `body_frames` has for every body of the file the joint that moves it (-1: none) and its frame in that joint's.
     """
 
     robot: Robot
@@ -98,6 +100,7 @@ class Geometry:
     home: np.ndarray
     active: np.ndarray
     tool: Anchor | None
+    body_frames: Mapping[str, tuple[int, Placement]]
 
     @property
     def nq(self) -> int:
@@ -165,6 +168,10 @@ def read_geometry(robot: Robot) -> Geometry:
         home=_home(compiled, joints),
         active=np.array([names[actuator.joint].v.start for actuator in robot.actuators]),
         tool=_tool(robot, compiled, frames),
+        body_frames={
+            _name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}"): frame
+            for body, frame in frames.items()
+        },
     )
     equations = sum(loop.size for loop in loops)
     if len(geometry.passive) and equations == 0:
@@ -271,6 +278,18 @@ def from_mujoco(joints: tuple[Joint, ...], qpos: np.ndarray) -> np.ndarray:
             quaternion = slice(joint.q.stop - 4, joint.q.stop)
             q[:, quaternion] = np.roll(q[:, quaternion], -1, axis=1)
     return q
+
+
+def to_mujoco(joints: tuple[Joint, ...], q: np.ndarray) -> np.ndarray:
+    """Positions (N, nq) in Pinocchio's coordinates in MuJoCo's; the inverse of `from_mujoco`."""
+    qpos = np.array(q, dtype=float)
+    for joint in joints:
+        if joint.kind in ("hinge", "slide"):
+            qpos[:, joint.q] += joint.offset
+        else:
+            quaternion = slice(joint.q.stop - 4, joint.q.stop)
+            qpos[:, quaternion] = np.roll(qpos[:, quaternion], 1, axis=1)
+    return qpos
 
 
 def _tool(robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]) -> Anchor | None:

@@ -49,3 +49,10 @@ def _standard(body: Mapping[str, Any]) -> np.ndarray:
     mass[0] = body["mass"]
     shifted = moved_parameters(mass, np.eye(3), np.asarray(body["center_of_mass"], dtype=float))
     return central + shifted
+
+
+def true_values(model: IdentificationModel, truth: Mapping[str, Any]) -> dict[str, float]:
+    """True drive gains by joint and base parameters by name, to stand beside an identification's."""
+    values = {joint: float(gain["true"]) for joint, gain in truth["drive_gains"].items()}
+    names = model.base.names
+    return values | dict(zip(names, map(float, true_base_parameters(model, truth)), strict=True))

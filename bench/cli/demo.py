@@ -1,0 +1,53 @@
+"""`bench demo`: the main job from scenario to drive gains."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("demo")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    default=Path("results/demo"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for data, model and pictures.",
+)
+@click.option("--scenario", default="five_bar", show_default=True, help="What to simulate.")
+def demo(output: Path, scenario: str) -> None:
+    """Simulate a robot, identify it, and compare with the truth."""
+    from rich.console import Console
+
+    from bench.dataset import load_dataset
+    from bench.estimate.identify import fit, prepare
+    from bench.estimate.model_file import save_model
+    from bench.excite.scenario import designer
+    from bench.scenario import load_scenario, resolve_trajectories
+    from bench.show.figures import write_current_figure
+    from bench.show.recording import write_rrd
+    from bench.show.tables import identification_report
+    from bench.sweep.true_parameters import true_values
+    from bench.truth.dataset import write_simulation
+    from bench.truth.report import truth
+    from bench.truth.simulate import simulate
+
+    console = Console()
+    loaded = load_scenario(scenario)
+    console.print(f"Designing exciting trajectories for {loaded.robot.name} ...")
+    trajectories = resolve_trajectories(loaded, designer)
+    console.print("Simulating the machine in MuJoCo, with drive gains and noise that identification does not know ...")
+    simulation = simulate(loaded, trajectories)
+    write_simulation(simulation, output / "dataset")
+    console.print("Identifying from what was logged ...")
+    dataset = load_dataset(output / "dataset")
+    prepared = prepare(dataset)
+    result = fit(prepared)
+    identification_report(result, console, truth=true_values(prepared.model, truth(simulation)))
+    save_model(result, output / "model.json")
+    write_current_figure(output / "currents.png", result)
+    write_rrd(output / "demo.rrd", result, dataset)
+    console.print(f"Measurements: {output / 'dataset'}   the truth: {output / 'dataset.truth.json'}")
+    console.print(f"Model:        {output / 'model.json'}")
+    console.print(f"Open {output / 'currents.png'}, and the robot in motion with: rerun {output / 'demo.rrd'}")
