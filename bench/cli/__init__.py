@@ -30,6 +30,9 @@ COMMANDS = {
     "import": LazyCommand(
         "bench.cli.import_log:import_log", "Turn a .mat, .csv, .npz or .parquet log into a dataset."
     ),
+    "robot": LazyCommand(
+        "bench.cli.robot:robot", "Check a robot folder: joints, loops, home pose, singularities."
+    ),
 }
 
 BAD_INPUT = 2

@@ -1,0 +1,40 @@
+"""`bench robot`: what concerns a robot alone, without measurements."""
+
+from pathlib import Path
+
+import click
+
+from bench.cli.options import json_option
+
+
+@click.group("robot")
+def robot() -> None:
+    """Check a robot folder: joints, loops, home pose, singularities."""
+
+
+@robot.command("check")
+@click.argument("folder", metavar="FOLDER")
+@json_option
+@click.option("-v", "--verbose", is_flag=True, help="List the base parameters and what they stand for.")
+def check(folder: str, json_file: Path | None, verbose: bool) -> None:
+    """Check that a robot can be identified, and that Pinocchio and MuJoCo agree on it.
+
+    FOLDER holds a robot.toml beside its MJCF; the name of a built-in robot serves as well.
+    """
+    from rich.console import Console
+
+    from bench.errors import BenchError
+    from bench.files import write_json_atomically
+    from bench.robot import load_robot
+    from bench.robot_check.as_json import report_json
+    from bench.robot_check.check import check_robot
+    from bench.show.robot_report import robot_report
+
+    report = check_robot(load_robot(folder))
+    robot_report(report, Console(), verbose=verbose)
+    if report.failures:
+        first = report.failures[0]
+        raise BenchError(f"robot {report.robot.name}: {first.name}: {first.detail}")
+    if json_file is not None:
+        write_json_atomically(json_file, report_json(report))
+        click.echo(f"Report: {json_file}")

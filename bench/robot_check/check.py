@@ -1,0 +1,134 @@
+"""All checks of a robot, one after the other; each is made only where those before let it."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from bench.errors import BenchError
+from bench.model.base import base_parameters
+from bench.model.geometry import Geometry, read_geometry
+from bench.model.motion import LARGEST_AMPLIFICATION
+from bench.model.states import random_motion
+from bench.robot import Robot
+from bench.robot_check import agreement
+from bench.robot_check.features import check_features, notes
+from bench.robot_check.home import check_home, closed_poses_near_home
+from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
+from bench.robot_check.loops import check_constraints
+from bench.robot_check.machine import Machine, make_machine, random_open_poses, to_mujoco
+from bench.robot_check.mobility import check_mobility, loose_joints, mobility_of
+from bench.robot_check.report import Check, RobotReport, Singularity
+from bench.robot_check.singularity import Sweep, singularity_of, sweep
+
+POSES = 20  # random ones, open and closed, at which the libraries are compared
+SEED = 20120601
+FAST = 20.0  # rad/rad, m/rad ...: passive for active speed at home beyond which it is told
+WEAK = 1e-6  # smallest singular value at home below which it counts as singular
+
+
+def check_robot(robot: Robot) -> RobotReport:
+    """Check a robot that `bench.robot.load_robot` has read; what is wrong stands in the report's failures."""
+    compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    features = check_features(compiled)
+    report = RobotReport(
+        robot, joint_lines(compiled, robot), (), None, None, None, (features, *notes(compiled, robot))
+    )
+    try:
+        geometry = read_geometry(robot)
+    except BenchError as error:
+        if features.verdict == "failed":
+            return report
+        return _with(report, Check("geometry", "failed", str(error)))
+    machine = make_machine(geometry)
+    report = replace(report, loops=loop_lines(machine))
+    report = _with(report, *_same_tree(machine))
+    report = _with(
+        report,
+        check_home(geometry, report.loops, home_of(compiled)[1]),
+        check_home_ranges(report.joints),
+    )
+    if report.failures:
+        return report
+    return _assembled(report, machine)
+
+
+def _with(report: RobotReport, *checks: Check) -> RobotReport:
+    return replace(report, checks=report.checks + checks)
+
+
+def _same_tree(machine: Machine) -> list[Check]:
+    """The opened tree in both libraries."""
+    poses = random_open_poses(machine.geometry, POSES, SEED)
+    velocities = np.random.default_rng(SEED).normal(size=(POSES, machine.geometry.nv))
+    listed = agreement.check_joint_list(machine)
+    if listed.verdict == "failed":
+        return [listed]
+    return [
+        listed,
+        agreement.check_joint_motion(machine, poses),
+        agreement.check_body_poses(machine, poses, "opened"),
+        agreement.check_total_mass(machine),
+        agreement.check_mass_matrix(machine, poses),
+        agreement.check_bias_forces(machine, poses, velocities),
+    ]
+
+
+def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
+    """What can be asked of a robot whose loops are closed."""
+    geometry = machine.geometry
+    near = closed_poses_near_home(geometry)
+    mobility = mobility_of(geometry, near)
+    # a motion that stays free at every pose is not a matter of home
+    loose = min((loose_joints(geometry, q) for q in near[1:]), key=len, default=())
+    report = replace(report, mobility=mobility)
+    report = _with(report, check_mobility(geometry, mobility, loose, loose_joints(geometry, geometry.home)))
+    if report.failures:
+        return report
+    try:
+        swept = sweep(geometry) if geometry.loops else None
+        motion = random_motion(geometry, POSES, SEED)
+        report = replace(report, base=base_parameters(geometry))
+    except BenchError as error:
+        return _with(report, Check("motion within the joint ranges", "failed", str(error)))
+    if swept is not None:
+        singularity = singularity_of(geometry, swept)
+        report = replace(report, singularity=singularity)
+        report = _with(report, _regular_home(singularity), *_passive_ranges(geometry, swept))
+        report = _with(report, check_constraints(machine, motion.q))
+    return _with(
+        report,
+        agreement.check_body_poses(machine, motion.q, "closed"),
+        agreement.check_motor_forces(machine, motion),
+    )
+
+
+def _regular_home(found: Singularity) -> Check:
+    name = "home far from a singularity"
+    fast = found.amplification
+    told = (
+        f"smallest singular value {found.home:.2g}; "
+        f"{fast.passive} moves at {fast.value:.3g} {fast.unit} of {fast.motor}, no joint relatively faster"
+    )
+    if found.home < WEAK or fast.value > LARGEST_AMPLIFICATION:
+        return Check(name, "failed", f"home is singular or nearly so: {told}")
+    if fast.value > FAST:
+        return Check(name, "note", f"home is near a singularity: {told}")
+    return Check(name, "ok", told)
+
+
+def _passive_ranges(geometry: Geometry, swept: Sweep) -> list[Check]:
+    """Ranges of passive joints that the motors' own ranges let them leave."""
+    checks = []
+    qpos = np.array([to_mujoco(geometry, q) for q in swept.q])
+    for joint in geometry.joints:
+        if joint.limits is None or joint.kind not in ("hinge", "slide") or joint.v.start in geometry.active:
+            continue
+        low, high = qpos[:, joint.q].min(), qpos[:, joint.q].max()
+        if low < joint.limits[0] or high > joint.limits[1]:
+            text = (
+                f"passive joint {joint.name!r} goes from {low:.3g} to {high:.3g} within the motors' ranges, "
+                f"its own is [{joint.limits[0]:g}, {joint.limits[1]:g}]: the model does not know of stops"
+            )
+            checks.append(Check("note", "note", text))
+    return checks

@@ -1,0 +1,74 @@
+"""The joints and loops of an MJCF as lines of a table."""
+
+import mujoco
+import numpy as np
+
+from bench.model.geometry import Geometry
+from bench.robot import Robot
+from bench.robot_check.loops import gaps, loop_bodies
+from bench.robot_check.machine import Machine, body_name
+from bench.robot_check.report import Check, JointLine, LoopLine
+
+SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of its range
+
+
+def home_of(compiled: mujoco.MjModel) -> tuple[np.ndarray, str]:
+    """The home pose as qpos (nq,), and where it comes from."""
+    key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
+    if key < 0:
+        return compiled.qpos0.copy(), "qpos0, as there is no keyframe home"
+    return compiled.key_qpos[key].copy(), "keyframe home"
+
+
+def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]:
+    """Every joint of the MJCF, in its order."""
+    home, _ = home_of(compiled)
+    gains = {actuator.joint: f"{actuator.gain:g} {actuator.gain_unit}" for actuator in robot.actuators}
+    lines = []
+    for index in range(compiled.njnt):
+        name = compiled.joint(index).name or f"joint_{index}"
+        kind = mujoco.mjtJoint(int(compiled.jnt_type[index])).name.removeprefix("mjJNT_").lower()
+        body = int(compiled.jnt_bodyid[index])
+        scalar, limited = kind in ("hinge", "slide"), bool(compiled.jnt_limited[index])
+        low, high = (float(end) for end in compiled.jnt_range[index])
+        lines.append(
+            JointLine(
+                name=name,
+                kind=kind,
+                parent=body_name(compiled, int(compiled.body_parentid[body])),
+                actuated=name in gains,
+                gain=gains.get(name, ""),
+                lower=low if scalar and limited else None,
+                upper=high if scalar and limited else None,
+                home=float(home[compiled.jnt_qposadr[index]]) if scalar else None,
+            )
+        )
+    return tuple(lines)
+
+
+def loop_lines(machine: Machine) -> tuple[LoopLine, ...]:
+    """Every loop closure with its gap in the home pose."""
+    geometry: Geometry = machine.geometry
+    pairs = loop_bodies(geometry, machine.compiled)
+    return tuple(
+        LoopLine(loop.name, loop.kind, bodies, loop.size, *gap)
+        for loop, bodies, gap in zip(geometry.loops, pairs, gaps(machine, geometry.home), strict=True)
+    )
+
+
+def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:
+    """Home lies within every joint range."""
+    name = "home within the joint ranges"
+    for joint in joints:
+        if joint.home is None or joint.lower is None or joint.upper is None:
+            continue
+        if not joint.lower - SLACK <= joint.home <= joint.upper + SLACK:
+            unit = "rad" if joint.kind == "hinge" else "m"
+            return Check(
+                name,
+                "failed",
+                f"joint {joint.name!r} is at {joint.home:.6g} {unit} at home, "
+                f"outside its range [{joint.lower:g}, {joint.upper:g}]",
+            )
+    ranged = sum(joint.lower is not None for joint in joints)
+    return Check(name, "ok", f"{ranged} of {len(joints)} joints have a range")

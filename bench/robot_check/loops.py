@@ -1,0 +1,146 @@
+"""The loop closures of MuJoCo, of Pinocchio and of the model itself, at closed poses.
+
+All three are brought to one form: second anchor less first, in the world, turned for a weld.
+"""
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+
+from bench.model.closure import loop_jacobian, loop_residual
+from bench.model.geometry import Geometry, Loop
+from bench.model.tree import loop_constraints
+from bench.robot_check.machine import Machine, rotation_matrix, set_pose
+from bench.robot_check.report import Check
+
+TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
+
+
+def active_equalities(compiled: mujoco.MjModel) -> list[int]:
+    """MuJoCo's indices of the equalities that are switched on, in the order of the geometry's loops."""
+    return [index for index in range(compiled.neq) if compiled.eq_active0[index]]
+
+
+def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
+    """Residual and Jacobian of every loop at the closed configurations poses (N, nq)."""
+    name = "loop closures: residuals and Jacobians"
+    geometry = machine.geometry
+    equalities = active_equalities(machine.compiled)
+    if len(equalities) != len(geometry.loops):
+        return Check(name, "failed", f"MuJoCo has {len(equalities)} loops, the model {len(geometry.loops)}")
+    worst = np.zeros((len(geometry.loops), 2))
+    for q in poses:
+        turn = set_pose(machine, q)
+        own = np.hstack(
+            (loop_residual(geometry, q[:, None]), loop_jacobian(geometry, q[:, None])[:, :, 0] @ turn)
+        )
+        pinocchio = _pinocchio_rows(machine, q, turn)
+        row = 0
+        for index, (loop, equality) in enumerate(zip(geometry.loops, equalities, strict=True)):
+            theirs = _mujoco_rows(machine, equality)
+            for ours in (own[row : row + loop.size], pinocchio[index]):
+                apart = np.abs(ours - theirs)
+                worst[index] = np.maximum(worst[index], (apart[:, 0].max(), apart[:, 1:].max()))
+            row += loop.size
+    if worst.max() < TOLERANCE:
+        done = (
+            f"{len(geometry.loops)} loops at {len(poses)} closed poses, largest difference {worst.max():.0e}"
+        )
+        return Check(name, "ok", done)
+    at = int(np.argmax(worst.max(axis=1)))
+    return Check(
+        name,
+        "failed",
+        f"loop {geometry.loops[at].name!r}: MuJoCo's residual differs by {worst[at, 0]:.2e}, "
+        f"its Jacobian by {worst[at, 1]:.2e}",
+    )
+
+
+def _mujoco_rows(machine: Machine, equality: int) -> np.ndarray:
+    """MuJoCo's residual and Jacobian (3 or 6, 1 + nv) of one equality, in the model's form."""
+    compiled, state = machine.compiled, machine.state
+    weld = compiled.eq_type[equality] == mujoco.mjtEq.mjEQ_WELD
+    rows = (state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (state.efc_id == equality)
+    jacobian = state.efc_J.reshape(-1, compiled.nv)[rows]
+    both = -np.hstack((state.efc_pos[rows, None], jacobian))  # first less second
+    if not len(both):  # MuJoCo leaves out a loop that nothing can move
+        return np.zeros((6 if weld else 3, 1 + compiled.nv))
+    if weld:
+        # half the rotation vector, times torquescale, in the frame of the second end
+        scale = compiled.eq_data[equality, 10]
+        both[3:] = _second_rotation(machine, equality) @ both[3:] * (2.0 / scale)
+    return both
+
+
+def _second_rotation(machine: Machine, equality: int) -> np.ndarray:
+    second = int(machine.compiled.eq_obj2id[equality])
+    by_site = machine.compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE
+    matrices = machine.state.site_xmat if by_site else machine.state.xmat
+    return np.array(matrices[second]).reshape(3, 3)
+
+
+def _pinocchio_rows(machine: Machine, q: np.ndarray, turn: np.ndarray) -> list[np.ndarray]:
+    """Pinocchio's own constraints, turned from the frame of the first anchor to the world."""
+    model, data = machine.model, machine.data
+    pin.computeJointJacobians(model, data, q)
+    blocks = []
+    for loop, constraint in zip(
+        machine.geometry.loops, loop_constraints(machine.geometry, model), strict=True
+    ):
+        scratch = constraint.createData()
+        constraint.calc(model, data, scratch)
+        error = np.asarray(scratch.constraint_position_error).reshape(-1, 1)
+        rows = np.hstack((error, constraint.jacobian(model, data, scratch) @ turn))
+        first = data.oMi[loop.first.joint + 1].rotation @ loop.first.placement.rotation
+        blocks.append(np.vstack([first @ rows[at : at + 3] for at in range(0, loop.size, 3)]))
+    return blocks
+
+
+def gaps(machine: Machine, q: np.ndarray) -> list[tuple[float, float]]:
+    """How far each loop is open at q (nq,) by MuJoCo's body poses: m between points, rad of a weld."""
+    set_pose(machine, q)
+    found = []
+    for loop, equality in zip(machine.geometry.loops, active_equalities(machine.compiled), strict=True):
+        ends = _mujoco_ends(machine, equality, loop)
+        (first, first_turn), (second, second_turn) = ends
+        turn = 0.0
+        if loop.kind == "weld":
+            cosine = (np.trace(first_turn.T @ second_turn) - 1.0) / 2.0
+            sine = np.linalg.norm(_vee(first_turn.T @ second_turn))
+            turn = float(np.arctan2(sine, cosine))
+        found.append((float(np.linalg.norm(second - first)), turn))
+    return found
+
+
+def _mujoco_ends(machine: Machine, equality: int, loop: Loop) -> list[tuple[np.ndarray, np.ndarray]]:
+    compiled, state = machine.compiled, machine.state
+    ids = int(compiled.eq_obj1id[equality]), int(compiled.eq_obj2id[equality])
+    if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
+        return [(state.site_xpos[site], state.site_xmat[site].reshape(3, 3)) for site in ids]
+    parts = compiled.eq_data[equality]
+    # a connect holds its first anchor first, a weld its second; a weld turns the first body by its last four
+    anchors = (parts[0:3], parts[3:6]) if loop.kind == "connect" else (parts[3:6], parts[0:3])
+    turns = [np.eye(3), np.eye(3)]
+    if loop.kind == "weld":
+        turns[0] = rotation_matrix(parts[6:10])
+    ends = []
+    for body, anchor, turn in zip(ids, anchors, turns, strict=True):
+        rotation = state.xmat[body].reshape(3, 3)
+        ends.append((state.xpos[body] + rotation @ anchor, rotation @ turn))
+    return ends
+
+
+def loop_bodies(geometry: Geometry, compiled: mujoco.MjModel) -> list[tuple[str, str]]:
+    """The two bodies that each loop of the geometry holds together."""
+    pairs = []
+    for equality, _ in zip(active_equalities(compiled), geometry.loops, strict=True):
+        ids = int(compiled.eq_obj1id[equality]), int(compiled.eq_obj2id[equality])
+        if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
+            ids = int(compiled.site_bodyid[ids[0]]), int(compiled.site_bodyid[ids[1]])
+        first, second = (compiled.body(body).name or f"body_{body}" for body in ids)
+        pairs.append((first, second))
+    return pairs
+
+
+def _vee(turn: np.ndarray) -> np.ndarray:
+    return 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])

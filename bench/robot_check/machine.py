@@ -1,0 +1,130 @@
+"""The robot as MuJoCo reads it, masses included, and its coordinates beside those of the model."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+
+from bench.model.geometry import Geometry, Placement
+from bench.model.tree import build_tree
+
+OPEN_TRAVEL = 0.5  # m: how far slides and free bodies are put from zero in a random open pose
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Both libraries' models of one robot; `state` and `data` are scratch space."""
+
+    geometry: Geometry
+    compiled: mujoco.MjModel
+    state: mujoco.MjData
+    model: pin.Model
+    """The opened tree, with the masses of the MJCF: the check alone reads them."""
+    data: pin.Data
+    places: dict[int, tuple[int, Placement]]
+    """By MuJoCo body: the model's joint that carries it (-1: the world), its place in that joint's frame."""
+
+
+def compiled_model(geometry: Geometry) -> mujoco.MjModel:
+    """The MJCF with dense constraint rows of the loop closures alone."""
+    compiled = mujoco.MjModel.from_xml_path(str(geometry.robot.model_path))
+    compiled.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    for flag in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
+        compiled.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
+    return compiled
+
+
+def make_machine(geometry: Geometry) -> Machine:
+    """Give the model's tree the masses of the MJCF."""
+    compiled = compiled_model(geometry)
+    model = build_tree(geometry)
+    places = body_places(compiled)
+    for body, (joint, place) in places.items():
+        if joint >= 0:
+            frame = pin.SE3(place.rotation, place.translation)
+            model.appendBodyToJoint(joint + 1, _inertia(compiled, body), frame)
+    model.armature = compiled.dof_armature.copy()
+    return Machine(geometry, compiled, mujoco.MjData(compiled), model, model.createData(), places)
+
+
+def body_places(compiled: mujoco.MjModel) -> dict[int, tuple[int, Placement]]:
+    """Where every body is fixed, from MuJoCo's own tree: joint index (-1: the world), place in its frame.
+
+    A joint frame has the orientation of the body that the joint moves and its origin on the joint.
+    """
+    places = {0: (-1, Placement(np.eye(3), np.zeros(3)))}
+    for body in range(1, compiled.nbody):
+        count = int(compiled.body_jntnum[body])
+        if count:
+            joint = int(compiled.body_jntadr[body]) + count - 1
+            free = compiled.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE
+            point = np.zeros(3) if free else compiled.jnt_pos[joint]
+            places[body] = (joint, Placement(np.eye(3), -point))
+            continue
+        joint, frame = places[int(compiled.body_parentid[body])]
+        own = Placement(rotation_matrix(compiled.body_quat[body]), compiled.body_pos[body])
+        places[body] = (joint, frame @ own)
+    return places
+
+
+def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
+    """(3, 3) of a quaternion w x y z."""
+    matrix = np.empty(9)
+    mujoco.mju_quat2Mat(matrix, np.asarray(quaternion, dtype=float))
+    return matrix.reshape(3, 3)
+
+
+def to_mujoco(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """The model's configuration (nq,) as MuJoCo's qpos: offsets added, quaternions w x y z."""
+    qpos = q.copy()
+    for joint in geometry.joints:
+        if joint.kind in ("hinge", "slide"):
+            qpos[joint.q] += joint.offset
+        else:
+            quaternion = slice(joint.q.stop - 4, joint.q.stop)
+            qpos[quaternion] = np.roll(q[quaternion], 1)
+    return qpos
+
+
+def set_pose(machine: Machine, q: np.ndarray, v: np.ndarray | None = None) -> np.ndarray:
+    """Put MuJoCo at the model's state q (nq,), v (nv,), evaluate it, and return T (nv, nv): v = T qvel.
+
+    A free joint's linear velocity is in its own frame in Pinocchio and in the world in MuJoCo.
+    """
+    state, geometry = machine.state, machine.geometry
+    state.qpos[:] = to_mujoco(geometry, q)
+    turn = np.eye(geometry.nv)
+    for joint in geometry.joints:
+        if joint.kind == "free":
+            linear = slice(joint.v.start, joint.v.start + 3)
+            turn[linear, linear] = rotation_matrix(state.qpos[joint.q.start + 3 : joint.q.stop]).T
+    state.qvel[:] = 0.0 if v is None else turn.T @ v
+    mujoco.mj_fwdPosition(machine.compiled, state)
+    mujoco.mj_fwdVelocity(machine.compiled, state)
+    return turn
+
+
+def random_open_poses(geometry: Geometry, count: int, seed: int) -> np.ndarray:
+    """Configurations (count, nq) of the opened tree, loops ignored."""
+    random = np.random.default_rng(seed)
+    q = np.empty((count, geometry.nq))
+    for joint in geometry.joints:
+        reach = np.pi if joint.kind == "hinge" else OPEN_TRAVEL
+        q[:, joint.q] = random.uniform(-reach, reach, size=(count, joint.q.stop - joint.q.start))
+        if joint.kind in ("ball", "free"):
+            quaternion = random.normal(size=(count, 4))
+            quaternion /= np.linalg.norm(quaternion, axis=1)[:, None]
+            q[:, joint.q.stop - 4 : joint.q.stop] = quaternion
+    return q
+
+
+def body_name(compiled: mujoco.MjModel, body: int) -> str:
+    """Its name, or one made of its number."""
+    return compiled.body(body).name or f"body_{body}"
+
+
+def _inertia(compiled: mujoco.MjModel, body: int) -> pin.Inertia:
+    axes = rotation_matrix(compiled.body_iquat[body])
+    inertia = axes @ np.diag(compiled.body_inertia[body]) @ axes.T
+    return pin.Inertia(float(compiled.body_mass[body]), compiled.body_ipos[body].copy(), inertia)

@@ -1,0 +1,130 @@
+"""Degrees of freedom: what the closures leave over, whether the motors hold all of it, and how well."""
+
+import numpy as np
+
+from bench.model.closure import loop_jacobian
+from bench.model.geometry import Geometry
+from bench.model.motion import robot_length
+from bench.robot_check.report import Amplification, Check, Mobility
+
+DEPENDENT = 1e-7  # of the largest singular value: below it, an equation or a motion counts as dependent
+TAKES_PART = 0.05  # of the largest component: a joint moves in a motion that nothing holds
+AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
+
+
+def component_names(geometry: Geometry) -> tuple[str, ...]:
+    """A name for every tree velocity, (nv,)."""
+    names: list[str] = []
+    for joint in geometry.joints:
+        own = AXES if joint.kind == "free" else AXES[3:]
+        names += [joint.name] if joint.kind in ("hinge", "slide") else [f"{joint.name} ({a})" for a in own]
+    return tuple(names)
+
+
+def column_scales(geometry: Geometry) -> np.ndarray:
+    """(nv,): the robot's length [m] where a tree velocity is a length per time, else 1."""
+    scales = np.ones(geometry.nv)
+    for joint in geometry.joints:
+        if joint.kind == "slide":
+            scales[joint.v] = robot_length(geometry)
+        elif joint.kind == "free":
+            scales[joint.v.start : joint.v.start + 3] = robot_length(geometry)
+    return scales
+
+
+def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Loop Jacobians (N, m, nv) at q (N, nq), without dimension: lengths over the robot's length."""
+    jacobian = loop_jacobian(geometry, q.T).transpose(2, 0, 1) * column_scales(geometry)
+    rows = [length for loop in geometry.loops for length in (True, False)[: loop.size // 3] for _ in range(3)]
+    jacobian[:, np.flatnonzero(rows)] /= robot_length(geometry)
+    return np.asarray(jacobian)
+
+
+def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Of the scaled loop Jacobian by the passive joints at q (N, nq): (N,). Zero: some joint is not held."""
+    passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
+    if passive.shape[1] < passive.shape[2]:
+        return np.zeros(len(q))
+    return np.asarray(np.linalg.svd(passive, compute_uv=False)[:, -1])
+
+
+def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
+    """Count equations and their rank, the largest over the poses q (N, nq)."""
+    equations = sum(loop.size for loop in geometry.loops)
+    rank = 0
+    if equations:
+        values = np.linalg.svd(scaled_jacobians(geometry, q), compute_uv=False)
+        rank = int((values > DEPENDENT * values.max(axis=1, keepdims=True)).sum(axis=1).max())
+    return Mobility(geometry.nv, equations, rank, len(geometry.active))
+
+
+def loose_joints(geometry: Geometry, q: np.ndarray, threshold: float | None = None) -> tuple[str, ...]:
+    """Joints that can still move at q (nq,) with all motors held: those of the motions that no closure stops.
+
+    `threshold`: singular values of the scaled Jacobian below it count as zero; by default rounding alone.
+    """
+    passive = geometry.passive
+    if not len(passive):
+        return ()
+    if geometry.loops:
+        _, values, motions = np.linalg.svd(scaled_jacobians(geometry, q[None])[0][:, passive])
+        limit = DEPENDENT * values.max(initial=0.0) if threshold is None else threshold
+        held = int((values > limit).sum())
+    else:
+        motions, held = np.eye(len(passive)), 0
+    free = np.abs(motions[held:])
+    if not len(free):
+        return ()
+    taking_part = (free > TAKES_PART * free.max(axis=1, keepdims=True)).any(axis=0)
+    loose = set(passive[taking_part].tolist())
+    return tuple(joint.name for joint in geometry.joints if loose & set(range(joint.v.start, joint.v.stop)))
+
+
+def check_mobility(
+    geometry: Geometry, mobility: Mobility, loose: tuple[str, ...], loose_at_home: tuple[str, ...]
+) -> Check:
+    """As many degrees of freedom as motors, and every passive joint held by the closures.
+
+    `loose`: joints that the held motors leave free at any pose; `loose_at_home`: those at home.
+    """
+    name = "degrees of freedom and motors"
+    counted = (
+        f"{mobility.tree} of the tree less {mobility.rank} of rank leave {mobility.remaining}, "
+        f"for {mobility.motors} motor{'s' if mobility.motors > 1 else ''}"
+    )
+    if loose:
+        held = "is" if len(loose) == 1 else "are"
+        wrong = f"joint {_quoted(loose)} {held} held by no motor and no loop closure ({counted})"
+        return Check(name, "failed", wrong)
+    if mobility.remaining < mobility.motors:
+        motors = ", ".join(geometry.robot.joints)
+        wrong = f"redundant actuation: {counted}; the positions of {motors} are not independent"
+        return Check(name, "failed", wrong)
+    if loose_at_home:
+        return Check(
+            name, "failed", f"home is singular: with all motors held, {_quoted(loose_at_home)} can still move"
+        )
+    return Check(name, "ok", counted)
+
+
+def amplification(geometry: Geometry, q: np.ndarray) -> Amplification:
+    """Largest passive speed for a unit speed of one motor at q (nq,); compared without dimension."""
+    passive, active = geometry.passive, geometry.active
+    jacobian = scaled_jacobians(geometry, q[None])[0]
+    speeds = -np.linalg.lstsq(jacobian[:, passive], jacobian[:, active], rcond=None)[0]
+    row, column = np.unravel_index(int(np.argmax(np.abs(speeds))), speeds.shape)
+    scales = column_scales(geometry)
+    moved, mover = int(passive[row]), int(active[column])
+    units = [("rad", "m")[int(_is_length(geometry, v))] for v in (moved, mover)]
+    value = abs(float(speeds[row, column])) * float(scales[moved] / scales[mover])
+    names = component_names(geometry)
+    return Amplification(value, f"{units[0]}/{units[1]}", names[moved], names[mover])
+
+
+def _is_length(geometry: Geometry, v: int) -> bool:
+    joint = next(joint for joint in geometry.joints if joint.v.start <= v < joint.v.stop)
+    return joint.kind == "slide" or (joint.kind == "free" and v < joint.v.start + 3)
+
+
+def _quoted(names: tuple[str, ...]) -> str:
+    return " and ".join(repr(name) for name in names)

@@ -1,0 +1,120 @@
+"""What a check of a robot found; every value is a plain number or text."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from bench.model.base import BaseParameters
+from bench.robot import Robot
+
+Verdict = Literal["ok", "note", "failed", "skipped"]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at; `detail` says what was measured, or what is wrong and where."""
+
+    name: str
+    verdict: Verdict
+    detail: str
+
+
+@dataclass(frozen=True)
+class JointLine:
+    """A joint of the opened tree. `lower`, `upper` in rad or m, None where the MJCF sets no range."""
+
+    name: str
+    kind: str
+    parent: str
+    """The body that the joint moves against; "world" for the base."""
+    actuated: bool
+    gain: str
+    """Nominal drive gain with its unit; empty for a passive joint."""
+    lower: float | None
+    upper: float | None
+    home: float | None
+    """Position in the home pose, rad or m; None for a ball or free joint."""
+
+
+@dataclass(frozen=True)
+class LoopLine:
+    """A loop closure: the two bodies that it holds together and how far home leaves them apart."""
+
+    name: str
+    kind: str
+    bodies: tuple[str, str]
+    equations: int
+    gap: float
+    """m"""
+    twist: float
+    """rad; 0 for a connect"""
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """Degrees of freedom: those of the opened tree less the rank of the closure equations."""
+
+    tree: int
+    equations: int
+    rank: int
+    motors: int
+
+    @property
+    def remaining(self) -> int:
+        """Degrees of freedom of the closed robot."""
+        return self.tree - self.rank
+
+
+@dataclass(frozen=True)
+class Amplification:
+    """The passive joint that is fastest for a unit speed of one motor, the others held."""
+
+    value: float
+    unit: str
+    passive: str
+    motor: str
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """How well the motors hold the robot at home, and where over the joint ranges they hold it worst.
+
+    Singular values are those of the loop Jacobian by the passive joints, lengths divided by `length` [m].
+    """
+
+    length: float
+    home: float
+    """Smallest singular value at home."""
+    amplification: Amplification
+    """At home."""
+    poses: int
+    """Poses looked at, on straight paths of the motors from home."""
+    lowest: float
+    """Smallest singular value over them."""
+    lowest_at: dict[str, float]
+    """Positions of the actuated joints there, rad or m."""
+    reach: dict[str, tuple[float, float]]
+    """How far each motor can go with the others at home, rad or m."""
+    singular_at: dict[str, float] | None
+    """The singular pose, or the end of reach, nearest to home; None if no path met one."""
+    travel: dict[str, float] | None
+    """Travel of each motor from home to there, rad or m."""
+    loose: tuple[str, ...]
+    """Passive joints that the held motors no longer hold there."""
+
+
+@dataclass(frozen=True)
+class RobotReport:
+    """Everything that `bench robot check` tells; what could not be found out is None or empty."""
+
+    robot: Robot
+    joints: tuple[JointLine, ...]
+    loops: tuple[LoopLine, ...]
+    mobility: Mobility | None
+    singularity: Singularity | None
+    base: BaseParameters | None
+    checks: tuple[Check, ...]
+
+    @property
+    def failures(self) -> tuple[Check, ...]:
+        """The checks that failed, in the order in which they were made."""
+        return tuple(check for check in self.checks if check.verdict == "failed")

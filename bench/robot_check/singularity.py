@@ -1,0 +1,164 @@
+"""How far the robot is from a singularity: at home, and along straight paths through the joint ranges.
+
+With the motors held, loop closures hold the rest of a parallel robot; where their Jacobian by the passive
+joints loses rank, they do not. There also end the poses that can be reached in home's assembly mode.
+"""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.model.follow import advance, home_pose, make_follower
+from bench.model.geometry import Geometry
+from bench.model.motion import robot_length
+from bench.model.states import active_ranges
+from bench.robot_check.machine import to_mujoco
+from bench.robot_check.mobility import (
+    amplification,
+    column_scales,
+    loose_joints,
+    scaled_jacobians,
+    smallest_singular_values,
+)
+from bench.robot_check.report import Singularity
+
+STEPS = 24  # of a path from home to the edge of the ranges
+MOST_CORNERS = 16
+DIRECTIONS = 24  # random ones, beside the axes and corners
+SEED = 20120601
+LOOSE = 0.1  # singular values below this share of home's smallest: what is about to come loose
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Closed poses q (N, nq) in paths from home, and the path's number of each.
+
+    ends (P, nq): where paths ended early, at a singular pose or the end of reach.
+    """
+
+    q: np.ndarray
+    path: np.ndarray
+    ends: np.ndarray
+
+
+def sweep(geometry: Geometry) -> Sweep:
+    """Follow the closures from home along every axis, to corners and random points of the joint ranges.
+
+    Raises BenchError if home is not assembled.
+    """
+    follower = make_follower(geometry)
+    home = home_pose(follower)
+    start = home.q[geometry.active_configuration]
+    poses, paths, ends = [home.q], [0], []
+    for number, target in enumerate(_targets(geometry, start), start=1):
+        pose = home
+        for step in range(1, STEPS + 1):
+            pose, share = advance(follower, pose, start + (target - start) * step / STEPS)
+            poses.append(pose.q)
+            paths.append(number)
+            if share < 1.0:
+                ends.append(pose.q)
+                break
+    return Sweep(np.array(poses), np.array(paths), np.array(ends).reshape(-1, geometry.nq))
+
+
+def singularity_of(geometry: Geometry, swept: Sweep) -> Singularity:
+    """Distance from singularity at home and over a sweep."""
+    values = smallest_singular_values(geometry, swept.q)
+    lowest = int(np.argmin(values))
+    singular = np.concatenate((swept.ends, swept.q[_crossings(geometry, swept)]))
+    nearest, travel = None, None
+    loose: tuple[str, ...] = ()
+    if len(singular):
+        q = singular[np.argmin(_distance(geometry, singular))]
+        nearest = _positions(geometry, q)
+        home = _positions(geometry, geometry.home)
+        travel = {name: value - home[name] for name, value in nearest.items()}
+        loose = loose_joints(geometry, q, LOOSE * float(values[0]))
+    return Singularity(
+        length=robot_length(geometry),
+        home=float(values[0]),
+        amplification=amplification(geometry, geometry.home),
+        poses=len(swept.q),
+        lowest=float(values[lowest]),
+        lowest_at=_positions(geometry, swept.q[lowest]),
+        reach=_reach(geometry, swept),
+        singular_at=nearest,
+        travel=travel,
+        loose=loose,
+    )
+
+
+def nearest_in_words(found: Singularity) -> str:
+    """Where the nearest singularity lies, as a sentence."""
+    if found.singular_at is None:
+        return (
+            f"none met within the joint ranges: over {found.poses} poses the smallest singular value stays "
+            f"above {found.lowest:.2g}, lowest at {_listed(found.lowest_at)}"
+        )
+    moves = _listed({name: value for name, value in (found.travel or {}).items() if abs(value) > 1e-6}, "+")
+    loose = " and ".join(found.loose) or "the passive joints"
+    return (
+        f"moving {moves} from home ({_listed(found.singular_at)}): there the motors, held, no longer hold "
+        f"{loose}, or the loops come to the end of their reach"
+    )
+
+
+def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
+    low, high = active_ranges(geometry)
+    n = len(start)
+    targets = []
+    for joint, ends in enumerate(zip(low, high, strict=True)):
+        for end in ends:
+            target = start.copy()
+            target[joint] = end
+            targets.append(target)
+    if n > 1 and 2**n <= MOST_CORNERS:
+        targets += [np.array(corner) for corner in itertools.product(*zip(low, high, strict=True))]
+    if n > 1:
+        random = np.random.default_rng(SEED)
+        targets += list(random.uniform(low, high, size=(DIRECTIONS, n)))
+    return targets
+
+
+def _crossings(geometry: Geometry, swept: Sweep) -> np.ndarray:
+    """Poses (their numbers) that lie beyond a singularity seen from the pose before on their path.
+
+    J' J of two neighbouring poses changes the sign of its determinant where J lost rank between them.
+    """
+    jacobian = scaled_jacobians(geometry, swept.q)[:, :, geometry.passive]
+    before = np.arange(len(swept.q)) - 1
+    before[np.flatnonzero(np.diff(swept.path)) + 1] = 0  # a path starts at home
+    sign, _ = np.linalg.slogdet(jacobian[before[1:]].transpose(0, 2, 1) @ jacobian[1:])
+    return np.flatnonzero(sign <= 0) + 1
+
+
+def _reach(geometry: Geometry, swept: Sweep) -> dict[str, tuple[float, float]]:
+    """The ends of the first paths: each motor alone, down and up."""
+    reach = {}
+    for i, name in enumerate(geometry.robot.joints):
+        ends = [swept.q[np.flatnonzero(swept.path == 2 * i + k)[-1]] for k in (1, 2)]
+        low, high = (_positions(geometry, end)[name] for end in ends)
+        reach[name] = (low, high)
+    return reach
+
+
+def _distance(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Travel of the motors (N,) from home to q (N, nq): rad, slides in units of the robot's length."""
+    index = geometry.active_configuration
+    travel = (q[:, index] - geometry.home[index]) / column_scales(geometry)[geometry.active]
+    return np.asarray(np.linalg.norm(travel, axis=1))
+
+
+def _positions(geometry: Geometry, q: np.ndarray) -> dict[str, float]:
+    """Positions of the actuated joints as they are logged, rad or m."""
+    qpos = to_mujoco(geometry, q)
+    return {
+        name: float(qpos[index])
+        for name, index in zip(geometry.robot.joints, geometry.active_configuration, strict=True)
+    }
+
+
+def _listed(positions: dict[str, float], sign: str = "") -> str:
+    return ", ".join(f"{name} {value:{sign}.3g}" for name, value in positions.items())
