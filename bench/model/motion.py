@@ -9,7 +9,7 @@ from bench.errors import BenchError
 from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.elimination import Elimination, eliminate
-from bench.model.follow import NEARLY_CLOSED, advance, home_pose, make_follower
+from bench.model.follow import NEARLY_CLOSED, Follower, Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
 from bench.model.scalars import Scalar, dot, minus, plus
@@ -53,8 +53,9 @@ def motion_of(
     track = _Track(time, position - geometry.active_offset, velocity, acceleration)
     if not geometry.loops:
         return _solved(geometry, closures, track, lambda block: np.zeros((geometry.nq, len(time[block]))))
-    nodes = track.at(_node_indices(geometry, track.position))
-    followed = _followed(geometry, nodes).T
+    samples = _node_indices(geometry, track.position)
+    nodes = track.at(samples)
+    followed = _followed(geometry, track, samples).T
     coarse = _solved(geometry, closures, nodes, lambda block: followed[:, block])
     between = track.at(np.unique(np.append(np.arange(0, len(time), STRIDE), len(time) - 1)))
     middle = _solved(geometry, closures, between, _between(geometry, coarse, between))
@@ -200,22 +201,32 @@ def _node_indices(geometry: Geometry, active: np.ndarray) -> np.ndarray:
     return np.unique(np.concatenate(([0], np.clip(chosen, 0, last), [last])))
 
 
-def _followed(geometry: Geometry, nodes: _Track) -> np.ndarray:
-    """Nearly closed poses (M, nq) at the nodes, each reached from the one before."""
+def _followed(geometry: Geometry, track: _Track, nodes: np.ndarray) -> np.ndarray:
+    """Nearly closed poses (M, nq) at the nodes (sample indices), each reached from the one before."""
     follower = make_follower(geometry)
     pose = home_pose(follower)
-    poses = np.empty((len(nodes.time), geometry.nq))
-    for i, target in enumerate(nodes.position):
-        pose, share = advance(follower, pose, target, NEARLY_CLOSED)
+    poses = np.empty((len(nodes), geometry.nq))
+    before = -1
+    for i, node in enumerate(nodes):
+        reached, share = advance(follower, pose, track.position[node], NEARLY_CLOSED)
         if share < 1.0:
-            raise _unreachable(geometry, nodes.time[i], target, pose.q[geometry.active_configuration])
-        poses[i] = pose.q
+            reached = _followed_closely(follower, pose, track, range(before + 1, node + 1))
+        poses[i], pose, before = reached.q, reached, node
     return poses
 
 
+def _followed_closely(follower: Follower, pose: Pose, track: _Track, samples: range) -> Pose:
+    """The pose at the last of the samples, reached along all of them where the straight way to it is barred."""
+    for sample in samples:
+        pose, share = advance(follower, pose, track.position[sample])
+        if share < 1.0:
+            reached = pose.q[follower.geometry.active_configuration]
+            raise _unreachable(follower.geometry, track.time[sample], track.position[sample], reached)
+    return pose
+
+
 def _unreachable(geometry: Geometry, time: float, wanted: np.ndarray, reached: np.ndarray) -> BenchError:
-    names = [actuator.joint for actuator in geometry.robot.actuators]
-    offset = geometry.active_offset
+    offset, names = geometry.active_offset, geometry.robot.joints
     at = ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, wanted + offset, strict=True))
     near = ", ".join(f"{value:.4g}" for value in reached + offset)
     return BenchError(

@@ -1,0 +1,125 @@
+"""Do the loop closures determine every passive joint, and no motor? A robot else is refused by name."""
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.model.closure import loop_jacobian, loop_residual
+from bench.model.configuration import integrate, normalised
+from bench.model.geometry import Geometry
+from bench.model.motion import robot_length
+
+DEPENDENT = 1e-6  # of the largest singular value: smaller ones are zero
+TAKES_PART = 0.05  # of the largest entry of a motion: joints with less do not take part in it
+NEARBY = 0.05  # rad, or of the robot's length: how far the pose lies from home that shows the general case
+CLOSED = 1e-9  # m or rad
+MOST_ITERATIONS = 20
+SEED = 20120602  # of that pose
+
+
+def check_mobility(geometry: Geometry) -> None:
+    """Raise BenchError unless motors and closures together determine how the robot moves, and only just.
+
+    The rank of the closures' Jacobian by the passive joints must be their number, and the motors must add
+    nothing to it. Home may be a special pose, so that a pose near it decides; home itself must not be
+    singular.
+    """
+    loose = loose_joints(geometry, geometry.home)
+    if not loose and not geometry.loops:
+        return
+    name = geometry.robot.name
+    general = _closed_nearby(geometry)
+    undetermined = loose if general is None else loose_joints(geometry, general)
+    if undetermined:
+        raise BenchError(
+            f"robot {name}: joint {_quoted(undetermined)} can move with all motors held: it has no motor, "
+            "and no loop closure determines it"
+        )
+    if loose:
+        raise BenchError(
+            f"robot {name}: home is a singular pose: joint {_quoted(loose)} can move there, all motors held"
+        )
+    jacobian = scaled_jacobian(geometry, geometry.home if general is None else general)
+    left = geometry.nv - _rank(jacobian)
+    if left < len(geometry.active):
+        raise BenchError(
+            f"robot {name}: the loop closures leave {left} degrees of freedom for {len(geometry.active)} "
+            f"motors; those of joint {_quoted(_bound_motors(geometry, jacobian))} are not independent "
+            "(redundant actuation is not supported)"
+        )
+
+
+def loose_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
+    """Joints that can still move at the pose q (nq,) with all motors held."""
+    passive = geometry.passive
+    jacobian = scaled_jacobian(geometry, q)[:, passive]
+    if not len(passive):
+        return ()
+    _, values, motions = np.linalg.svd(jacobian)
+    free = np.abs(motions[int((values > DEPENDENT * values.max(initial=0.0)).sum()) :])
+    taking_part = (free > TAKES_PART * free.max(axis=1, keepdims=True)).any(axis=0)
+    moving = set(passive[taking_part].tolist())
+    return tuple(joint.name for joint in geometry.joints if moving & set(range(joint.v.start, joint.v.stop)))
+
+
+def scaled_jacobian(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Loop Jacobian (m, nv) at the pose q (nq,) without dimension: all lengths over the robot's own."""
+    if not geometry.loops:
+        return np.zeros((0, geometry.nv))
+    jacobian = loop_jacobian(geometry, q[:, None])[:, :, 0] * _scales(geometry)
+    row = 0
+    for loop in geometry.loops:
+        jacobian[row : row + 3] /= robot_length(geometry)
+        row += loop.size
+    return jacobian
+
+
+def _scales(geometry: Geometry) -> np.ndarray:
+    """The robot's length [m] for velocities that are m/s, one for rad/s: (nv,)."""
+    scales = np.ones(geometry.nv)
+    for joint in geometry.joints:
+        if joint.kind in ("slide", "free"):
+            scales[joint.v.start : min(joint.v.stop, joint.v.start + 3)] = robot_length(geometry)
+    return scales
+
+
+def _rank(matrix: np.ndarray) -> int:
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return int((values > DEPENDENT * values.max(initial=0.0)).sum())
+
+
+def _bound_motors(geometry: Geometry, jacobian: np.ndarray) -> tuple[str, ...]:
+    """Motors that the closures relate to one another: what no passive motion makes up for."""
+    passive, active = jacobian[:, geometry.passive], jacobian[:, geometry.active]
+    left_over = active - passive @ np.linalg.lstsq(passive, active, rcond=DEPENDENT)[0]
+    sizes = np.abs(left_over).max(axis=0)
+    return tuple(
+        name
+        for name, size in zip(geometry.robot.joints, sizes, strict=True)
+        if size > TAKES_PART * sizes.max()
+    )
+
+
+def _closed_nearby(geometry: Geometry) -> np.ndarray | None:
+    """A closed pose (nq,), a random step from home along all that the closures let move; None: not found."""
+    random = np.random.default_rng(SEED)
+    scales = _scales(geometry)
+    jacobian = scaled_jacobian(geometry, geometry.home)
+    _, _, motions = np.linalg.svd(jacobian)
+    free = motions[_rank(jacobian) :]
+    if not len(free):
+        return None
+    direction = free.T @ random.normal(size=len(free))
+    step = NEARBY * direction / np.abs(direction).max()
+    q = integrate(geometry, geometry.home[:, None], (scales * step)[:, None])
+    for _ in range(MOST_ITERATIONS):
+        q = normalised(geometry, q)
+        residual = loop_residual(geometry, q)
+        if np.abs(residual).max() < CLOSED:
+            return np.asarray(q[:, 0])
+        back = np.linalg.lstsq(loop_jacobian(geometry, q)[:, :, 0] * scales, -residual, rcond=DEPENDENT)[0]
+        q = integrate(geometry, q, scales[:, None] * back)
+    return None
+
+
+def _quoted(names: tuple[str, ...]) -> str:
+    return " and ".join(repr(name) for name in names)
