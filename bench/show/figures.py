@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -18,7 +19,8 @@ from bench.show.numbers import USES, current_unit, percent
 COLUMN_WIDTH, LEAST_WIDTH = 5.2, 9.0  # inches
 MOTOR_HEIGHT = 2.3  # inches
 DPI = 130
-STYLE = {
+# Any: matplotlib types every key of these by name.
+STYLE: Any = {
     "font.size": 9.0,
     "axes.spines.top": False,
     "axes.spines.right": False,

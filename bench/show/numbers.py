@@ -2,12 +2,16 @@
 
 import math
 import re
+from collections.abc import Mapping
 
 from bench.estimate.result import DriveGain, Identification, Quantity
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
 USES = {"identify": "fitted", "validate": "not fitted"}
+
+Truth = Mapping[str, float]
+"""True values by joint (drive gains), by parameter name, and as EFFECT:JOINT.PARAMETER (effects)."""
 
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 

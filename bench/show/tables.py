@@ -1,6 +1,6 @@
 """An identification as tables in a terminal."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from rich.console import Console, Group, RenderableType
 from rich.table import Table
@@ -13,6 +13,7 @@ from bench.show.numbers import (
     GIVEN,
     POOR,
     USES,
+    Truth,
     deviations_away,
     effect_key,
     flat_effects,
@@ -26,9 +27,6 @@ from bench.show.numbers import (
     settings_lines,
     value_and_deviation,
 )
-
-Truth = Mapping[str, float]
-"""True values by joint (drive gains), by parameter name, and as EFFECT:JOINT.PARAMETER (effects)."""
 
 WIDTH = 100  # columns of a table that is asked for by itself
 NARROWEST_GROUPING = 14  # columns below which a grouping says nothing
