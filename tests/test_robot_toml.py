@@ -1,0 +1,155 @@
+"""A wrong robot folder is refused in one line that names the culprit."""
+
+from pathlib import Path
+
+import pytest
+
+from bench.errors import BenchError
+from bench.robot import load_robot
+
+TOML = """\
+name = "slider"
+model = "slider.xml"
+
+[[actuators]]
+joint = "slide"
+gain = 100
+gain_unit = "N/A"
+
+[[actuators]]
+joint = "turn"
+gain = 2.5
+gain_unit = "N*m/V"
+
+[tool]
+site = "tool"
+"""
+MJCF = """\
+<mujoco>
+  <worldbody>
+    <body>
+      <joint name="slide" type="slide"/>
+      <geom size="0.1"/>
+      <body>
+        <joint name="turn" type="hinge"/>
+        <geom size="0.1"/>
+        <site name="tool"/>
+      </body>
+    </body>
+    <body>
+      <joint name="wrist" type="ball"/>
+      <geom size="0.1"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def write_robot(folder: Path, toml: str = TOML, mjcf: str = MJCF) -> Path:
+    (folder / "robot.toml").write_text(toml, encoding="utf-8")
+    (folder / "slider.xml").write_text(mjcf, encoding="utf-8")
+    return folder
+
+
+def refusal(robot: str | Path, relative_to: Path | None = None) -> str:
+    with pytest.raises(BenchError) as caught:
+        load_robot(robot, relative_to)
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+def test_the_unspoilt_robot_loads(tmp_path: Path) -> None:
+    robot = load_robot(write_robot(tmp_path))
+    assert robot.joints == ("slide", "turn")
+    assert robot.nominal_gains.tolist() == [100, 2.5]
+    assert [actuator.gain_unit for actuator in robot.actuators] == ["N/A", "N*m/V"]
+    assert robot.tool_site == "tool"
+    assert robot.model_path == tmp_path.resolve() / "slider.xml"
+
+
+def test_the_tool_may_be_left_out(tmp_path: Path) -> None:
+    assert load_robot(write_robot(tmp_path, TOML.split("[tool]", maxsplit=1)[0])).tool_site is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("name =", "nane =", ("nane", "unknown key")),
+        ('name = "slider"\n', "", ("name", "missing")),
+        ('"slider"', '""', ("name", "at least 1 character")),
+        ('model = "slider.xml"\n', "", ("model", "missing")),
+        ("slider.xml", "other.xml", ("model", "other.xml")),
+        ("slider.xml", "..", ("model", "there is no file")),
+        ("gain = 100\n", "", ("actuators[0].gain", "missing")),
+        ("gain = 2.5\n", "", ("actuators[1].gain", "missing")),
+        ("gain = 100", "gain = 0", ("actuators[0].gain", "greater than 0")),
+        ("gain = 100", "gain = -3.0", ("actuators[0].gain", "greater than 0", "-3.0")),
+        ("gain = 100", "gain = nan", ("actuators[0].gain", "finite", "nan")),
+        ("gain = 100", "gain = inf", ("actuators[0].gain", "finite", "inf")),
+        ("gain = 100", 'gain = "100"', ("actuators[0].gain", "number", "'100'")),
+        ("gain = 100", "gain = true", ("actuators[0].gain", "number", "True")),
+        ("gain = 100", "gain = 100\ngear = 50", ("actuators[0].gear", "unknown key")),
+        ('"N/A"', '"Nm/A"', ("actuators[0].gain_unit", "'Nm/A'")),
+        ('"N/A"', '"N*m/A"', ("actuators[0].gain_unit", "'slide' is a slide", '"N/A"', "'N*m/A'")),
+        ('"N*m/V"', '"N/V"', ("actuators[1].gain_unit", "'turn' is a hinge", '"N*m/V"', "'N/V'")),
+        ('"turn"', '"twist"', ("actuators[1].joint", "slider.xml", "'twist'", "slide, turn, wrist")),
+        ('"turn"', '"slide"', ("actuators[1].joint", "'slide'", "actuators[0]")),
+        ('"turn"', '"wrist"', ("actuators[1].joint", "'wrist'", "ball")),
+        ('site = "tool"', 'site = "flange"', ("tool.site", "slider.xml", "'flange'")),
+        ('site = "tool"', 'sites = "tool"', ("tool.sites", "unknown key")),
+        ("[tool]", "[tool", ("not valid TOML", "line 14")),
+        ("[tool]", "[gripper]", ("gripper", "unknown key")),
+        ("[[actuators]]", "[[motors]]", ("motors", "unknown key")),
+        (TOML[TOML.index("[[") : TOML.index("[tool]")], "", ("actuators", "missing")),
+        (TOML[TOML.index("[[") : TOML.index("[tool]")], "actuators = []\n", ("actuators", "at least one")),
+        (TOML[TOML.index("[[") : TOML.index("[tool]")], "actuators = [3]\n", ("actuators[0]", "table", "3")),
+    ],
+)
+def test_a_wrong_description_is_refused(tmp_path: Path, old: str, new: str, named: tuple[str, ...]) -> None:
+    assert old in TOML
+    message = refusal(write_robot(tmp_path, TOML.replace(old, new)))
+    assert [text for text in ("robot.toml", *named) if text not in message] == [], message
+
+
+@pytest.mark.parametrize(
+    ("mjcf", "named"),
+    [
+        (MJCF.replace("</worldbody>", ""), ()),
+        (MJCF.replace('<geom size="0.1"/>', '<gem size="0.1"/>', 1), ("gem", "line 5")),
+        (MJCF.replace('type="slide"', 'type="prism"'), ("prism",)),
+        (MJCF.replace('<geom size="0.1"/>', "", 1).replace('size="0.1"', 'size="-1"', 1), ()),
+        ("", ()),
+    ],
+)
+def test_a_broken_mjcf_is_refused_with_what_mujoco_says(
+    tmp_path: Path, mjcf: str, named: tuple[str, ...]
+) -> None:
+    message = refusal(write_robot(tmp_path, mjcf=mjcf))
+    assert "slider.xml: MuJoCo cannot compile it: " in message
+    assert len(message.split("cannot compile it: ")[1]) > 10
+    assert [text for text in named if text not in message] == [], message
+
+
+def test_a_robot_that_is_nowhere_names_the_built_in_ones(tmp_path: Path) -> None:
+    message = refusal("six_bar", relative_to=tmp_path)
+    assert "'six_bar'" in message
+    assert "delta, emps, five_bar" in message
+    assert str(tmp_path) in message
+
+
+def test_a_folder_without_a_description_is_named(tmp_path: Path) -> None:
+    assert f"no robot.toml in {tmp_path}" in refusal(tmp_path)
+
+
+def test_a_description_that_is_no_text_is_named(tmp_path: Path) -> None:
+    (write_robot(tmp_path) / "robot.toml").write_bytes(b'name = "\xff"')
+    assert "robot.toml: not UTF-8" in refusal(tmp_path)
+
+
+def test_a_path_is_never_taken_for_a_built_in_name(tmp_path: Path) -> None:
+    (tmp_path / "delta").mkdir()
+    write_robot(tmp_path / "delta")
+    assert load_robot(Path("delta"), relative_to=tmp_path).name == "slider"
+    assert load_robot("./delta", relative_to=tmp_path).name == "slider"
+    assert load_robot("delta", relative_to=tmp_path).name == "delta"
