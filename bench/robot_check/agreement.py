@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
-from bench.robot_check.machine import Machine, body_name, set_pose
+from bench.robot_check.machine import Machine, body_label, label_of, set_pose
 from bench.robot_check.report import Check
 
 TOLERANCE = 1e-10  # of the quantity's own size (at least 1, in its SI unit): two libraries, rounding only
@@ -28,7 +28,7 @@ def check_joint_list(machine: Machine) -> Check:
         wrong = f"MuJoCo has {compiled.njnt} joints, Pinocchio {machine.model.njoints - 1}"
         return Check(name, "failed", wrong)
     for index in range(compiled.njnt):
-        label = compiled.joint(index).name or f"joint_{index}"
+        label = label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, index)
         own = mujoco.mjtJoint(int(compiled.jnt_type[index])).name.removeprefix("mjJNT_").lower()
         joint = machine.model.joints[index + 1]
         kind = joint.shortname()
@@ -93,7 +93,7 @@ def check_body_poses(machine: Machine, poses: np.ndarray, what: str) -> Check:
     return _verdict(
         f"body poses, {what}",
         worst,
-        lambda body: f"body {body_name(machine.compiled, body)!r} stands elsewhere by {worst[body]:.2e}",
+        lambda body: f"body {body_label(machine.compiled, body)!r} stands elsewhere by {worst[body]:.2e}",
         f"{machine.compiled.nbody - 1} bodies at {len(poses)} poses",
     )
 

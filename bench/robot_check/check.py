@@ -13,11 +13,11 @@ from bench.model.states import random_motion
 from bench.robot import Robot
 from bench.robot_check import agreement
 from bench.robot_check.features import check_features, notes
-from bench.robot_check.home import check_home, closed_poses_near_home
+from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_constraints
 from bench.robot_check.machine import Machine, make_machine, random_open_poses, to_mujoco
-from bench.robot_check.mobility import check_mobility, loose_joints, mobility_of
+from bench.robot_check.mobility import check_mobility, mobility_of
 from bench.robot_check.report import Check, RobotReport, Singularity
 from bench.robot_check.singularity import Sweep, singularity_of, sweep
 
@@ -32,7 +32,13 @@ def check_robot(robot: Robot) -> RobotReport:
     compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
     features = check_features(compiled)
     report = RobotReport(
-        robot, joint_lines(compiled, robot), (), None, None, None, (features, *notes(compiled, robot))
+        robot,
+        joint_lines(compiled, robot),
+        (),
+        None,
+        None,
+        None,
+        (features, *notes(compiled, robot)),
     )
     try:
         geometry = read_geometry(robot)
@@ -45,7 +51,7 @@ def check_robot(robot: Robot) -> RobotReport:
     report = _with(report, *_same_tree(machine))
     report = _with(
         report,
-        check_home(geometry, report.loops, home_of(compiled)[1]),
+        check_home(geometry, report.loops, home_of(compiled, robot)[1]),
         check_home_ranges(report.joints),
     )
     if report.failures:
@@ -77,12 +83,8 @@ def _same_tree(machine: Machine) -> list[Check]:
 def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
     """What can be asked of a robot whose loops are closed."""
     geometry = machine.geometry
-    near = closed_poses_near_home(geometry)
-    mobility = mobility_of(geometry, near)
-    # a motion that stays free at every pose is not a matter of home
-    loose = min((loose_joints(geometry, q) for q in near[1:]), key=len, default=())
-    report = replace(report, mobility=mobility)
-    report = _with(report, check_mobility(geometry, mobility, loose, loose_joints(geometry, geometry.home)))
+    mobility = mobility_of(geometry, geometry.home[None])
+    report = _with(replace(report, mobility=mobility), check_mobility(geometry, mobility))
     if report.failures:
         return report
     try:
@@ -104,11 +106,11 @@ def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
 
 
 def _regular_home(found: Singularity) -> Check:
-    name = "home far from a singularity"
+    name = "home is regular"
     fast = found.amplification
     told = (
         f"smallest singular value {found.home:.2g}; "
-        f"{fast.passive} moves at {fast.value:.3g} {fast.unit} of {fast.motor}, no joint relatively faster"
+        f"{fast.passive} moves at {fast.value:.3g} {fast.unit} of {fast.motor}"
     )
     if found.home < WEAK or fast.value > LARGEST_AMPLIFICATION:
         return Check(name, "failed", f"home is singular or nearly so: {told}")

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.robot import Robot
+from bench.robot_check.machine import label_of
 from bench.robot_check.report import Check
 
 SUPPORTED = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
@@ -19,7 +20,7 @@ SWITCHES = {
 
 def check_features(compiled: mujoco.MjModel) -> Check:
     """Nothing in the MJCF that the model cannot represent."""
-    name = "nothing that the model cannot represent"
+    name = "supported MJCF"
     refused = list(_refused(compiled))
     if refused:
         more = f" (and {len(refused) - 1} more: {'; '.join(refused[1:])})" if len(refused) > 1 else ""
@@ -38,18 +39,19 @@ def _refused(compiled: mujoco.MjModel) -> Iterator[str]:
             yield f'<flag {what}="disable"/>: the model always counts on {what}'
     yield from _refused_equalities(compiled)
     for body in range(1, compiled.nbody):
-        label = repr(compiled.body(body).name or f"body_{body}")
+        label = repr(label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, body))
         if compiled.body_mocapid[body] >= 0:
             yield f"body {label} is a mocap body, which no joint moves; fix it to its parent"
         if compiled.body_gravcomp[body]:
             yield f"body {label} has gravcomp {compiled.body_gravcomp[body]:g}: the model gives bodies weight"
     for flex in range(compiled.nflex):
-        yield f"flex {compiled.flex(flex).name or f'flex_{flex}'!r}: deformable bodies are not supported"
+        label = label_of(compiled, mujoco.mjtObj.mjOBJ_FLEX, flex)
+        yield f"flex {label!r}: deformable bodies are not supported"
     for tendon in range(compiled.ntendon):
         acting = [what for what in COUPLING if np.any(getattr(compiled, f"tendon_{what}")[tendon])]
         if acting:
-            label = repr(compiled.tendon(tendon).name or f"tendon_{tendon}")
-            yield f"tendon {label} has {', '.join(acting)}: it couples joints, unknown to the model"
+            label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+            yield f"tendon {label!r} has {', '.join(acting)}: it couples joints, unknown to the model"
 
 
 def _refused_equalities(compiled: mujoco.MjModel) -> Iterator[str]:
@@ -57,7 +59,7 @@ def _refused_equalities(compiled: mujoco.MjModel) -> Iterator[str]:
         if not compiled.eq_active0[index]:
             continue
         kind = mujoco.mjtEq(int(compiled.eq_type[index]))
-        label = compiled.equality(index).name or f"equality_{index}"
+        label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
         if kind not in SUPPORTED:
             yield (
                 f"equality {label!r} of type {_word(kind)}{_coupled(compiled, index)}: "
@@ -70,7 +72,7 @@ def _refused_equalities(compiled: mujoco.MjModel) -> Iterator[str]:
 def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
     for index in range(compiled.neq):
         if not compiled.eq_active0[index]:
-            label = compiled.equality(index).name or f"equality_{index}"
+            label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
             yield f"equality {label!r} is inactive and ignored"
     forces = {
         "spring (stiffness)": ("jnt_stiffness", "jnt_stiffnesspoly"),
@@ -91,14 +93,14 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
     if compiled.nactuator:
         yield f"{compiled.nactuator} actuators of the MJCF are not used: robot.toml names the motors"
     for tendon in range(compiled.ntendon):
-        yield f"tendon {compiled.tendon(tendon).name or f'tendon_{tendon}'!r} is ignored"
+        yield f"tendon {label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)!r} is ignored"
 
 
 def _coupled(compiled: mujoco.MjModel, index: int) -> str:
     if compiled.eq_type[index] != mujoco.mjtEq.mjEQ_JOINT:
         return ""
     ids = (int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index]))
-    names = [repr(compiled.joint(joint).name) for joint in ids if joint >= 0]
+    names = [repr(label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)) for joint in ids if joint >= 0]
     return (
         f", which couples joints {' and '.join(names)}"
         if len(names) > 1
@@ -113,7 +115,7 @@ def _joints_with(compiled: mujoco.MjModel, fields: tuple[str, ...]) -> list[str]
         for field in fields:
             values = getattr(compiled, field)
             if np.any(values[joint] if field.startswith("jnt_") else values[first]):
-                names.append(compiled.joint(joint).name or f"joint_{joint}")
+                names.append(label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint))
                 break
     return names
 

@@ -14,8 +14,6 @@ EXACT = 1e-9  # m or rad: a wider gap is told
 LONGEST_STEP = 0.2  # rad or m
 ATTEMPTS = 200
 DEPENDENT = 1e-7  # singular values below this share of the largest are left out of a step
-NEARBY, NEAR = 6, 0.05  # poses about home, rad or m
-SEED = 20120601
 
 
 def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: str) -> Check:
@@ -40,32 +38,13 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: str) -> 
 
 def closed_pose(geometry: Geometry) -> np.ndarray | None:
     """The pose (nq,) that Newton's method reaches from home, motors held; None if it does not close."""
-    return _closed(geometry, geometry.home, geometry.passive)
-
-
-def closed_poses_near_home(geometry: Geometry) -> np.ndarray:
-    """Home, and closed poses at small random distances of it where all joints may move: (1 + N, nq)."""
-    model = build_tree(geometry)
-    random = np.random.default_rng(SEED)
-    poses = [geometry.home]
-    for _ in range(NEARBY):
-        moved = pin.integrate(model, geometry.home, NEAR * random.uniform(-1, 1, size=geometry.nv))
-        closed = _closed(geometry, moved, np.arange(geometry.nv))
-        if closed is not None:
-            poses.append(closed)
-    return np.array(poses)
-
-
-def _closed(geometry: Geometry, q: np.ndarray, movable: np.ndarray) -> np.ndarray | None:
-    """Newton's method with short steps of least norm in the tree velocities `movable`, from q (nq,)."""
-    if not geometry.loops:
-        return q
-    model = build_tree(geometry)
+    model, passive = build_tree(geometry), geometry.passive
+    q = geometry.home
     for _ in range(ATTEMPTS):
         residual = loop_residual(geometry, q[:, None])[:, 0]
         step = np.zeros(geometry.nv)
-        jacobian = loop_jacobian(geometry, q[:, None])[:, movable, 0]
-        step[movable] = -np.linalg.lstsq(jacobian, residual, rcond=DEPENDENT)[0]
+        jacobian = loop_jacobian(geometry, q[:, None])[:, passive, 0]
+        step[passive] = -np.linalg.lstsq(jacobian, residual, rcond=DEPENDENT)[0]
         largest = float(np.abs(step).max(initial=0.0))
         q = pin.integrate(model, q, step * min(1.0, LONGEST_STEP / max(largest, LONGEST_STEP)))
         if largest < EXACT:

@@ -6,27 +6,31 @@ import numpy as np
 from bench.model.geometry import Geometry
 from bench.robot import Robot
 from bench.robot_check.loops import gaps, loop_bodies
-from bench.robot_check.machine import Machine, body_name
+from bench.robot_check.machine import Machine, body_label, label_of
 from bench.robot_check.report import Check, JointLine, LoopLine
 
 SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of its range
 
 
-def home_of(compiled: mujoco.MjModel) -> tuple[np.ndarray, str]:
+def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, str]:
     """The home pose as qpos (nq,), and where it comes from."""
     key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
     if key < 0:
         return compiled.qpos0.copy(), "qpos0, as there is no keyframe home"
-    return compiled.key_qpos[key].copy(), "keyframe home"
+    given = len(mujoco.MjSpec.from_file(str(robot.model_path)).keys[key].qpos)
+    source = "keyframe home"
+    if given < compiled.nq:  # MuJoCo does not say so
+        source += f" with {given} of {compiled.nq} positions, the others from qpos0"
+    return compiled.key_qpos[key].copy(), source
 
 
 def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]:
     """Every joint of the MJCF, in its order."""
-    home, _ = home_of(compiled)
+    home, _ = home_of(compiled, robot)
     gains = {actuator.joint: f"{actuator.gain:g} {actuator.gain_unit}" for actuator in robot.actuators}
     lines = []
     for index in range(compiled.njnt):
-        name = compiled.joint(index).name or f"joint_{index}"
+        name = label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, index)
         kind = mujoco.mjtJoint(int(compiled.jnt_type[index])).name.removeprefix("mjJNT_").lower()
         body = int(compiled.jnt_bodyid[index])
         scalar, limited = kind in ("hinge", "slide"), bool(compiled.jnt_limited[index])
@@ -35,7 +39,7 @@ def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]
             JointLine(
                 name=name,
                 kind=kind,
-                parent=body_name(compiled, int(compiled.body_parentid[body])),
+                parent=body_label(compiled, int(compiled.body_parentid[body])),
                 actuated=name in gains,
                 gain=gains.get(name, ""),
                 lower=low if scalar and limited else None,
@@ -58,7 +62,7 @@ def loop_lines(machine: Machine) -> tuple[LoopLine, ...]:
 
 def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:
     """Home lies within every joint range."""
-    name = "home within the joint ranges"
+    name = "home within ranges"
     for joint in joints:
         if joint.home is None or joint.lower is None or joint.upper is None:
             continue

@@ -10,7 +10,7 @@ import pinocchio as pin
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.geometry import Geometry, Loop
 from bench.model.tree import loop_constraints
-from bench.robot_check.machine import Machine, rotation_matrix, set_pose
+from bench.robot_check.machine import Machine, body_label, rotation_matrix, set_pose
 from bench.robot_check.report import Check
 
 TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
@@ -23,7 +23,7 @@ def active_equalities(compiled: mujoco.MjModel) -> list[int]:
 
 def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
     """Residual and Jacobian of every loop at the closed configurations poses (N, nq)."""
-    name = "loop closures: residuals and Jacobians"
+    name = "loop closures"
     geometry = machine.geometry
     equalities = active_equalities(machine.compiled)
     if len(equalities) != len(geometry.loops):
@@ -43,9 +43,7 @@ def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
                 worst[index] = np.maximum(worst[index], (apart[:, 0].max(), apart[:, 1:].max()))
             row += loop.size
     if worst.max() < TOLERANCE:
-        done = (
-            f"{len(geometry.loops)} loops at {len(poses)} closed poses, largest difference {worst.max():.0e}"
-        )
+        done = f"residuals and Jacobians at {len(poses)} closed poses agree to {worst.max():.0e}"
         return Check(name, "ok", done)
     at = int(np.argmax(worst.max(axis=1)))
     return Check(
@@ -137,8 +135,7 @@ def loop_bodies(geometry: Geometry, compiled: mujoco.MjModel) -> list[tuple[str,
         ids = int(compiled.eq_obj1id[equality]), int(compiled.eq_obj2id[equality])
         if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
             ids = int(compiled.site_bodyid[ids[0]]), int(compiled.site_bodyid[ids[1]])
-        first, second = (compiled.body(body).name or f"body_{body}" for body in ids)
-        pairs.append((first, second))
+        pairs.append((body_label(compiled, ids[0]), body_label(compiled, ids[1])))
     return pairs
 
 

@@ -119,9 +119,15 @@ def random_open_poses(geometry: Geometry, count: int, seed: int) -> np.ndarray:
     return q
 
 
-def body_name(compiled: mujoco.MjModel, body: int) -> str:
-    """Its name, or one made of its number."""
-    return compiled.body(body).name or f"body_{body}"
+def label_of(compiled: mujoco.MjModel, kind: mujoco.mjtObj, index: int) -> str:
+    """The name of a part of the MJCF, or one made of its kind and number, such as joint_3."""
+    word = mujoco.mjtObj(kind).name.removeprefix("mjOBJ_").lower()
+    return mujoco.mj_id2name(compiled, kind, index) or f"{word}_{index}"
+
+
+def body_label(compiled: mujoco.MjModel, body: int) -> str:
+    """The name of a body."""
+    return label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, body)
 
 
 def _inertia(compiled: mujoco.MjModel, body: int) -> pin.Inertia:

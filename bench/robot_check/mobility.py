@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from bench.errors import BenchError
 from bench.model.closure import loop_jacobian
 from bench.model.geometry import Geometry
+from bench.model.mobility import check_mobility as require_mobility
 from bench.model.motion import robot_length
 from bench.robot_check.report import Amplification, Check, Mobility
 
@@ -58,53 +60,24 @@ def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
     return Mobility(geometry.nv, equations, rank, len(geometry.active))
 
 
-def loose_joints(geometry: Geometry, q: np.ndarray, threshold: float | None = None) -> tuple[str, ...]:
-    """Joints that can still move at q (nq,) with all motors held: those of the motions that no closure stops.
-
-    `threshold`: singular values of the scaled Jacobian below it count as zero; by default rounding alone.
-    """
-    passive = geometry.passive
-    if not len(passive):
-        return ()
-    if geometry.loops:
-        _, values, motions = np.linalg.svd(scaled_jacobians(geometry, q[None])[0][:, passive])
-        limit = DEPENDENT * values.max(initial=0.0) if threshold is None else threshold
-        held = int((values > limit).sum())
-    else:
-        motions, held = np.eye(len(passive)), 0
-    free = np.abs(motions[held:])
-    if not len(free):
-        return ()
-    taking_part = (free > TAKES_PART * free.max(axis=1, keepdims=True)).any(axis=0)
-    loose = set(passive[taking_part].tolist())
-    return tuple(joint.name for joint in geometry.joints if loose & set(range(joint.v.start, joint.v.stop)))
+def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
+    """As many degrees of freedom as motors, every passive joint held, and home not singular."""
+    name = "degrees of freedom"
+    try:
+        require_mobility(geometry)
+    except BenchError as error:
+        return Check(name, "failed", str(error).removeprefix(f"robot {geometry.robot.name}: "))
+    told = f"{mobility.tree} of the tree less {mobility.rank} of rank leave {mobility.remaining}"
+    motors = f"{mobility.motors} motor{'s' if mobility.motors > 1 else ''}"
+    return Check(name, "ok" if mobility.remaining == mobility.motors else "failed", f"{told}, for {motors}")
 
 
-def check_mobility(
-    geometry: Geometry, mobility: Mobility, loose: tuple[str, ...], loose_at_home: tuple[str, ...]
-) -> Check:
-    """As many degrees of freedom as motors, and every passive joint held by the closures.
-
-    `loose`: joints that the held motors leave free at any pose; `loose_at_home`: those at home.
-    """
-    name = "degrees of freedom and motors"
-    counted = (
-        f"{mobility.tree} of the tree less {mobility.rank} of rank leave {mobility.remaining}, "
-        f"for {mobility.motors} motor{'s' if mobility.motors > 1 else ''}"
-    )
-    if loose:
-        held = "is" if len(loose) == 1 else "are"
-        wrong = f"joint {_quoted(loose)} {held} held by no motor and no loop closure ({counted})"
-        return Check(name, "failed", wrong)
-    if mobility.remaining < mobility.motors:
-        motors = ", ".join(geometry.robot.joints)
-        wrong = f"redundant actuation: {counted}; the positions of {motors} are not independent"
-        return Check(name, "failed", wrong)
-    if loose_at_home:
-        return Check(
-            name, "failed", f"home is singular: with all motors held, {_quoted(loose_at_home)} can still move"
-        )
-    return Check(name, "ok", counted)
+def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
+    """Passive joints that move in the motion which the closures hold least at q (nq,), the motors held."""
+    _, _, motions = np.linalg.svd(scaled_jacobians(geometry, q[None])[0][:, geometry.passive])
+    weakest = np.abs(motions[-1])
+    moving = set(geometry.passive[weakest > TAKES_PART * weakest.max()].tolist())
+    return tuple(joint.name for joint in geometry.joints if moving & set(range(joint.v.start, joint.v.stop)))
 
 
 def amplification(geometry: Geometry, q: np.ndarray) -> Amplification:
@@ -124,7 +97,3 @@ def amplification(geometry: Geometry, q: np.ndarray) -> Amplification:
 def _is_length(geometry: Geometry, v: int) -> bool:
     joint = next(joint for joint in geometry.joints if joint.v.start <= v < joint.v.stop)
     return joint.kind == "slide" or (joint.kind == "free" and v < joint.v.start + 3)
-
-
-def _quoted(names: tuple[str, ...]) -> str:
-    return " and ".join(repr(name) for name in names)

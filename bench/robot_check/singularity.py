@@ -17,9 +17,9 @@ from bench.robot_check.machine import to_mujoco
 from bench.robot_check.mobility import (
     amplification,
     column_scales,
-    loose_joints,
     scaled_jacobians,
     smallest_singular_values,
+    weakest_joints,
 )
 from bench.robot_check.report import Singularity
 
@@ -27,7 +27,6 @@ STEPS = 24  # of a path from home to the edge of the ranges
 MOST_CORNERS = 16
 DIRECTIONS = 24  # random ones, beside the axes and corners
 SEED = 20120601
-LOOSE = 0.1  # singular values below this share of home's smallest: what is about to come loose
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ def singularity_of(geometry: Geometry, swept: Sweep) -> Singularity:
         nearest = _positions(geometry, q)
         home = _positions(geometry, geometry.home)
         travel = {name: value - home[name] for name, value in nearest.items()}
-        loose = loose_joints(geometry, q, LOOSE * float(values[0]))
+        loose = weakest_joints(geometry, q)
     return Singularity(
         length=robot_length(geometry),
         home=float(values[0]),
