@@ -88,7 +88,7 @@ def test_without_a_payload_the_gains_stay_nominal_and_the_answer_says_so(noisy: 
     assert not result.gains_fitted
     assert all(gain.value == gain.nominal and gain.std == 0 for gain in result.drive_gains.values())
     assert any("nominal" in note for note in result.notes)
-    with pytest.raises(BenchError, match="tls.*payload of known mass"):
+    with pytest.raises(BenchError, match=r"tls.*payload of known mass"):
         identify(only(as_dataset(noisy), "unloaded.csv"), method="tls")
 
 

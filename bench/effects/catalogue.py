@@ -1,6 +1,6 @@
-"""Find effects by name: built-in ones, and those of a user's own file."""
+"""Find effects by name."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from bench.effects.constant_offset import ConstantOffset
@@ -18,27 +18,44 @@ CATALOGUE: dict[str, Effect] = {
 
 @dataclass(frozen=True)
 class EffectInstance:
-    """An effect at one actuator; `request` is how the user named it."""
+    """An effect at one joint (empty: the whole robot); `request` is how the user named it."""
 
     effect: Effect
     joint: str
     request: str
 
 
-def select_effects(requests: Sequence[str], joints: Sequence[str]) -> tuple[EffectInstance, ...]:
-    """Effects named as EFFECT (at every actuator) or EFFECT:JOINT, in the order given.
+def places_of(effect: Effect, actuated: Sequence[str], passive: Sequence[str]) -> tuple[str, ...]:
+    """The joints at which an effect can sit; one empty name for an effect of the whole robot."""
+    if effect.place == "robot":
+        return ("",)
+    return tuple(actuated if effect.place == "actuator" else passive)
+
+
+def select_effects(
+    requests: Sequence[str],
+    actuated: Sequence[str],
+    passive: Sequence[str] = (),
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+) -> tuple[EffectInstance, ...]:
+    """Effects named as EFFECT (at every joint where it can sit) or EFFECT:JOINT, in the order given.
 
     Raises BenchError that names an unknown effect or joint, or an effect given twice for one joint.
     """
     instances: list[EffectInstance] = []
     for request in requests:
         name, _, joint = request.partition(":")
-        if name not in CATALOGUE:
-            raise BenchError(f"unknown effect {name!r}; known: {', '.join(CATALOGUE)}")
-        if joint and joint not in joints:
-            raise BenchError(f"effect {request!r}: no actuated joint {joint!r}; joints: {', '.join(joints)}")
-        for at in [joint] if joint else joints:
+        if name not in catalogue:
+            raise BenchError(f"unknown effect {name!r}; known: {', '.join(catalogue)}")
+        effect = catalogue[name]
+        places = places_of(effect, actuated, passive)
+        if joint and joint not in places:
+            known = ", ".join(places) or "none"
+            raise BenchError(f"effect {request!r}: no joint {joint!r} where it can sit; there are: {known}")
+        if not places:
+            raise BenchError(f"effect {request!r}: the robot has no joint without a motor")
+        for at in [joint] if joint else places:
             if any(one.effect.name == name and one.joint == at for one in instances):
                 raise BenchError(f"effect {name!r} is given twice for joint {at!r}")
-            instances.append(EffectInstance(CATALOGUE[name], at, request))
+            instances.append(EffectInstance(effect, at, request))
     return tuple(instances)

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter, JointSignals
+from bench.effects.effect import ActuatorEffect, EffectParameter, JointSignals
 
 
 @dataclass(frozen=True)
-class ConstantOffset(Effect):
+class ConstantOffset(ActuatorEffect):
     """tau = c: an amplifier's offset, or Coulomb friction that differs with the direction of motion.
 
     c: N*m or N, of either sign. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
@@ -18,5 +18,5 @@ class ConstantOffset(Effect):
     name = "constant_offset"
     parameters = (EffectParameter("c", "{effort}"),)
 
-    def columns(self, joint: JointSignals) -> np.ndarray:
+    def torque(self, joint: JointSignals) -> np.ndarray:
         return np.ones((len(joint.time), 1))

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter, JointSignals
+from bench.effects.effect import ActuatorEffect, EffectParameter, JointSignals
 
 
 @dataclass(frozen=True)
-class CoulombFriction(Effect):
+class CoulombFriction(ActuatorEffect):
     """tau = Fc sign(qd): dry friction of constant size against the motion.
 
     Fc: Coulomb friction, positive, N*m or N. Valid while the joint slides; around standstill the real
@@ -17,7 +17,7 @@ class CoulombFriction(Effect):
     """
 
     name = "coulomb_friction"
-    parameters = (EffectParameter("Fc", "{effort}"),)
+    parameters = (EffectParameter("Fc", "{effort}", positive=True),)
 
-    def columns(self, joint: JointSignals) -> np.ndarray:
+    def torque(self, joint: JointSignals) -> np.ndarray:
         return np.sign(joint.velocity)[:, None]

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter, JointSignals
+from bench.effects.effect import ActuatorEffect, EffectParameter, JointSignals
 
 
 @dataclass(frozen=True)
-class ViscousFriction(Effect):
+class ViscousFriction(ActuatorEffect):
     """tau = Fv qd: friction proportional to the velocity qd, as of an oil film.
 
     Fv: viscous friction coefficient, positive, N*m*s/rad or N*s/m. Valid away from standstill, at constant
@@ -16,7 +16,7 @@ class ViscousFriction(Effect):
     """
 
     name = "viscous_friction"
-    parameters = (EffectParameter("Fv", "{effort}*s/{angle}"),)
+    parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
 
-    def columns(self, joint: JointSignals) -> np.ndarray:
+    def torque(self, joint: JointSignals) -> np.ndarray:
         return joint.velocity[:, None]

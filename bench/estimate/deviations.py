@@ -13,13 +13,15 @@ Deviations = Literal["autocorrelated", "independent"]
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """covariance (p + n, p + n) of [theta, g] (gains zero where fixed); rank and condition of the system.
+    """covariance (p + n, p + n) of [theta, g] (gains zero where fixed); rank and condition of the system of so
+    many unknowns.
 
     condition: of the weighted Jacobian, columns as they are; scaled_condition: with columns of unit length.
     """
 
     covariance: np.ndarray
     rank: int
+    unknowns: int
     condition: float
     scaled_condition: float
 
@@ -86,6 +88,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     return Uncertainty(
         covariance,
         rank,
+        size,
         float(raw[0] / max(raw[-1], np.finfo(float).tiny)),
         float(singular[0] / max(singular[-1], np.finfo(float).tiny)),
     )

@@ -1,6 +1,7 @@
 """Essential parameters: those without which the model would fit worse."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -50,15 +51,19 @@ def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: D
 def expanded(
     solution: Solution, spread: Uncertainty, kept: np.ndarray, size: int
 ) -> tuple[Solution, Uncertainty]:
-    """The solution with zeros for the parameters that were left out."""
+    """The solution with zeros for the parameters that were left out.
+
+    The covariance, of [kept parameters, shape parameters, gains], is put in the order [all parameters, gains,
+    shape parameters].
+    """
     theta = np.zeros(size)
     theta[kept] = solution.theta
-    n = len(solution.gains)
-    index = np.concatenate((kept, size + np.arange(n)))
-    covariance = np.zeros((size + n, size + n))
+    n, k = len(solution.gains), len(kept)
+    shapes = len(spread.covariance) - k - n
+    index = np.concatenate((kept, size + n + np.arange(shapes), size + np.arange(n)))
+    covariance = np.zeros((size + n + shapes,) * 2)
     covariance[np.ix_(index, index)] = spread.covariance
-    whole = Solution(theta, solution.gains, solution.weights, solution.domain, solution.gains_fitted)
-    return whole, Uncertainty(covariance, spread.rank, spread.condition, spread.scaled_condition)
+    return replace(solution, theta=theta), replace(spread, covariance=covariance)
 
 
 def _current_error(stack: Stack, solution: Solution) -> float:

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bench.errors import BenchError
-from bench.estimate.layout import ParameterLayout, payload_columns
+from bench.estimate.layout import ParameterLayout
+from bench.estimate.payload_parameters import payload_columns
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel
 from bench.model.regressor import projected_regressor

@@ -3,18 +3,22 @@
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.dataset import Dataset
+from bench.effects import CATALOGUE, Effect, EffectInstance
 from bench.errors import BenchError
-from bench.estimate.identify import Prepared, modelled_series, prepare
-from bench.estimate.layout import ParameterLayout, payload_columns, payload_parameter_names
+from bench.estimate.layout import payload_parameter_names
+from bench.estimate.payload_parameters import payload_columns
+from bench.estimate.prepare import Prepared, prepare, with_effects
 from bench.estimate.result import CurrentSeries, ErrorSummary, Identification, Quantity, error_summary
+from bench.estimate.settle import present_model
 from bench.estimate.solution import Solution
+from bench.estimate.summary import ROBOT, modelled_series
 from bench.files import write_text_atomically
 from bench.signals.settings import FilterSettings
 
@@ -142,7 +146,9 @@ def _number(value: Any) -> float:
     return float(value)
 
 
-def apply_model(dataset: Dataset, saved: SavedModel) -> Comparison:
+def apply_model(
+    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] = CATALOGUE
+) -> Comparison:
     """Model the currents of every recording of a dataset with a saved model; nothing is fitted.
 
     Raises BenchError where model and dataset do not go together: another robot, or a payload whose
@@ -154,7 +160,8 @@ def apply_model(dataset: Dataset, saved: SavedModel) -> Comparison:
             f"{saved.path}: a model of {saved.robot} ({', '.join(saved.drive_gains)}), but {dataset.folder} is of "
             f"{dataset.robot.name} ({', '.join(joints)})"
         )
-    prepared = prepare(dataset, saved.effects, saved.settings, fitted_only=False)
+    prepared = prepare(dataset, saved.effects, saved.settings, fitted_only=False, catalogue=catalogue)
+    instances = [_shaped(instance, saved) for instance in prepared.effects]
     solution = Solution(
         theta=_theta(prepared, saved),
         gains=np.array([saved.drive_gains[joint] for joint in joints]),
@@ -162,32 +169,39 @@ def apply_model(dataset: Dataset, saved: SavedModel) -> Comparison:
         domain="current",
         gains_fitted=False,
     )
+    prepared = with_effects(prepared, instances, present_model(prepared, solution))
     series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints))
 
 
 def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
-    layout: ParameterLayout = prepared.layout
     values = [_base_value(name, saved) for name in prepared.model.base.names]
-    for payload, index in layout.payloads.items():
+    for payload, index in prepared.layout.payloads.items():
         for name in payload_parameter_names(payload, index):
             if name not in saved.parameters:
-                unknown = 10 - len(payload_columns(prepared.dataset.payloads[payload]).unknown)
+                known = 10 - len(payload_columns(prepared.dataset.payloads[payload]).unknown)
                 raise BenchError(
-                    f"{saved.path}: the model does not know {name}, and the dataset declares {unknown} of 10 "
+                    f"{saved.path}: the model does not know {name}, and the dataset declares {known} of 10 "
                     f"parameters of payload {payload!r}"
                 )
             values.append(saved.parameters[name])
     for instance in prepared.effects:
-        joints = saved.effect_parameters.get(instance.effect.name, {})
-        for parameter in instance.effect.parameters:
-            try:
-                values.append(joints[instance.joint][parameter.name])
-            except KeyError:
-                raise BenchError(
-                    f"{saved.path}: no {parameter.name} of {instance.effect.name} at joint {instance.joint!r}"
-                ) from None
+        values += [_effect_value(instance, parameter.name, saved) for parameter in instance.effect.parameters]
     return np.array(values)
+
+
+def _shaped(instance: EffectInstance, saved: SavedModel) -> EffectInstance:
+    values = {shape.name: _effect_value(instance, shape.name, saved) for shape in instance.effect.shape}
+    return replace(instance, effect=replace(instance.effect, **values))
+
+
+def _effect_value(instance: EffectInstance, name: str, saved: SavedModel) -> float:
+    joints = saved.effect_parameters.get(instance.effect.name, {})
+    try:
+        return joints[instance.joint or ROBOT][name]
+    except KeyError:
+        where = f" at joint {instance.joint!r}" if instance.joint else ""
+        raise BenchError(f"{saved.path}: no {name} of {instance.effect.name}{where}") from None
 
 
 def _base_value(name: str, saved: SavedModel) -> float:

@@ -6,16 +6,13 @@ from typing import Literal
 
 import numpy as np
 
-from bench.effects import EffectInstance, JointSignals
-from bench.errors import BenchError
+from bench.effects import EffectInstance
+from bench.estimate.effect_columns import PresentModel, robot_signals
+from bench.estimate.measured import Measured
 from bench.estimate.standstill import moving_rows
 from bench.model.model import IdentificationModel
-from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
-from bench.recording import Recording
 from bench.signals.decimation import decimate, decimated_indices
-from bench.signals.processing import estimate_motion, trim
-from bench.signals.settings import FilterSettings
 
 
 @dataclass(frozen=True)
@@ -42,86 +39,59 @@ class Observation:
     moving: np.ndarray
 
 
-def observe(
-    model: IdentificationModel,
-    recording: Recording,
-    settings: FilterSettings,
-    effects: Sequence[EffectInstance],
-) -> Observation:
-    """Filter and differentiate the positions, close the loops, and decimate every column alike.
-
-    Raises BenchError that names the recording and the time of a sample that cannot be used.
-    """
-    motion = estimate_motion(recording.position, recording.rate, settings)
-    time, current = trim(recording.time, settings), trim(recording.current, settings)
-    try:
-        tree = motion_of(model.geometry, time, motion.position, motion.velocity, motion.acceleration)
-    except BenchError as error:
-        raise BenchError(f"{recording.name}: {error}") from None
+def observe(model: IdentificationModel, measured: Measured) -> Observation:
+    """The rigid-body columns of a recording, filtered and decimated like its currents; no effects yet."""
+    recording, settings = measured.recording, measured.settings
     columns = model.base.columns
     loaded = recording.payload is not None
     if loaded:
         columns = np.concatenate((columns, model.payload_columns))
-    rows = projected_regressor(model.geometry, tree, columns)
-    nb, ne = len(model.base.columns), sum(len(one.effect.parameters) for one in effects)
-    samples, n = current.shape
+    rows = projected_regressor(model.geometry, measured.tree, columns)
+    nb = len(model.base.columns)
+    samples, n = measured.current.shape
     stacked = np.concatenate(
         (
             rows[:, :, :nb].reshape(samples, -1),
             (rows[:, :, nb:] @ model.payload).reshape(samples, -1) if loaded else np.empty((samples, 0)),
-            _effect_columns(
-                model, effects, time, motion.position, motion.velocity, motion.acceleration, current
-            ),
-            current,
-            motion.position,
-            motion.velocity,
-            motion.acceleration,
+            measured.current,
+            measured.position,
+            measured.velocity,
+            measured.acceleration,
         ),
         axis=1,
     )
     kept = decimate(stacked, settings.decimation)
-    sizes = np.cumsum([n * nb, 10 * n if loaded else 0, n * ne, n, n, n])
-    rigid, payload, effect, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
+    sizes = np.cumsum([n * nb, 10 * n if loaded else 0, n, n, n])
+    rigid, payload, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
     count = len(kept)
     return Observation(
         name=recording.name,
         use=recording.use,
         payload_name=recording.payload,
-        time=time[decimated_indices(samples, settings.decimation)],
+        time=measured.time[decimated_indices(samples, settings.decimation)],
         current=current,
         rigid=rigid.reshape(count, n, nb),
         payload=payload.reshape(count, n, 10) if loaded else None,
-        effects=effect.reshape(count, n, ne),
+        effects=np.zeros((count, n, 0)),
         position=position,
         velocity=velocity,
         acceleration=acceleration,
         moving=np.ones((count, n), dtype=bool)
         if settings.keep_standstill
-        else moving_rows(motion.velocity, recording.rate, settings.decimation),
+        else moving_rows(measured.velocity, recording.rate, settings.decimation),
     )
 
 
-def _effect_columns(
+def effect_rows(
     model: IdentificationModel,
+    measured: Measured,
     effects: Sequence[EffectInstance],
-    time: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
-    current: np.ndarray,
+    present: PresentModel,
 ) -> np.ndarray:
-    """Columns of all effects, (N, n * ne), motor by motor."""
-    actuators = model.geometry.robot.actuators
-    names = [actuator.joint for actuator in actuators]
-    width = sum(len(one.effect.parameters) for one in effects)
-    columns = np.zeros((len(time), len(names), width))
-    at = 0
-    for instance in effects:
-        j = names.index(instance.joint)
-        signals = JointSignals(
-            time, position[:, j], velocity[:, j], acceleration[:, j], current[:, j], actuators[j].gain
-        )
-        count = len(instance.effect.parameters)
-        columns[:, j, at : at + count] = instance.effect.columns(signals)
-        at += count
-    return columns.reshape(len(time), -1)
+    """The columns of effects, filtered and decimated like the currents, (M, n, ne)."""
+    samples, n = measured.current.shape
+    if not effects:
+        return np.zeros((len(decimated_indices(samples, measured.settings.decimation)), n, 0))
+    signals = robot_signals(model, measured, present)
+    columns = np.concatenate([one.effect.columns(signals, one.joint) for one in effects], axis=2)
+    return decimate(columns, measured.settings.decimation)

@@ -79,7 +79,7 @@ class Identification:
 
     gains_fitted is False where no payload of known mass gave the scale: the gains are nominal, and all
     parameters scale with their error. effect_parameters: effect -> joint -> parameter. covariance (P, P) of
-    [parameters, effect parameters, gains], in this order. left_out: names of the
+    [parameters, linear effect parameters, gains, shape parameters of effects], in this order. left_out: names of the
     base parameters without which the fit is as good, when only essential ones were asked for; the covariance
     has a row for each of them. notes: what limits the answer, in words.
     """

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.errors import BenchError
-from bench.estimate.layout import payload_columns
+from bench.estimate.payload_parameters import payload_columns
 from bench.excite.limits import Limits, feasible_motion, limits_of
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model

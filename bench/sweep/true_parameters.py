@@ -24,9 +24,9 @@ def true_base_parameters(model: IdentificationModel, truth: Mapping[str, Any]) -
     for name, body in truth["bodies"].items():
         if name not in geometry.body_frames:
             continue
-        joint, frame = geometry.body_frames[name]
-        if joint >= 0:
-            standard[10 * joint : 10 * joint + 10] += moved_parameters(
+        carrier, frame = geometry.body_frames[name]
+        if carrier >= 0:
+            standard[10 * carrier : 10 * carrier + 10] += moved_parameters(
                 _standard(body), frame.rotation, frame.translation
             )
     motion = random_motion(geometry, STATES, SEED)

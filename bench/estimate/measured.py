@@ -1,0 +1,64 @@
+"""A recording before decimation: filtered, differentiated, loops closed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.model.geometry import Geometry
+from bench.model.model import IdentificationModel
+from bench.model.motion import Motion, motion_of
+from bench.recording import Recording
+from bench.signals.processing import estimate_motion, trim
+from bench.signals.settings import FilterSettings
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One recording at its own rate, N samples of n motors, border samples dropped.
+
+    time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
+    unit, as logged; tree: the motion of all joints of the opened tree.
+    """
+
+    recording: Recording
+    settings: FilterSettings
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    current: np.ndarray
+    tree: Motion
+
+
+def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:
+    """Filter and differentiate the positions and close the loops.
+
+    Raises BenchError that names the recording and the time of a sample that cannot be used.
+    """
+    motion = estimate_motion(recording.position, recording.rate, settings)
+    time = trim(recording.time, settings)
+    try:
+        tree = motion_of(model.geometry, time, motion.position, motion.velocity, motion.acceleration)
+    except BenchError as error:
+        raise BenchError(f"{recording.name}: {error}") from None
+    return Measured(
+        recording=recording,
+        settings=settings,
+        time=time,
+        position=motion.position,
+        velocity=motion.velocity,
+        acceleration=motion.acceleration,
+        current=trim(recording.current, settings),
+        tree=tree,
+    )
+
+
+def passive_joints(geometry: Geometry) -> tuple[str, ...]:
+    """Hinges and slides without a motor, by name."""
+    active = {int(index) for index in geometry.active}
+    return tuple(
+        joint.name
+        for joint in geometry.joints
+        if joint.kind in ("hinge", "slide") and joint.v.start not in active
+    )

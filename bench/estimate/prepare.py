@@ -1,0 +1,122 @@
+"""From a dataset to equations: model, filters, and every recording as rows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.effects import CATALOGUE, Effect, EffectInstance, select_effects
+from bench.errors import BenchError
+from bench.estimate.effect_columns import PresentModel, declared_parameters
+from bench.estimate.layout import ParameterLayout, parameter_layout
+from bench.estimate.measured import Measured, measure, passive_joints
+from bench.estimate.observation import Observation, effect_rows, observe
+from bench.estimate.payload_parameters import payload_columns
+from bench.model.guess import guessed_parameters
+from bench.model.model import IdentificationModel, build_model
+from bench.signals.settings import FilterSettings, choose_settings
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A dataset made ready to be fitted: the model, the filters, and every recording as equations.
+
+    measured and observations go together, one for each recording that can be used. present: the model that
+    effects are linearised about.
+    """
+
+    dataset: Dataset
+    model: IdentificationModel
+    settings: FilterSettings
+    effects: tuple[EffectInstance, ...]
+    measured: tuple[Measured, ...]
+    observations: tuple[Observation, ...]
+    layout: ParameterLayout
+    present: PresentModel
+
+    @property
+    def left_aside(self) -> tuple[str, ...]:
+        """Recordings whose payload nothing tells of: not declared in full, and carried by none that is fitted."""
+        used = {one.name for one in self.observations}
+        return tuple(one.name for one in self.dataset.recordings if one.name not in used)
+
+    @property
+    def fitted(self) -> tuple[Observation, ...]:
+        """The observations of recordings to identify from."""
+        return tuple(one for one in self.observations if one.use == "identify")
+
+
+def prepare(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    *,
+    fitted_only: bool = True,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+) -> Prepared:
+    """Build the model and turn every recording into equations, filtered and decimated alike.
+
+    The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
+    from all. A recording whose payload no such recording carries is left aside, unless all parameters of
+    the payload are declared.
+    """
+    fitted = [one for one in dataset.recordings if one.use == "identify" or not fitted_only]
+    if not fitted:
+        raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
+    model = build_model(dataset.robot)
+    joints = [actuator.joint for actuator in dataset.robot.actuators]
+    instances = select_effects(effects, joints, passive_joints(model.geometry), catalogue)
+    if isinstance(filters, FilterSettings):
+        settings = filters
+    else:
+        chosen = choose_settings(
+            [one.position for one in fitted], [one.current for one in fitted], fitted[0].rate
+        )
+        settings = replace(chosen, **(filters or {}))
+    carried = [one.payload for one in fitted]
+    declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]
+    layout = parameter_layout(model, dataset.payloads, [*carried, *declared], 0)
+    usable = [one for one in dataset.recordings if one.payload is None or one.payload in layout.payloads]
+    measured = tuple(measure(model, recording, settings) for recording in usable)
+    prepared = Prepared(
+        dataset=dataset,
+        model=model,
+        settings=settings,
+        effects=(),
+        measured=measured,
+        observations=tuple(observe(model, one) for one in measured),
+        layout=layout,
+        present=_first_model(dataset, model, measured),
+    )
+    return with_effects(prepared, instances)
+
+
+def with_effects(
+    prepared: Prepared, effects: Sequence[EffectInstance], present: PresentModel | None = None
+) -> Prepared:
+    """The same recordings with the columns of these effects, linearised about another model where given."""
+    present = prepared.present if present is None else present
+    observations = tuple(
+        replace(observation, effects=effect_rows(prepared.model, measured, effects, present))
+        for measured, observation in zip(prepared.measured, prepared.observations, strict=True)
+    )
+    count = sum(len(one.effect.parameters) for one in effects)
+    layout = replace(prepared.layout, effects=count)
+    return replace(
+        prepared, effects=tuple(effects), observations=observations, layout=layout, present=present
+    )
+
+
+def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:
+    """Nominal gains and guessed masses, until a fit has better ones."""
+    fitted = [one for one in measured if one.recording.use == "identify"] or list(measured)
+    declared = declared_parameters(dataset.payloads)
+    return PresentModel(
+        gains=dataset.robot.nominal_gains,
+        base=model.base.grouping @ guessed_parameters(model.geometry),
+        payloads=declared,
+        declared=declared,
+        speeds=np.sqrt(np.concatenate([one.velocity**2 for one in fitted]).mean(axis=0)),
+    )

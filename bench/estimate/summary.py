@@ -1,0 +1,114 @@
+"""A solution in the user's words: gains, parameters, effects and errors with their names and units."""
+
+import numpy as np
+
+from bench.estimate.deviations import Deviations, Uncertainty
+from bench.estimate.layout import known_rows, payload_parameter_names, regressor_rows
+from bench.estimate.notes import notes_on
+from bench.estimate.observation import Observation
+from bench.estimate.prepare import Prepared
+from bench.estimate.result import (
+    CurrentSeries,
+    DriveGain,
+    Identification,
+    Parameter,
+    Quantity,
+    error_summary,
+)
+from bench.estimate.solution import Solution
+from bench.model.regressor import PARAMETERS, UNITS
+
+ROBOT = "robot"  # where an effect of the whole robot stands among the joints
+
+
+def summarise(
+    prepared: Prepared,
+    method: str,
+    solution: Solution,
+    spread: Uncertainty,
+    deviations: Deviations,
+    kept: np.ndarray,
+) -> Identification:
+    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not left out."""
+    robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
+    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
+    p, n = layout.size, len(solution.gains)
+    gains = {
+        actuator.joint: DriveGain(
+            float(solution.gains[j]), float(std[p + j]), actuator.gain_unit, actuator.gain
+        )
+        for j, actuator in enumerate(robot.actuators)
+    }
+    names = list(zip(base.names, base.units, base.descriptions, strict=True))
+    for payload, index in layout.payloads.items():
+        for i, name in zip(index, payload_parameter_names(payload, index), strict=True):
+            names.append((name, UNITS[i], f"{PARAMETERS[i]} of payload {payload} in the tool frame"))
+    parameters = tuple(
+        Parameter(float(solution.theta[i]), float(std[i]), unit, name, grouping)
+        for i, (name, unit, grouping) in enumerate(names)
+        if i in kept
+    )
+    joints = [actuator.joint for actuator in robot.actuators]
+    return notes_on(
+        Identification(
+            robot=robot.name,
+            robot_folder=str(robot.folder),
+            method=method,
+            effects=tuple(dict.fromkeys(instance.request for instance in prepared.effects)),
+            drive_gains=gains,
+            gains_fitted=solution.gains_fitted,
+            parameters=parameters,
+            effect_parameters=_effects(prepared, solution, std, len(names), p + n),
+            covariance=spread.covariance,
+            rank=spread.rank,
+            unknowns=spread.unknowns,
+            condition=spread.condition,
+            scaled_condition=spread.scaled_condition,
+            error=error_summary(series, joints),
+            settings=prepared.settings,
+            deviations=deviations,
+            recordings=series,
+            left_out=tuple(name for i, (name, _, _) in enumerate(names) if i not in kept),
+            notes=(),
+        ),
+        prepared.left_aside,
+    )
+
+
+def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
+    """Measured and modelled currents of one recording."""
+    torque = regressor_rows(observation, prepared.layout) @ solution.theta
+    torque += known_rows(observation, prepared.dataset.payloads)
+    return CurrentSeries(
+        name=observation.name,
+        use=observation.use,
+        payload=observation.payload_name,
+        time=observation.time,
+        measured=observation.current,
+        modelled=torque / solution.gains,
+        position=observation.position,
+        velocity=observation.velocity,
+        acceleration=observation.acceleration,
+        moving=observation.moving,
+    )
+
+
+def _effects(
+    prepared: Prepared, solution: Solution, std: np.ndarray, at: int, shape_at: int
+) -> dict[str, dict[str, dict[str, Quantity]]]:
+    rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
+    found: dict[str, dict[str, dict[str, Quantity]]] = {}
+    for instance in prepared.effects:
+        values = {}
+        turning = rotates.get(instance.joint, True)
+        for parameter in instance.effect.parameters:
+            unit = parameter.unit_at(turning)
+            values[parameter.name] = Quantity(float(solution.theta[at]), float(std[at]), unit)
+            at += 1
+        for shape in instance.effect.shape:
+            value = instance.effect.shape_values()[shape.name]
+            values[shape.name] = Quantity(float(value), float(std[shape_at]), shape.unit_at(turning))
+            shape_at += 1
+        found.setdefault(instance.effect.name, {})[instance.joint or ROBOT] = values
+    return found
