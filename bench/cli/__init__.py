@@ -18,6 +18,7 @@ from bench.cli.lazy import LazyCommand, LazyGroup
 from bench.errors import BenchError
 
 COMMANDS = {
+    "demo": LazyCommand("bench.cli.demo:demo", "Simulate a robot, identify it, and compare with the truth."),
     "identify": LazyCommand(
         "bench.cli.identify:identify", "Identify drive gains and dynamic parameters from a dataset."
     ),

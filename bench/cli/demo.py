@@ -37,7 +37,9 @@ def demo(output: Path, scenario: str) -> None:
     loaded = load_scenario(scenario)
     console.print(f"Designing exciting trajectories for {loaded.robot.name} ...")
     trajectories = resolve_trajectories(loaded, designer)
-    console.print("Simulating the machine in MuJoCo, with drive gains and noise that identification does not know ...")
+    console.print(
+        "Simulating the machine in MuJoCo, with drive gains and noise that identification does not know ..."
+    )
     simulation = simulate(loaded, trajectories)
     write_simulation(simulation, output / "dataset")
     console.print("Identifying from what was logged ...")
@@ -50,4 +52,6 @@ def demo(output: Path, scenario: str) -> None:
     write_rrd(output / "demo.rrd", result, dataset)
     console.print(f"Measurements: {output / 'dataset'}   the truth: {output / 'dataset.truth.json'}")
     console.print(f"Model:        {output / 'model.json'}")
-    console.print(f"Open {output / 'currents.png'}, and the robot in motion with: rerun {output / 'demo.rrd'}")
+    console.print(
+        f"Open {output / 'currents.png'}, and the robot in motion with: rerun {output / 'demo.rrd'}"
+    )
