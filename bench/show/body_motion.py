@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from bench.errors import BenchError
 from bench.model.geometry import Geometry, to_mujoco
 from bench.model.motion import motion_of
 from bench.recording import Recording
@@ -37,15 +38,22 @@ def body_motion(
 ) -> BodyMotion:
     """Filter the positions as the fit did, close the loops and place all bodies, FRAME_RATE times a second.
 
-    Raises BenchError that names the time of a sample out of reach or singular.
+    Raises BenchError that names the recording and the time of a sample out of reach or singular.
     """
     motion = estimate_motion(recording.position, recording.rate, settings)
     time = trim(recording.time, settings)
     step = max(1, round(recording.rate / FRAME_RATE))
     frames = slice(0, None, step)
-    tree = motion_of(
-        geometry, time[frames], motion.position[frames], motion.velocity[frames], motion.acceleration[frames]
-    )
+    try:
+        tree = motion_of(
+            geometry,
+            time[frames],
+            motion.position[frames],
+            motion.velocity[frames],
+            motion.acceleration[frames],
+        )
+    except BenchError as error:
+        raise BenchError(f"{recording.name}: {error}") from None
     return placed(model, geometry.robot.tool_site, time[frames], to_mujoco(geometry.joints, tree.q))
 
 

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -14,7 +13,7 @@ from bench.errors import BenchError
 from bench.estimate.result import CurrentSeries, Identification, relative_error
 from bench.files import atomic_path
 from bench.show.colours import ON_WHITE
-from bench.show.numbers import USES, current_unit, percent
+from bench.show.numbers import USES, current_unit, error_deviation, judged_error, percent
 
 COLUMN_WIDTH, LEAST_WIDTH = 5.2, 9.0  # inches
 MOTOR_HEIGHT = 2.3  # inches
@@ -41,7 +40,8 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
     """Measured and modelled current of every motor, the error below; one column for each recording.
 
     recordings: names of those to show, all by default. The band about the error is one standard deviation
-    of the errors on the fitted recordings. Raises BenchError for a recording that the result does not have.
+    of the errors on the fitted recordings; the error has gaps where a joint stands still. Raises BenchError
+    for a recording that the result does not have.
     """
     chosen = _chosen(result, recordings)
     joints = list(result.drive_gains)
@@ -85,13 +85,6 @@ def write_current_figure(
         figure.savefig(partial)
 
 
-def error_deviation(result: Identification) -> np.ndarray:
-    """Standard deviation of the error on the fitted recordings, (n,), in the drives' units."""
-    fitted = [one.error for one in result.recordings if one.use == "identify"]
-    errors = np.concatenate(fitted or [one.error for one in result.recordings])
-    return np.asarray(np.sqrt(np.mean(errors**2, axis=0)))
-
-
 def _chosen(result: Identification, names: Sequence[str] | None) -> list[CurrentSeries]:
     by_name = {one.name: one for one in result.recordings}
     for name in names or ():
@@ -124,5 +117,5 @@ def _draw_error(axes: Axes, series: CurrentSeries, motor: int, spread: float) ->
         linewidth=0.0,
         label="± one deviation of the fitted errors",
     )
-    axes.plot(time, 1e3 * series.error[:, motor], color=ON_WHITE.error, linewidth=0.8, label="error")
+    axes.plot(time, 1e3 * judged_error(series)[:, motor], color=ON_WHITE.error, linewidth=0.8, label="error")
     axes.margins(x=0.01)

@@ -4,7 +4,9 @@ import math
 import re
 from collections.abc import Mapping
 
-from bench.estimate.result import DriveGain, Identification, Quantity
+import numpy as np
+
+from bench.estimate.result import CurrentSeries, DriveGain, Identification, Quantity
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
@@ -120,15 +122,30 @@ def fit_rate(result: Identification) -> float | None:
     return None
 
 
+def judged_error(series: CurrentSeries) -> np.ndarray:
+    """Measured minus modelled current (M, n), NaN where a joint stands still: the model says nothing there."""
+    return np.where(series.moving, series.error, np.nan)
+
+
+def error_deviation(result: Identification) -> np.ndarray:
+    """Standard deviation of the error on the fitted recordings, (n,), in the drives' units."""
+    fitted = [judged_error(one) for one in result.recordings if one.use == "identify"]
+    errors = np.concatenate(fitted or [judged_error(one) for one in result.recordings])
+    count = np.maximum(np.isfinite(errors).sum(axis=0), 1)
+    return np.asarray(np.sqrt(np.nansum(errors**2, axis=0) / count))
+
+
 def settings_lines(result: Identification) -> list[str]:
     """Rank, conditioning and filters, one line each."""
-    rows = sum(one.measured.size for one in result.recordings if one.use == "identify")
+    moving = [one.moving for one in result.recordings if one.use == "identify"]
+    rows, all_rows = (sum(int(count(one)) for one in moving) for count in (np.sum, np.size))
     rate = fit_rate(result)
     filters = f"positions low-passed at {result.settings.position_cutoff:.4g} Hz"
     if rate is not None:
         filters += f", fit at {rate:.4g} Hz (one sample in {result.settings.decimation})"
+    still = f" ({all_rows - rows} more, of joints that stand still, left aside)" if rows < all_rows else ""
     return [
-        f"{rows} equations, {result.unknowns} unknowns, rank {result.rank}",
+        f"{rows} equations{still}, {result.unknowns} unknowns, rank {result.rank}",
         f"condition number {result.condition:.4g}, with columns of unit length {result.scaled_condition:.4g}",
         filters,
     ]

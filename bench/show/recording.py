@@ -21,9 +21,8 @@ from bench.recording import Recording
 from bench.show.blueprint import PARAMETERS, SUMMARY, Motor, Scene, blueprint, eye_of
 from bench.show.body_motion import BodyMotion, body_motion
 from bench.show.colours import ON_DARK, rgb
-from bench.show.figures import error_deviation
 from bench.show.geoms import shapes
-from bench.show.numbers import USES, Truth, current_unit, percent
+from bench.show.numbers import USES, Truth, current_unit, error_deviation, judged_error, percent
 from bench.show.summary import parameters_markdown, summary_markdown
 
 TIMELINE = "time"
@@ -180,6 +179,7 @@ def _send_currents(
     stream: rr.RecordingStream, one: _Shown, motors: Sequence[Motor], spread: np.ndarray
 ) -> None:
     recording, series = one.recording, one.series
+    errors = judged_error(series)
     start = float(recording.time[0])
     logged, fitted = _column(recording.time, start), _column(series.time, start)
     ends = _column(series.time[[0, -1]], start)
@@ -197,7 +197,7 @@ def _send_currents(
             colors=[rgb(ON_DARK.band)] * 2,
         )
         stream.send_columns(f"{error}/deviation", indexes=[ends], columns=deviation)
-        _send_line(stream, f"{error}/error", fitted, series.error[:, j], ERROR)
+        _send_line(stream, f"{error}/error", fitted, errors[:, j], ERROR)
         line = _Line(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 1.5)
         _send_line(stream, f"{one.root}/position/{motor.entity}", logged, recording.position[:, j], line)
 
