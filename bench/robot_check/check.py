@@ -15,7 +15,7 @@ from bench.robot_check import agreement
 from bench.robot_check.features import check_features, notes
 from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
-from bench.robot_check.loops import check_constraints
+from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import Machine, make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import check_mobility, mobility_of
 from bench.robot_check.report import Check, RobotReport, Singularity
@@ -96,8 +96,10 @@ def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
     if swept is not None:
         singularity = singularity_of(geometry, swept)
         report = replace(report, singularity=singularity)
-        report = _with(report, _regular_home(singularity), *_passive_ranges(geometry, swept))
-        report = _with(report, check_constraints(machine, motion.q))
+        report = _with(
+            report, _regular_home(singularity), *_ranges(singularity), *_passive_ranges(geometry, swept)
+        )
+        report = _with(report, check_constraints(machine, motion.q), check_closed_motion(machine, motion))
     return _with(
         report,
         agreement.check_body_poses(machine, motion.q, "closed"),
@@ -117,6 +119,15 @@ def _regular_home(found: Singularity) -> Check:
     if fast.value > FAST:
         return Check(name, "note", f"home is near a singularity: {told}")
     return Check(name, "ok", told)
+
+
+def _ranges(found: Singularity) -> list[Check]:
+    if found.singular_at is None:
+        return []
+    where = ", ".join(f"{name} {value:.3g}" for name, value in found.singular_at.items())
+    return [
+        Check("note", "note", f"the joint ranges hold a singularity, at {where}: keep trajectories off it")
+    ]
 
 
 def _passive_ranges(geometry: Geometry, swept: Sweep) -> list[Check]:

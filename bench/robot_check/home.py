@@ -25,7 +25,7 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: str) -> 
     gap = max(widest.gap, widest.twist)
     unit = "m" if widest.gap >= widest.twist else "rad"
     if gap < EXACT:
-        return Check(name, "ok", f"widest gap {gap:.1e} {unit} ({source})")
+        return Check(name, "ok", f"widest gap {gap:.1e} {unit} ({source})" if gap else f"no gap ({source})")
     told = f"loop {widest.name!r} is open by {gap:.3g} {unit} ({source})"
     closed = closed_pose(geometry)
     if closed is None:

@@ -9,11 +9,14 @@ import pinocchio as pin
 
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.geometry import Geometry, Loop
+from bench.model.motion import Motion
 from bench.model.tree import loop_constraints
 from bench.robot_check.machine import Machine, body_label, rotation_matrix, set_pose
 from bench.robot_check.report import Check
 
 TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
+MOMENT = 1e-4  # s: before and after, of the differences that stand for rates
+MOTION_TOLERANCE = 1e-5  # what these differences leave at a moment of that length
 
 
 def active_equalities(compiled: mujoco.MjModel) -> list[int]:
@@ -51,6 +54,30 @@ def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
         "failed",
         f"loop {geometry.loops[at].name!r}: MuJoCo's residual differs by {worst[at, 0]:.2e}, "
         f"its Jacobian by {worst[at, 1]:.2e}",
+    )
+
+
+def check_closed_motion(machine: Machine, motion: Motion) -> Check:
+    """Velocities and accelerations keep MuJoCo's loops closed: its residuals a moment before and after."""
+    worst = np.zeros(2)
+    for q, v, a in zip(motion.q, motion.v, motion.a, strict=True):
+        before, now, after = (
+            _mujoco_residual(machine, pin.integrate(machine.model, q, v * t + 0.5 * a * t * t))
+            for t in (-MOMENT, 0.0, MOMENT)
+        )
+        speed = float(np.abs(v).max())
+        opening = (after - before) / (2 * MOMENT) / max(1.0, speed)
+        bending = (after - 2 * now + before) / MOMENT**2 / max(1.0, speed**2, float(np.abs(a).max()))
+        worst = np.maximum(worst, (np.abs(opening).max(), np.abs(bending).max()))
+    name = "closed motion"
+    told = f"velocities open the loops by {worst[0]:.0e}, accelerations by {worst[1]:.0e} of themselves"
+    return Check(name, "ok" if worst.max() < MOTION_TOLERANCE else "failed", told)
+
+
+def _mujoco_residual(machine: Machine, q: np.ndarray) -> np.ndarray:
+    set_pose(machine, q)
+    return np.concatenate(
+        [_mujoco_rows(machine, index)[:, 0] for index in active_equalities(machine.compiled)]
     )
 
 

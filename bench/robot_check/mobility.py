@@ -7,7 +7,7 @@ from bench.model.closure import loop_jacobian
 from bench.model.geometry import Geometry
 from bench.model.mobility import check_mobility as require_mobility
 from bench.model.motion import robot_length
-from bench.robot_check.report import Amplification, Check, Mobility
+from bench.robot_check.report import Amplification, Check, Mobility, count
 
 DEPENDENT = 1e-7  # of the largest singular value: below it, an equation or a motion counts as dependent
 TAKES_PART = 0.05  # of the largest component: a joint moves in a motion that nothing holds
@@ -68,8 +68,11 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
     except BenchError as error:
         return Check(name, "failed", str(error).removeprefix(f"robot {geometry.robot.name}: "))
     told = f"{mobility.tree} of the tree less {mobility.rank} of rank leave {mobility.remaining}"
-    motors = f"{mobility.motors} motor{'s' if mobility.motors > 1 else ''}"
-    return Check(name, "ok" if mobility.remaining == mobility.motors else "failed", f"{told}, for {motors}")
+    return Check(
+        name,
+        "ok" if mobility.remaining == mobility.motors else "failed",
+        f"{told}, for {count(mobility.motors, 'motor')}",
+    )
 
 
 def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:

@@ -9,6 +9,11 @@ from bench.robot import Robot
 Verdict = Literal["ok", "note", "failed", "skipped"]
 
 
+def count(number: int, noun: str) -> str:
+    """A number with its noun: 1 loop, 2 loops."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 @dataclass(frozen=True)
 class Check:
     """One thing that was looked at; `detail` says what was measured, or what is wrong and where."""

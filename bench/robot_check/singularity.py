@@ -27,6 +27,8 @@ STEPS = 24  # of a path from home to the edge of the ranges
 MOST_CORNERS = 16
 DIRECTIONS = 24  # random ones, beside the axes and corners
 SEED = 20120601
+STILL = 1e-6  # rad or m: a smaller travel is none
+NAMED = 4  # joints that a sentence names
 
 
 @dataclass(frozen=True)
@@ -96,11 +98,13 @@ def nearest_in_words(found: Singularity) -> str:
             f"none met within the joint ranges: over {found.poses} poses the smallest singular value stays "
             f"above {found.lowest:.2g}, lowest at {_listed(found.lowest_at)}"
         )
-    moves = _listed({name: value for name, value in (found.travel or {}).items() if abs(value) > 1e-6}, "+")
-    loose = " and ".join(found.loose) or "the passive joints"
+    moves = _listed({name: value for name, value in (found.travel or {}).items() if abs(value) > STILL}, "+")
+    shown = ", ".join(found.loose[:NAMED])
+    if len(found.loose) > NAMED:
+        shown += f" and {len(found.loose) - NAMED} more"
     return (
-        f"moving {moves} from home ({_listed(found.singular_at)}): there the motors, held, no longer hold "
-        f"{loose}, or the loops come to the end of their reach"
+        f"{moves} from home, at {_listed(found.singular_at)}: the loops come loose there, "
+        f"{shown} can move while the motors are held"
     )
 
 

@@ -4,7 +4,7 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from bench.robot_check.report import Check, JointLine, Mobility, RobotReport, Singularity
+from bench.robot_check.report import Check, JointLine, Mobility, RobotReport, Singularity, count
 from bench.robot_check.singularity import nearest_in_words
 from bench.show.columns import Column, table_of
 from bench.show.numbers import pretty_unit
@@ -19,8 +19,8 @@ def robot_report(report: RobotReport, console: Console | None = None, *, verbose
     verbose: the base parameters, each with the standard parameters that it stands for.
     """
     console = console or Console()
-    motors, loops = len(report.robot.joints), len(report.loops)
-    facts = f"{_count(len(report.joints), 'joint')} · {_count(motors, 'motor')} · {_count(loops, 'loop')}"
+    loops = count(len(report.loops), "loop") if report.loops else "no loops"
+    facts = f"{count(len(report.joints), 'joint')} · {count(len(report.robot.joints), 'motor')} · {loops}"
     console.print()
     console.print(Text.assemble((report.robot.name, "bold"), "  ", (facts, "dim")))
     _section(console, "Joints", joints_table(report, console.width))
@@ -82,7 +82,7 @@ def mobility_in_words(mobility: Mobility) -> str:
     sign = "=" if mobility.remaining == mobility.motors else "≠"
     return (
         f"{mobility.tree} of the tree − {mobility.rank} (rank of {mobility.equations} closure equations) "
-        f"= {mobility.remaining} {sign} {_count(mobility.motors, 'motor')}"
+        f"= {mobility.remaining} {sign} {count(mobility.motors, 'motor')}"
     )
 
 
@@ -144,7 +144,3 @@ def _range(joint: JointLine) -> str:
     if joint.lower is None or joint.upper is None:
         return "–"
     return f"[{joint.lower:.4g}, {joint.upper:.4g}]"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"

@@ -1,0 +1,531 @@
+"""`bench robot check`: what it finds is right, and what it compares can differ."""
+
+import json
+import re
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from bench.catalogue import built_in_robots
+from bench.cli import main
+from bench.model.geometry import Placement, read_geometry
+from bench.model.states import random_motion
+from bench.robot import load_robot
+from bench.robot_check import agreement
+from bench.robot_check.check import check_robot
+from bench.robot_check.listing import loop_lines
+from bench.robot_check.loops import check_closed_motion, check_constraints
+from bench.robot_check.machine import make_machine, random_open_poses, to_mujoco
+from bench.robot_check.mobility import amplification, smallest_singular_values
+from bench.robot_check.singularity import singularity_of, sweep
+from tests.broken_robots import HOME, edit, edit_mjcf, write_five_bar
+
+# A platform welded to a rail; joints off their bodies' origins, reference positions, skewed bodies.
+WELDED = """<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="turret" pos=".1 .2 .3" quat="0.9 .1 .2 .3">
+      <joint name="turn" axis="0 1 0.2" pos=".05 .02 0" ref="0.3" range="-0.7 1.3"/>
+      <joint name="rail" type="slide" axis="1 1 0" range="-0.2 0.2" ref="0.05"/>
+      <geom size=".1" pos=".1 0 0"/>
+      <body name="bracket" pos=".1 .1 .1" quat="1 .2 .1 .4"><geom size=".07" pos="0 .1 0"/></body>
+    </body>
+    <body name="platform" pos=".5 0 .3" quat=".9 0 .4 .2">
+      <freejoint name="floating"/>
+      <geom type="box" size=".1 .03 .2" pos=".1 .02 .1"/>
+      <site name="tool" pos="0 0 .1"/>
+    </body>
+  </worldbody>
+  <equality>{equality}</equality>
+</mujoco>
+"""
+
+# A crank, a ball joint, a rod with a universal joint at its end, and a rocker: one loop in space, one motor.
+SPATIAL = """<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="crank">
+      <joint name="crank" axis="0 1 0" range="-0.4 0.4"/>
+      <geom type="capsule" fromto="0 0 0 0 0 .2" size=".02"/>
+      <body name="rod" pos="0 0 .2">
+        <joint name="ball" type="ball"/>
+        <geom type="capsule" fromto="0 0 0 .5 .1 .05" size=".02"/>
+        <body name="cross" pos=".5 .1 .05">
+          <joint name="cross_1" axis="0 0 1"/>
+          <joint name="cross_2" axis="1 0 .2"/>
+          <geom type="box" size=".03 .02 .01" pos="0 .01 0"/>
+        </body>
+      </body>
+    </body>
+    <body name="rocker" pos=".5 .1 -.1">
+      <joint name="rocker" axis=".1 1 .2"/>
+      <geom type="capsule" fromto="0 0 0 0 0 .15" size=".02"/>
+    </body>
+  </worldbody>
+  <equality><weld name="loop" body1="cross" body2="rocker"/></equality>
+</mujoco>
+"""
+
+SERIAL = """<mujoco>
+  <worldbody>
+    <body name="upper">
+      <joint name="shoulder" axis="0 0 1" armature=".1"/>
+      <geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>
+      <body name="fore" pos=".3 0 0">
+        <joint name="elbow" axis="0 1 0"/>
+        <geom type="capsule" fromto="0 0 0 .3 .02 0" size=".02"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+PLAIN = '<weld name="hold" body1="turret" body2="platform"/>'
+OTHER_WELDS = {
+    "by_bodies": PLAIN,
+    "scaled": '<weld name="hold" body1="turret" body2="platform" torquescale="2.5"/>',
+    "swapped": '<weld name="hold" body1="platform" body2="bracket"/>',
+    "to_a_fixed_body": '<weld name="hold" body1="bracket" body2="platform" anchor=".1 .2 .3"/>',
+}
+
+
+def write_robot(folder, mjcf, joints, tool=None):
+    folder.mkdir()
+    (folder / "robot.xml").write_text(mjcf)
+    text = 'name = "robot"\nmodel = "robot.xml"\n'
+    for joint, unit in joints.items():
+        text += f'[[actuators]]\njoint = "{joint}"\ngain = 2.0\ngain_unit = "{unit}"\n'
+    (folder / "robot.toml").write_text(text + (f'[tool]\nsite = "{tool}"\n' if tool else ""))
+    return load_robot(folder)
+
+
+def welded(folder, equality=PLAIN):
+    joints = {"turn": "N*m/A", "rail": "N/A"}
+    return write_robot(folder, WELDED.format(equality=equality), joints, "tool")
+
+
+def spatial(folder):
+    return write_robot(folder, SPATIAL, {"crank": "N*m/A"})
+
+
+@pytest.fixture
+def linkage(tmp_path):
+    return write_five_bar(tmp_path / "linkage")
+
+
+def failures(report):
+    return [(check.name, check.detail) for check in report.failures]
+
+
+def verdict(report, name):
+    return next(check for check in report.checks if check.name == name)
+
+
+# --- good robots --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", built_in_robots())
+def test_built_in_robots_pass(name):
+    report = check_robot(load_robot(name))
+    assert failures(report) == []
+    assert all(loop.gap < 1e-9 for loop in report.loops)
+    assert len(report.base.names) > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "tree", "equations", "rank", "motors"), [("five_bar", 4, 3, 2, 2), ("delta", 21, 18, 18, 3)]
+)
+def test_degrees_of_freedom(name, tree, equations, rank, motors):
+    found = check_robot(load_robot(name)).mobility
+    assert (found.tree, found.equations, found.rank, found.motors) == (tree, equations, rank, motors)
+    assert found.remaining == motors
+
+
+@pytest.mark.parametrize("name", OTHER_WELDS)
+def test_welds_slides_and_free_bodies_pass(name, tmp_path):
+    report = check_robot(welded(tmp_path / "robot", OTHER_WELDS[name]))
+    assert failures(report) == []
+    assert report.mobility.remaining == 2
+    assert report.loops[0].kind == "weld"
+    assert max(report.loops[0].gap, report.loops[0].twist) < 1e-9
+
+
+def test_ball_joints_and_loops_in_space_pass(tmp_path):
+    report = check_robot(spatial(tmp_path / "robot"))
+    assert failures(report) == []
+    assert (report.mobility.tree, report.mobility.rank) == (7, 6)
+
+
+def test_serial_robot_passes(tmp_path):
+    report = check_robot(write_robot(tmp_path / "r", SERIAL, {"shoulder": "N*m/A", "elbow": "N*m/A"}))
+    assert failures(report) == []
+    assert (report.loops, report.singularity, report.mobility.remaining) == ((), None, 2)
+
+
+def test_joint_lines(linkage):
+    left, elbow, *_ = check_robot(load_robot(linkage)).joints
+    assert (left.name, left.kind, left.parent, left.actuated) == ("left", "hinge", "world", True)
+    assert (left.lower, left.upper, left.home) == (-3.3, -1.5, -2.35)
+    assert (elbow.name, elbow.parent, elbow.actuated, elbow.lower) == (
+        "left_elbow",
+        "left_crank",
+        False,
+        None,
+    )
+
+
+def test_masses_of_the_mjcf_change_nothing_but_the_mass(tmp_path):
+    light, heavy = (write_five_bar(tmp_path / name) for name in ("light", "heavy"))
+    edit_mjcf(heavy, ('<geom fromto="0 0 0 0.3 0 0"/>', '<geom fromto="0 0 0 0.3 0 0" mass="7"/>'))
+    one, other = (check_robot(load_robot(folder)) for folder in (light, heavy))
+    assert failures(one) == failures(other) == []
+    assert verdict(one, "total mass").detail != verdict(other, "total mass").detail
+    assert one.singularity == other.singularity
+    np.testing.assert_array_equal(one.base.grouping, other.base.grouping)
+
+
+# --- a model that differs from MuJoCo is found --------------------------------------------------------------
+
+
+def turned(angle):
+    return np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+
+
+def with_joint(geometry, index, **changes):
+    joints = list(geometry.joints)
+    joints[index] = replace(joints[index], **changes)
+    return replace(geometry, joints=tuple(joints))
+
+
+def moved(placement, by):
+    return Placement(placement.rotation, placement.translation + by)
+
+
+def renamed(geometry):
+    return with_joint(geometry, 1, name="sleigh")
+
+
+def other_axis(geometry):
+    return with_joint(geometry, 0, axis=turned(1e-6) @ geometry.joints[0].axis)
+
+
+def other_place(geometry):
+    return with_joint(geometry, 1, placement=moved(geometry.joints[1].placement, [0, 1e-8, 0]))
+
+
+def other_offset(geometry):
+    return with_joint(geometry, 0, offset=geometry.joints[0].offset + 1e-6)
+
+
+def other_kind(geometry):
+    return with_joint(geometry, 1, kind="hinge")
+
+
+def other_parent(geometry):
+    return with_joint(geometry, 1, parent=-1)
+
+
+def no_gravity(geometry):
+    return replace(geometry, gravity=np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("change", "check", "culprit"),
+    [
+        (renamed, "joint tree", "'sleigh'"),
+        (other_kind, "joint tree", "'rail' is a slide"),
+        (other_parent, "joint tree", "'rail' has another parent"),
+        (other_axis, "joint places and axes", "'turn'"),
+        (other_place, "joint places and axes", "'rail'"),
+        (other_offset, "joint places and axes", "'"),
+        (other_axis, "body poses, opened", "body '"),
+        (no_gravity, "gravity and Coriolis forces", "joint '"),
+    ],
+)
+def test_a_wrong_tree_is_found(change, check, culprit, tmp_path):
+    machine = make_machine(change(read_geometry(welded(tmp_path / "robot"))))
+    poses = random_open_poses(machine.geometry, 5, 1)
+    found = {
+        "joint tree": lambda: agreement.check_joint_list(machine),
+        "joint places and axes": lambda: agreement.check_joint_motion(machine, poses),
+        "body poses, opened": lambda: agreement.check_body_poses(machine, poses, "opened"),
+        "gravity and Coriolis forces": lambda: agreement.check_bias_forces(machine, poses, poses[:, :8]),
+    }[check]()
+    assert (found.name, found.verdict) == (check, "failed")
+    assert culprit in found.detail
+
+
+def test_a_wrong_mass_is_found(tmp_path):
+    machine = make_machine(read_geometry(welded(tmp_path / "robot")))
+    poses = random_open_poses(machine.geometry, 5, 1)
+    assert agreement.check_mass_matrix(machine, poses).verdict == "ok"
+    machine.model.inertias[3].mass *= 1 + 1e-6
+    assert agreement.check_total_mass(machine).verdict == "failed"
+    assert "'floating'" in agreement.check_mass_matrix(machine, poses).detail
+
+
+def test_a_wrong_rotor_inertia_is_found(tmp_path):
+    robot = write_robot(tmp_path / "r", SERIAL, {"shoulder": "N*m/A", "elbow": "N*m/A"})
+    machine = make_machine(read_geometry(robot))
+    machine.model.armature = np.zeros(2)
+    found = agreement.check_mass_matrix(machine, random_open_poses(machine.geometry, 5, 1))
+    assert found.verdict == "failed"
+    assert "'shoulder'" in found.detail
+
+
+@pytest.mark.parametrize("build", [welded, spatial])
+def test_a_wrong_closure_is_found(build, tmp_path):
+    geometry = read_geometry(build(tmp_path / "robot"))
+    machine, motion = make_machine(geometry), random_motion(geometry, 5, 1)
+    assert check_constraints(machine, motion.q).verdict == "ok"
+    assert agreement.check_motor_forces(machine, motion).verdict == "ok"
+    (loop,) = geometry.loops
+    place = loop.second.placement
+    for other in (moved(place, [0, 0, 1e-6]), Placement(place.rotation @ turned(1e-6), place.translation)):
+        wrong = replace(loop, second=replace(loop.second, placement=other))
+        spoilt = replace(machine, geometry=replace(geometry, loops=(wrong,)))
+        found = check_constraints(spoilt, motion.q)
+        assert found.verdict == "failed"
+        assert loop.name in found.detail
+
+
+def test_a_closed_motion_that_is_wrong_is_found(linkage):
+    geometry = read_geometry(load_robot(linkage))
+    machine, motion = make_machine(geometry), random_motion(geometry, 5, 1)
+    assert agreement.check_motor_forces(machine, motion).verdict == "ok"
+    assert check_closed_motion(machine, motion).verdict == "ok"
+    wrong = replace(motion, jacobian=motion.jacobian * (1 + 1e-6))
+    assert agreement.check_motor_forces(machine, wrong).verdict == "failed"
+    for wrong in (
+        replace(motion, v=motion.v * [1, 1, 1, 1.001]),
+        replace(motion, a=motion.a * [1, 1, 1, 1.001]),
+    ):
+        assert check_closed_motion(machine, wrong).verdict == "failed"
+
+
+# --- home ---------------------------------------------------------------------------------------------------
+
+
+def test_gap_is_the_distance_of_the_halves(linkage):
+    edit_mjcf(
+        linkage, ('<site name="right_tip" pos="0.3 0 0"/>', '<site name="right_tip" pos="0.3 0.002 0"/>')
+    )
+    machine = make_machine(read_geometry(load_robot(linkage)))
+    (line,) = loop_lines(machine)
+    assert line.gap == pytest.approx(0.002, rel=1e-9)
+    assert line.bodies == ("left_rod", "right_rod")
+
+
+def test_twist_of_a_weld(tmp_path):
+    geometry = read_geometry(welded(tmp_path / "robot"))
+    home = geometry.home.copy()
+    quaternion = np.empty(4)
+    mujoco.mju_mulQuat(quaternion, home[[7 + 1, 5, 6, 7]], [np.cos(0.05), np.sin(0.05), 0, 0])
+    home[5:9] = np.roll(quaternion, -1)
+    (line,) = loop_lines(make_machine(replace(geometry, home=home)))
+    assert line.twist == pytest.approx(0.1, rel=1e-9)
+
+
+def test_the_pose_that_is_proposed_is_assembled(linkage):
+    edit_mjcf(linkage, (HOME, "-2.35 1.3 -0.79 -1.3"))
+    report = check_robot(load_robot(linkage))
+    (found,) = report.failures
+    edit_mjcf(linkage, ("-2.35 1.3 -0.79 -1.3", re.search(r'qpos="(.*?)"', found.detail).group(1)))
+    assert failures(check_robot(load_robot(linkage))) == []
+
+
+def test_a_small_gap_is_told_and_no_error(linkage):
+    edit_mjcf(linkage, (HOME, HOME.replace("1.5113606206690187 ", "1.51136072 ")))
+    report = check_robot(load_robot(linkage))
+    assert failures(report) == []
+    found = verdict(report, "home assembled")
+    assert found.verdict == "note"
+    assert "open by 2.98e-08 m" in found.detail
+
+
+# --- singularities ------------------------------------------------------------------------------------------
+
+
+def test_nearest_singularity_of_a_five_bar_has_its_rods_in_line(linkage):
+    edit_mjcf(
+        linkage, ('range="-3.3 -1.5"', 'range="-3.3 -0.2"'), ('range="-1.64 0.16"', 'range="-2.9 0.16"')
+    )
+    edit_mjcf(linkage, ('pos="-0.06 0 0"', 'pos="-0.15 0 0"'), ('pos="0.06 0 0"', 'pos="0.15 0 0"'))
+    edit_mjcf(linkage, (HOME, "-1.8 0.6 -1.34 -0.6"))
+    home = re.search(r'qpos="(.*?)"', check_robot(load_robot(linkage)).failures[0].detail).group(1)
+    edit_mjcf(linkage, ("-1.8 0.6 -1.34 -0.6", home))
+    found = check_robot(load_robot(linkage)).singularity
+    assert found.singular_at is not None
+    assert set(found.loose) == {"left_elbow", "right_elbow"}
+    # the elbows are then as far apart as both rods are long, or meet
+    elbows = [
+        np.array([x + 0.2 * np.cos(found.singular_at[name]), 0.2 * np.sin(found.singular_at[name])])
+        for name, x in (("left", -0.15), ("right", 0.15))
+    ]
+    apart = np.linalg.norm(elbows[0] - elbows[1])
+    assert min(abs(apart - 0.6), apart) < 1e-3
+
+
+def test_no_singularity_in_narrow_ranges(linkage):
+    found = check_robot(load_robot(linkage)).singularity
+    assert found.singular_at is None
+    assert found.reach == {
+        "left": (pytest.approx(-3.3), pytest.approx(-1.5)),
+        "right": (pytest.approx(-1.64), pytest.approx(0.16)),
+    }
+    assert 0 < found.lowest <= found.home
+
+
+def test_smallest_singular_value_of_a_five_bar_is_that_of_its_rods(linkage):
+    """Rods of length l (the robot's length) at an angle a to each other: the columns are two unit vectors."""
+    geometry = read_geometry(load_robot(linkage))
+    motion = random_motion(geometry, 10, 2)
+    left, left_elbow, right, right_elbow = motion.q.T
+    between = (left + left_elbow) - (right + right_elbow)
+    expected = np.sqrt(1 - np.abs(np.cos(between)))
+    np.testing.assert_allclose(smallest_singular_values(geometry, motion.q), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("build", [welded, spatial])
+def test_amplification_by_finite_differences(build, tmp_path):
+    geometry = read_geometry(build(tmp_path / "robot"))
+    found = amplification(geometry, geometry.home)
+    step = 1e-6
+    steps = []
+    for sign in (-1, 1):
+        target = dict.fromkeys(geometry.robot.joints, 0.0) | {found.motor: sign * step}
+        steps.append(followed(geometry, np.array(list(target.values()))))
+    speeds = np.abs(velocity_between(geometry, *steps)) / (2 * step)
+    passive = speeds[geometry.passive]
+    assert np.isclose(passive, found.value, rtol=1e-5).any()
+
+
+def followed(geometry, move):
+    from bench.model.follow import advance, home_pose, make_follower
+
+    follower = make_follower(geometry)
+    pose = home_pose(follower)
+    return advance(follower, pose, pose.q[geometry.active_configuration] + move)[0].q
+
+
+def velocity_between(geometry, before, after):
+    import pinocchio as pin
+
+    from bench.model.tree import build_tree
+
+    return pin.difference(build_tree(geometry), before, after)
+
+
+def test_sweep_is_closed_and_seeded(tmp_path):
+    geometry = read_geometry(spatial(tmp_path / "robot"))
+    swept = sweep(geometry)
+    machine = make_machine(geometry)
+    assert check_constraints(machine, swept.q).verdict == "ok"
+    assert singularity_of(geometry, swept) == singularity_of(geometry, sweep(geometry))
+
+
+def test_coordinates_there_and_back(tmp_path):
+    from bench.model.geometry import from_mujoco
+
+    geometry = read_geometry(spatial(tmp_path / "robot"))
+    for q in random_open_poses(geometry, 3, 1):
+        np.testing.assert_allclose(from_mujoco(geometry.joints, to_mujoco(geometry, q)[None])[0], q)
+
+
+# --- notes --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('name="left_elbow"', 'name="left_elbow" damping="0.1"', ("damping", "left_elbow")),
+        ('name="left_elbow"', 'name="left_elbow" stiffness="2"', ("spring", "left_elbow")),
+        ('name="left"', 'name="left" frictionloss="0.3"', ("friction", "left")),
+        ('name="right_elbow"', 'name="right_elbow" armature="0.1"', ("rotor inertia", "right_elbow")),
+        (
+            "</equality>",
+            '<connect name="lock" active="false" body1="left_rod" anchor="0 0 0"/></equality>',
+            ("'lock'", "inactive"),
+        ),
+        (
+            "</mujoco>",
+            '<actuator><motor name="m" joint="left"/></actuator></mujoco>',
+            ("actuators", "robot.toml"),
+        ),
+        (
+            "</mujoco>",
+            '<tendon><fixed name="t"><joint joint="left" coef="1"/></fixed></tendon></mujoco>',
+            ("tendon 't'",),
+        ),
+        ('name="right_elbow"', 'name="right_elbow" range="-1.6 -1.4"', ("'right_elbow'", "stop")),
+        ('contact="disable"/>', 'contact="disable"/></option><option density="1.2">', ("density",)),
+    ],
+)
+def test_what_the_model_does_not_know_is_told(linkage, old, new, told):
+    edit_mjcf(linkage, (old, new))
+    report = check_robot(load_robot(linkage))
+    assert failures(report) == []
+    notes = [check.detail for check in report.checks if check.verdict == "note"]
+    assert len(notes) == 1
+    assert [text for text in told if text not in notes[0]] == []
+
+
+def test_a_home_close_to_a_singularity_is_told_or_refused(linkage):
+    """Rods that are almost in line: the elbows' speeds grow without bound."""
+    edit_mjcf(linkage, ('"-0.06 0 0"', '"-0.15 0 0"'), ('"0.06 0 0"', '"0.15 0 0"'))
+    verdicts = []
+    for bend in (0.2, 0.01, 0.0005):
+        # cranks spread so that the rods make the angle `bend` with the line between the elbows
+        crank = np.arccos((0.3 * np.cos(bend) - 0.15) / 0.2)
+        home = f"{np.pi + crank:.16g} {np.pi - crank - bend:.16g} {-crank:.16g} {np.pi + crank + bend:.16g}"
+        text = re.sub(r'qpos=".*?"', f'qpos="{home}"', (linkage / "linkage.xml").read_text())
+        text = re.sub(r' range=".*?"', "", text)
+        (linkage / "linkage.xml").write_text(text)
+        verdicts.append(verdict(check_robot(load_robot(linkage)), "home is regular").verdict)
+    assert verdicts == ["ok", "note", "failed"]
+
+
+# --- the command --------------------------------------------------------------------------------------------
+
+
+def test_command_prints_and_writes(linkage, tmp_path, capsys):
+    assert main(["robot", "check", str(linkage), "--json", str(tmp_path / "report.json")]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    for text in (
+        "linkage",
+        "left_elbow",
+        "passive",
+        "3 N·m/A",
+        "tip",
+        "left_rod",
+        "rank of 3",
+        "= 2",
+        "nearest",
+    ):
+        assert text in out, text
+    assert "mx(left_crank)" not in out
+    answer = json.loads((tmp_path / "report.json").read_text())
+    assert answer["ok"] is True
+    assert [joint["name"] for joint in answer["joints"]] == ["left", "left_elbow", "right", "right_elbow"]
+    assert answer["loops"][0]["gap"] < 1e-9
+    assert answer["degrees_of_freedom"] == {"tree": 4, "equations": 3, "rank": 2, "motors": 2, "remaining": 2}
+    assert {check["verdict"] for check in answer["checks"]} == {"ok"}
+    assert len(answer["base_parameters"]) == 11
+
+
+def test_command_lists_the_base_parameters(capsys):
+    assert main(["robot", "check", "five_bar", "--verbose"]) == 0
+    assert "mx(left_crank)" in capsys.readouterr().out
+
+
+def test_command_shows_the_table_before_it_fails(linkage, capsys):
+    edit(linkage / "robot.toml", ("gain = 3.0", "gain = 2.0"))
+    edit_mjcf(linkage, (HOME, "-2.35 1.3 -0.79 -1.3"))
+    assert main(["robot", "check", str(linkage)]) == 2
+    out, err = capsys.readouterr()
+    assert "left_elbow" in out
+    assert "✗" in out
+    assert err.startswith("bench: robot linkage: home assembled: loop 'tip' is open by ")
