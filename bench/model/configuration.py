@@ -13,7 +13,10 @@ from bench.model.scalars import Vector, cross, turned
 
 
 def integrate(geometry: Geometry, q: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """Configurations q (nq, N) moved by the tree velocities step (nv, N) over unit time."""
+    """Configurations q (nq, N) moved by the tree velocities step (nv, N) over unit time.
+
+    A free joint first shifts, then turns: exact to first order in its step, the other joints to any.
+    """
     moved = np.empty_like(q)
     for joint in geometry.joints:
         if joint.kind in ("hinge", "slide"):

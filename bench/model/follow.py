@@ -15,6 +15,7 @@ from bench.model.tree import build_tree, loop_constraints
 
 CLOSED = 1e-6  # m or rad: after a smaller correction, Newton has closed the loops to rounding
 NEARLY_CLOSED = 1e-3  # m or rad: after a smaller correction, to about its square
+OPEN = 100.0  # times a correction: what is open by more, the correction does not close (no solution there)
 LARGEST_CORRECTION = 0.05  # m or rad: what a Newton correction may move after a prediction
 SMALLEST_STEP = 2.0**-12  # share of the way to a target below which it counts as out of reach
 MOST_ITERATIONS = 5
@@ -91,7 +92,7 @@ def close(follower: Follower, q: np.ndarray, enough: float = CLOSED) -> Pose | N
         if not largest < LARGEST_CORRECTION:
             return None
         q = pin.integrate(follower.model, q, step)
-        if largest < enough:
+        if largest < enough and np.abs(residual).max(initial=0.0) < OPEN * enough:
             return Pose(q, solved[:, 1:])
     return None
 

@@ -9,13 +9,14 @@ from bench.errors import BenchError
 from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.elimination import Elimination, eliminate
-from bench.model.follow import NEARLY_CLOSED, Follower, Pose, advance, home_pose, make_follower
+from bench.model.follow import NEARLY_CLOSED, OPEN, Follower, Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
 from bench.model.scalars import Scalar, dot, minus, plus
 
-CLOSED = 1e-7  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
+CLOSED = 1e-8  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
 TRAVEL = 0.3  # active travel between followed nodes, rad, or in units of the robot's length for a slide
+MIDDLE_TRAVEL = 0.1  # the same between the nodes of the middle level
 STRIDE = 16  # samples between the nodes of the middle level
 BLOCK = 4096  # samples worked on together: more keep Python's share small, fewer stay in the cache
 LARGEST_AMPLIFICATION = 200.0  # rad/rad, m/rad ...: passive speed for active speed; beyond it is singular
@@ -45,20 +46,19 @@ def motion_of(
 ) -> Motion:
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
-    The closures are followed continuously from the home pose: a few nodes one after the other, then every
-    STRIDE-th sample from their interpolation, then all samples from theirs. Raises BenchError that names
-    the time of a sample which is out of reach or singular.
+    The closures are followed continuously from the home pose: a few nodes one after the other, then about
+    every STRIDE-th sample from their interpolation, then all samples from theirs. Raises BenchError that
+    names the time of a sample which is out of reach or singular.
     """
     closures = closures_of(geometry)
     track = _Track(time, position - geometry.active_offset, velocity, acceleration)
     if not geometry.loops:
         return _solved(geometry, closures, track, lambda block: np.zeros((geometry.nq, len(time[block]))))
-    samples = _node_indices(geometry, track.position)
-    nodes = track.at(samples)
-    followed = _followed(geometry, track, samples).T
-    coarse = _solved(geometry, closures, nodes, lambda block: followed[:, block])
-    between = track.at(np.unique(np.append(np.arange(0, len(time), STRIDE), len(time) - 1)))
-    middle = _solved(geometry, closures, between, _between(geometry, coarse, between))
+    nodes = _nodes(geometry, track.position, TRAVEL, len(time))
+    followed = _followed(geometry, track, nodes).T
+    coarse = _solved(geometry, closures, track.at(nodes), lambda block: followed[:, block])
+    finer = track.at(_nodes(geometry, track.position, MIDDLE_TRAVEL, STRIDE))
+    middle = _solved(geometry, closures, finer, _between(geometry, coarse, finer))
     return _solved(geometry, closures, track, _between(geometry, middle, track))
 
 
@@ -150,7 +150,7 @@ def _closed(
         if not moved.max() < LARGEST_CORRECTION:
             raise _singular(geometry, time, int(np.argmax(moved)))
         q = integrate(geometry, q, step)
-        if size.max() < CLOSED:
+        if size.max() < CLOSED and max(np.abs(value).max() for value in (0.0, *residual)) < OPEN * CLOSED:
             motors = [[minus(0.0, row.get(index, 0.0)) for row in rows] for index in closures.active]
             return q, frames, elimination, motors
     raise _singular(geometry, time, int(np.argmax(size)))
@@ -190,15 +190,17 @@ def robot_length(geometry: Geometry) -> float:
     return max([float(np.linalg.norm(place.translation)) for place in places] + [0.1])
 
 
-def _node_indices(geometry: Geometry, active: np.ndarray) -> np.ndarray:
-    """Samples between which the active joints travel no further than TRAVEL, the first and last included."""
+def _nodes(geometry: Geometry, active: np.ndarray, furthest: float, stride: int) -> np.ndarray:
+    """Samples, first and last included, at most `stride` apart, the active joints' travel between them at most
+    `furthest` where sampling is that fine.
+    """
     slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
     scale = np.array([1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active])
     travel = np.append(0.0, np.cumsum(np.abs(np.diff(active * scale, axis=0)).sum(axis=1)))
-    count = int(np.ceil(travel[-1] / TRAVEL)) + 1
-    chosen = np.searchsorted(travel, np.linspace(0.0, travel[-1], count))
+    count = int(np.ceil(travel[-1] / furthest)) + 1
     last = len(active) - 1
-    return np.unique(np.concatenate(([0], np.clip(chosen, 0, last), [last])))
+    chosen = np.minimum(np.searchsorted(travel, np.linspace(0.0, travel[-1], count)), last)
+    return np.unique(np.concatenate((np.arange(0, last, stride), chosen, [last])))
 
 
 def _followed(geometry: Geometry, track: _Track, nodes: np.ndarray) -> np.ndarray:
@@ -216,7 +218,7 @@ def _followed(geometry: Geometry, track: _Track, nodes: np.ndarray) -> np.ndarra
 
 
 def _followed_closely(follower: Follower, pose: Pose, track: _Track, samples: range) -> Pose:
-    """The pose at the last of the samples, reached along all of them where the straight way to it is barred."""
+    """The pose at the last of the samples, along all of them: where the straight way to it is barred."""
     for sample in samples:
         pose, share = advance(follower, pose, track.position[sample])
         if share < 1.0:

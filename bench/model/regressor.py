@@ -86,7 +86,7 @@ def payload_transform(anchor: Anchor) -> np.ndarray:
 
 
 def moved_parameters(parameters: np.ndarray, rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
-    """Standard parameters (10,) of a frame, in the frame in which it has this rotation and translation [m]."""
+    """Standard parameters (10,) of a frame, in that where it has this rotation and translation [m]."""
     mass, moment = parameters[0], rotation @ parameters[1:4]
     xx, xy, yy, xz, yz, zz = parameters[4:]
     inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
