@@ -69,8 +69,8 @@ def deviations_away(quantity: Quantity, truth: float) -> str:
 
 
 def relative_error_to(quantity: Quantity, truth: float) -> str:
-    """How far a value lies from the truth, in percent of the truth."""
-    return percent(quantity.value / truth - 1.0, signed=True) if truth else "–"
+    """How far a value lies from the truth, in percent of the truth's size."""
+    return percent((quantity.value - truth) / abs(truth), signed=True) if truth else "–"
 
 
 def gain_change(gain: DriveGain) -> float:
@@ -143,9 +143,14 @@ def settings_lines(result: Identification) -> list[str]:
     filters = f"positions low-passed at {result.settings.position_cutoff:.4g} Hz"
     if rate is not None:
         filters += f", fit at {rate:.4g} Hz (one sample in {result.settings.decimation})"
-    still = f" ({all_rows - rows} more, of joints that stand still, left aside)" if rows < all_rows else ""
+    still = (
+        [f"{all_rows - rows} more equations left aside, of joints that stand still"]
+        if rows < all_rows
+        else []
+    )
     return [
-        f"{rows} equations{still}, {result.unknowns} unknowns, rank {result.rank}",
+        f"{rows} equations, {result.unknowns} unknowns, rank {result.rank}",
+        *still,
         f"condition number {result.condition:.4g}, with columns of unit length {result.scaled_condition:.4g}",
         filters,
     ]

@@ -29,7 +29,7 @@ def summary_markdown(result: Identification, truth: Truth | None = None) -> str:
         [
             joint,
             *_cells(gain),
-            f"{gain.nominal:.5g}",
+            f"{gain.nominal:.6g}",
             percent(gain_change(gain), signed=True),
             *_truth_cells(gain, truth, joint),
         ]

@@ -87,15 +87,18 @@ def comparison_report(comparison: Comparison, console: Console | None = None) ->
 
 
 def gains_table(result: Identification, truth: Truth | None = None, *, width: int = WIDTH) -> Table:
-    """Drive gains with deviation, nominal value and the change against it."""
+    """Drive gains with deviation and, where they were fitted, the change against the nominal value."""
     joints, gains = list(result.drive_gains), list(result.drive_gains.values())
+    against_nominal = (
+        Column("nominal", [f"{gain.nominal:.6g}" for gain in gains], "right"),
+        Column("change", [percent(gain_change(gain), signed=True) for gain in gains], "right"),
+    )
     return table_of(
         [
             Column("joint", joints),
             *_quantity_columns(gains),
             Column("unit", [pretty_unit(gain.unit) for gain in gains]),
-            Column("nominal", [f"{gain.nominal:.5g}" for gain in gains], "right"),
-            Column("change", [percent(gain_change(gain), signed=True) for gain in gains], "right"),
+            *(against_nominal if result.gains_fitted else ()),
             *_truth_columns(gains, joints, truth),
         ],
         width,
