@@ -1,11 +1,15 @@
 """The command line refuses broken datasets and robots: exit code 2, one line, nothing half-written."""
 
 import os
+import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bench.cli import main
+from bench.dataset import RecordingEntry, write_dataset_toml
+from bench.recording import write_recording
 from tests.broken import BROKEN
 from tests.broken_robots import BROKEN_ROBOTS, write_five_bar
 from tests.good_data import write_good_dataset, write_robot
@@ -15,6 +19,16 @@ OF_THE_ROBOT = [
     for name in BROKEN
     if name.startswith("robot_") and name not in ("robot_key_missing", "robot_unknown")
 ]
+
+# Identification reads geometry alone, and closes a home pose that is nearly closed.
+LEFT_TO_THE_CHECK = {
+    "gravity_switched_off",
+    "home_not_assembled",
+    "loops_switched_off",
+    "mocap_body",
+    "rod_without_weight",
+    "tendon_with_a_spring",
+}
 
 
 @pytest.fixture
@@ -64,6 +78,26 @@ def test_robot_check_refuses_a_broken_robot(name, tmp_path, refused):
     folder = write_five_bar(tmp_path / "linkage")
     spoil(folder)
     refused(expected, "robot", "check", folder)
+
+
+@pytest.mark.parametrize("name", sorted(set(BROKEN_ROBOTS) - LEFT_TO_THE_CHECK))
+def test_identify_refuses_a_broken_robot(name, tmp_path, refused):
+    spoil, _ = BROKEN_ROBOTS[name]
+    folder = write_five_bar(tmp_path / "robot")
+    spoil(folder)
+    actuators = tomllib.loads((folder / "robot.toml").read_text())["actuators"]
+    write_measurements(tmp_path, [actuator["joint"] for actuator in actuators] or ["left"])
+    refused([str(tmp_path) if name == "home_outside_a_range" else "robot"], "identify", tmp_path)
+
+
+def write_measurements(folder, joints):
+    time = np.arange(1500) / 500.0
+    home = {"left": -2.35, "right": -0.79, "left_elbow": 1.51}
+    waves = np.column_stack([np.sin(2 * np.pi * (0.5 + 0.3 * i) * time) for i in range(len(joints))])
+    position = [home.get(joint, 0.0) for joint in joints] + 0.2 * waves
+    noise = np.random.default_rng(1).normal(size=waves.shape)
+    write_recording(folder / "a.csv", time, position, waves + 0.05 * noise, joints)
+    write_dataset_toml(folder, "./robot", [RecordingEntry("a.csv", "identify")], [])
 
 
 def test_robot_check_names_a_robot_that_is_nowhere(tmp_path, refused):
