@@ -1,0 +1,116 @@
+"""Robots that the model cannot serve are refused, the joint or the equality named."""
+
+import pytest
+
+from bench.errors import BenchError
+from bench.model.geometry import read_geometry
+from bench.model.mobility import check_mobility
+from bench.model.model import build_model
+from tests.mechanisms import BALL, NAMES, TILTED, WELDED, robot_named, write_robot
+
+SPINNING_ROD = """
+  <worldbody>
+    <body name="crank"><joint name="crank" axis="0 1 0"/><geom/>
+      <body name="rod" pos="0.2 0 0.1"><joint name="ball" type="ball"/><geom/>
+        <site name="rod_end" pos="0.5 0.1 0.1"/></body></body>
+    <body name="rocker" pos="0.7 0.1 0"><joint name="rocker" axis="1 0 0" pos="0 0.2 0"/><geom/>
+      <site name="rocker_end" pos="0 0 0.2"/></body>
+  </worldbody>
+  <equality><connect site1="rod_end" site2="rocker_end"/></equality>
+"""
+
+# Both rods along the line between their elbows: the tip can go either way.
+STRETCHED = """
+  <worldbody>
+    <body name="left_crank"><joint name="left" axis="0 0 1"/><geom/>
+      <body name="left_rod" pos="0 0.2 0"><joint name="left_elbow" axis="0 0 1"/><geom/></body></body>
+    <body name="right_crank" pos="0.5 0 0"><joint name="right" axis="0 0 1"/><geom/>
+      <body name="right_rod" pos="0 0.2 0"><joint name="right_elbow" axis="0 0 1"/><geom/></body></body>
+  </worldbody>
+  <equality><connect body1="left_rod" body2="right_rod" anchor="0.3 0 0"/></equality>
+"""
+
+COUPLED = """
+  <worldbody><body name="a"><joint name="a"/><geom/><body name="b"><joint name="b"/><geom/></body></body></worldbody>
+"""
+TENDON = """<tendon>{}<fixed name="belt"><joint joint="a" coef="1"/><joint joint="b" coef="-1"/></fixed></tendon>"""
+
+
+def refusal(folder, body, motors):
+    with pytest.raises(BenchError) as error:
+        build_model(write_robot(folder, body, motors))
+    message = str(error.value)
+    assert "\n" not in message
+    return message
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_can_be_served_is(name, tmp_path):
+    check_mobility(read_geometry(robot_named(name, tmp_path)))
+
+
+def test_rod_that_spins_between_two_balls(tmp_path):
+    message = refusal(tmp_path, SPINNING_ROD, ("crank",))
+    assert "joint 'ball' can move with all motors held" in message
+    assert "'rocker'" not in message
+
+
+def test_joint_that_dangles_from_a_loop(tmp_path):
+    hanging = '<body name="hook" pos="0 0 0.1"><joint name="hook"/><geom/></body><body name="weight"'
+    message = refusal(tmp_path, TILTED.replace('<body name="weight"', hanging), ("left", "right"))
+    assert "joint 'hook' can move with all motors held" in message
+
+
+def test_joint_without_a_motor_and_without_a_loop(tmp_path):
+    assert "joint 'b'" in refusal(tmp_path, COUPLED, ("a",))
+
+
+def test_too_few_motors(tmp_path):
+    message = refusal(tmp_path, TILTED, ("left",))
+    assert "'left_elbow' and 'right' and 'right_elbow' can move" in message
+
+
+def test_too_many_motors(tmp_path):
+    message = refusal(tmp_path, TILTED, ("left", "right", "left_elbow"))
+    assert "leave 2 degrees of freedom for 3 motors" in message
+    assert "'left' and 'right' and 'left_elbow' are not independent" in message
+
+
+def test_only_the_motors_that_depend_on_each_other_are_named(tmp_path):
+    message = refusal(tmp_path, WELDED, ("turn", "crank", "rocker"))
+    assert "leave 2 degrees of freedom for 3 motors" in message
+    assert "joint 'crank' and 'rocker' are not independent" in message
+
+
+def test_locked_mechanism(tmp_path):
+    """An axis out of parallel locks the four-bar; the turntable still turns."""
+    body = WELDED.replace('name="pin_b" axis="0 1 0"', 'name="pin_b" axis="0.2 1 0"')
+    message = refusal(tmp_path, body, ("crank", "turn"))
+    assert "leave 1 degrees of freedom for 2 motors; those of joint 'crank'" in message
+
+
+def test_singular_home(tmp_path):
+    message = refusal(tmp_path, STRETCHED, ("left", "right"))
+    assert "home is a singular pose: joint 'left_elbow' and 'right_elbow' can move" in message
+
+
+def test_open_home(tmp_path):
+    body = BALL.replace('name="grip" pos="-0.1 0 0"', 'name="grip" pos="-0.18 0.05 0"')
+    assert "not closed at home" in refusal(tmp_path, body, ("crank",))
+
+
+@pytest.mark.parametrize(
+    ("kind", "equality"),
+    [
+        ("joint", '<equality><joint name="gear" joint1="a" joint2="b"/></equality>'),
+        ("tendon", TENDON.format("") + '<equality><tendon name="gear" tendon1="belt"/></equality>'),
+    ],
+)
+def test_equalities_that_close_no_loop(tmp_path, kind, equality):
+    message = refusal(tmp_path, COUPLED + equality, ("a", "b"))
+    assert f"equality 'gear' is of type {kind}" in message
+
+
+def test_equality_that_is_switched_off_is_none(tmp_path):
+    equality = '<equality><joint name="gear" joint1="a" joint2="b" active="false"/></equality>'
+    assert not read_geometry(write_robot(tmp_path, COUPLED + equality, ("a", "b"))).loops
