@@ -271,7 +271,8 @@ def _shortened(terms: Sequence[str], room: int) -> str:
     terms = rounded_terms(list(terms))
     for count in range(len(terms), 0, -1):
         rest = len(terms) - count
-        text = " ".join(terms[:count]) + (f" … {rest} more" if rest else "")
-        if len(text) <= room:
-            return text
+        for ending in (f" … {rest} more", " …") if rest else ("",):
+            text = " ".join(terms[:count]) + ending
+            if len(text) <= room:
+                return text
     return f"{len(terms)} more term{'s' if len(terms) > 1 else ''}" if terms else ""
