@@ -84,14 +84,19 @@ def load_scenario(scenario: str | Path, overrides: Mapping[str, Any] | None = No
     return scenario_from_dict(content, path.stem, str(path))
 
 
-def scenario_from_dict(content: Mapping[str, Any], name: str, origin: str | None = None) -> Scenario:
-    """Check the content of a scenario file, its base worked in and its paths absolute."""
+def scenario_from_dict(
+    content: Mapping[str, Any], name: str, origin: str | None = None, robot: Robot | None = None
+) -> Scenario:
+    """Check the content of a scenario file, its base worked in and its paths absolute.
+
+    robot: the one that the content names, where it has been loaded already.
+    """
     where = origin or f"scenario {name}"
     try:
         settings = ScenarioTable.model_validate(with_design_defaults(content))
     except ValidationError as error:
         raise BenchError(f"{where}: {first_mistake(error)}") from error
-    robot = load_robot(settings.robot)
+    robot = robot or load_robot(settings.robot)
     for fault in (*_reference_faults(settings, robot), *_joint_faults(settings, robot)):
         raise BenchError(f"{where}: {fault}")
     reference = settings.robot if settings.robot in built_in_robots() else str(robot.folder)

@@ -31,6 +31,9 @@ COMMANDS = {
     "import": LazyCommand(
         "bench.cli.import_log:import_log", "Turn a .mat, .csv, .npz or .parquet log into a dataset."
     ),
+    "sweep": LazyCommand(
+        "bench.cli.sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators."
+    ),
     "robot": LazyCommand(
         "bench.cli.robot:robot", "Check a robot folder: joints, loops, home pose, singularities."
     ),

@@ -1,0 +1,46 @@
+"""`bench sweep`: many scenarios, one table."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("sweep")
+@click.argument("sweep_file", metavar="FILE")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 256),
+    metavar="N",
+    help="Processes on this machine. [default: one a core]",
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="A Dask scheduler, such as tcp://HOST:8786, instead of processes here.",
+)
+@click.option("--retry-failed", is_flag=True, help="Run again what failed before.")
+@click.option("--dry-run", is_flag=True, help="Check the file, say how much work it is, and stop.")
+def sweep(
+    sweep_file: str,
+    output: Path | None,
+    workers: int | None,
+    scheduler: str | None,
+    retry_failed: bool,
+    dry_run: bool,
+) -> int:
+    """Run a sweep of scenarios: noise, gains, payloads, estimators.
+
+    FILE is a sweep file or the name of a built-in sweep. Finished runs are kept in DIR as they come: stopped in
+    whatever way and started again on the same folder, the sweep goes on.
+    """
+    from bench.errors import BenchError
+
+    if output is None and not dry_run:
+        raise BenchError("sweep: name the folder of the results with -o DIR")
+
+    from bench.sweep.command import run_command
+
+    return run_command(
+        sweep_file, output, workers=workers, scheduler=scheduler, retry_failed=retry_failed, dry_run=dry_run
+    )

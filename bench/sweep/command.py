@@ -1,0 +1,118 @@
+"""The command `bench sweep`: check, run, show."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+from rich.console import Console
+
+from bench.errors import BenchError
+from bench.sweep.extent import Extent, extent
+from bench.sweep.plan import Plan, make_plan
+from bench.sweep.pool import LocalPool, Pool, start_server
+from bench.sweep.preflight import check_plan
+from bench.sweep.print_summary import explanation, summary_table
+from bench.sweep.progress import duration_text, shown_progress
+from bench.sweep.results import SUMMARY, write_plots, write_summary
+from bench.sweep.run_sweep import Finished, run_sweep
+from bench.sweep.sweep_file import load_sweep
+from bench.sweep.table import read_table
+from bench.sweep.work import FAILED, IdentificationWork
+
+MOST_REASONS = 5
+
+
+def run_command(
+    sweep_file: str,
+    folder: Path | None,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    retry_failed: bool = False,
+    dry_run: bool = False,
+) -> int:
+    """Run a sweep and write table, summary and figures into `folder`; returns the exit code."""
+    console = Console()
+    count = workers or len(os.sched_getaffinity(0))
+    if not dry_run and scheduler is None:
+        start_server()
+    plan = make_plan(load_sweep(sweep_file))
+    check_plan(plan)
+    console.print(f"[bold]{plan.sweep.name}[/]  {plan.sweep.table.description}", highlight=False)
+    console.print(_extent_text(plan, extent(plan), count, scheduler), highlight=False)
+    if dry_run or folder is None:
+        return 0
+
+    def make_pool() -> Pool:
+        if scheduler is None:
+            return LocalPool(count)
+        from bench.sweep.dask_pool import DaskPool  # noqa: PLC0415 - an optional extra
+
+        return DaskPool(scheduler)
+
+    start = time.monotonic()
+    with shown_progress(console, plan.size) as report:
+        work = IdentificationWork(plan.sweep.table.record)
+        try:
+            finished = run_sweep(plan, folder, make_pool, work, report, retry_failed=retry_failed)
+        except KeyboardInterrupt:
+            console.print("Stopped. Finished runs are kept: the same command goes on with the others.")
+            raise
+    return _show(console, plan, finished, time.monotonic() - start)
+
+
+def _extent_text(plan: Plan, work: Extent, workers: int, scheduler: str | None) -> str:
+    axes = [f"{len(axis.points)} × {axis.name}" for axis in plan.sweep.grid]
+    drawn = [name for name in plan.axis_names if name not in {axis.name for axis in plan.sweep.grid}]
+    counts = ", ".join([*axes, f"{len(plan.sweep.seeds)} seeds", *(f"{name} drawn" for name in drawn)])
+    text = f"{work.runs} runs ({counts}), {work.motions} simulations"
+    if work.designs:
+        text += f", {work.designs} designs of trajectories"
+    if scheduler is not None:
+        return f"{text}, on {scheduler}"
+    seconds = work.seconds(workers)
+    about = "" if seconds is None else f", about {duration_text(seconds)}"
+    return f"{text}{about} with {workers} worker{'s' if workers > 1 else ''}"
+
+
+def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> int:
+    summary = write_summary(plan, finished.folder)
+    plots = write_plots(plan, finished.folder)
+    console.print()
+    console.print(summary_table(summary))
+    console.print(f"[dim]{explanation(summary)}[/]", highlight=False)
+    console.print()
+    if finished.failed:
+        _show_failures(console, finished)
+    console.print(
+        f"{finished.runs} runs in {duration_text(seconds)}, {finished.failed} failed", highlight=False
+    )
+    for name, path in (("Table", finished.table), ("Summary", finished.folder / SUMMARY)):
+        console.print(f"{name}: {path}", highlight=False, soft_wrap=True)
+    for path in plots:
+        console.print(f"Figure: {path}", highlight=False, soft_wrap=True)
+    return 1 if finished.failed == finished.runs else 0
+
+
+def _show_failures(console: Console, finished: Finished) -> None:
+    columns = read_table(finished.table, ["run", "status", "reason"])
+    reasons: dict[str, list[int]] = {}
+    for run, status, reason in zip(*columns.values(), strict=True):
+        if status == FAILED:
+            reasons.setdefault(reason, []).append(run)
+    for reason, runs in sorted(reasons.items(), key=lambda item: -len(item[1]))[:MOST_REASONS]:
+        which = f"run {runs[0]}" if len(runs) == 1 else f"{len(runs)} runs, first {runs[0]}"
+        console.print(f"[red]failed[/] ({which}): {reason}", highlight=False, soft_wrap=True)
+    if len(reasons) > MOST_REASONS:
+        console.print(f"… and for {len(reasons) - MOST_REASONS} other reasons: see the column `reason`")
+
+
+def check_folder(folder: Path) -> Path:
+    """The table of a sweep's folder; BenchError if there is none."""
+    from bench.sweep.run_sweep import TABLE  # noqa: PLC0415
+
+    if not (folder / TABLE).is_file():
+        raise BenchError(f"{folder}: holds no {TABLE}: name the folder of a finished sweep")
+    return folder / TABLE

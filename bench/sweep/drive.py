@@ -1,0 +1,190 @@
+"""Running a plan: what is shared goes first, what needs it follows, finished runs are kept as they come."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from bench.sweep.designs import keep_design, kept_design
+from bench.sweep.journal import Journal, Row
+from bench.sweep.plan import Plan, Run
+from bench.sweep.pool import Outcome, Pool, Task
+
+LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulated while these are worked off
+FEWEST_AHEAD = 8
+
+Report = Callable[[Journal], None]
+"""Told whenever runs are finished."""
+
+
+class Work(Protocol):
+    """The tasks that a sweep is made of."""
+
+    def design(self, run: Run) -> Task:
+        """Finds trajectories, by recording name."""
+
+    def motion(self, run: Run, trajectories: Any) -> Task:
+        """Simulates a motion that several sets of runs share."""
+
+    def runs(self, runs: tuple[Run, ...], trajectories: Any, motion: Any) -> Task:
+        """Gives a row for each of the runs, which have the same equations; motion: None if theirs alone."""
+
+    def failed(self, run: Run, reason: str) -> Row:
+        """The row of a run that came to nothing."""
+
+
+@dataclass(frozen=True)
+class _Set:
+    """Runs with the same equations; `shared`: other sets have the same motion."""
+
+    runs: tuple[Run, ...]
+    shared: bool
+
+    @property
+    def design(self) -> str:
+        return self.runs[0].design
+
+    @property
+    def motion(self) -> str:
+        return self.runs[0].motion
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """A design or a motion that is there, or the reason why it is not."""
+
+    value: Any
+    fault: str | None
+
+
+@dataclass(frozen=True)
+class _SharedJob:
+    """What finds a design or a motion."""
+
+    shared: dict[str, _Shared]
+    name: str
+
+
+@dataclass(frozen=True)
+class _RunJob:
+    """What makes rows."""
+
+    runs: tuple[Run, ...]
+    design: Any
+    motion: Any
+
+
+class Driver:
+    """Runs everything of a plan that the journal does not have yet.
+
+    At any time it holds a window of sets of runs, whatever the number of runs. designs: folder in which
+    trajectories are kept. retry_failed: run again what failed before.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        journal: Journal,
+        pool: Pool,
+        work: Work,
+        designs: Path,
+        *,
+        retry_failed: bool = False,
+    ) -> None:
+        self._journal, self._pool, self._work, self._folder = journal, pool, work, designs
+        again = frozenset(journal.failed) if retry_failed else frozenset()
+        self._sets = _sets(plan, lambda number: number in journal and number not in again)
+        self._limit = max(FEWEST_AHEAD, LOOK_AHEAD * pool.slots)
+        self._window: list[_Set] = []
+        self._designs: dict[str, _Shared] = {}
+        self._motions: dict[str, _Shared] = {}
+        self._jobs: dict[int, _SharedJob | _RunJob] = {}
+        self._next = 0
+
+    def run(self, report: Report) -> None:
+        """Work until nothing is left."""
+        while True:
+            while len(self._window) < self._limit and (following := next(self._sets, None)) is not None:
+                self._window.append(following)
+            for known, needed in (
+                (self._designs, {one.design for one in self._window}),
+                (self._motions, {one.motion for one in self._window}),
+            ):
+                for name in known.keys() - needed:
+                    del known[name]
+            self._window = [one for one in self._window if not self._hand_out(one)]
+            if self._jobs:
+                for outcome in self._pool.outcomes():
+                    self._take(outcome)
+                report(self._journal)
+            elif not self._window:
+                return
+
+    def _hand_out(self, one: _Set) -> bool:
+        """Take the next step towards the runs of a set; whether they are under way, or have failed."""
+        first = one.runs[0]
+        if one.design not in self._designs and (kept := kept_design(self._folder, one.design)) is not None:
+            self._designs[one.design] = _Shared(kept, None)
+        design = self._designs.get(one.design)
+        if design is None:
+            self._ask(_SharedJob(self._designs, one.design), lambda: self._work.design(first))
+            return False
+        if design.fault is not None:
+            return self._fail(one.runs, design.fault)
+        motion = _Shared(None, None)
+        if one.shared:
+            if one.motion not in self._motions:
+                job = _SharedJob(self._motions, one.motion)
+                self._ask(job, lambda: self._work.motion(first, design.value))
+                return False
+            motion = self._motions[one.motion]
+            if motion.fault is not None:
+                return self._fail(one.runs, motion.fault)
+        if sum(isinstance(job, _RunJob) for job in self._jobs.values()) > self._pool.slots:
+            return False
+        self._submit_runs(_RunJob(one.runs, design.value, motion.value))
+        return True
+
+    def _ask(self, job: _SharedJob, task: Callable[[], Task]) -> None:
+        if not any(isinstance(other, _SharedJob) and other.name == job.name for other in self._jobs.values()):
+            self._submit(job, task())
+
+    def _submit_runs(self, job: _RunJob) -> None:
+        self._submit(job, self._work.runs(job.runs, job.design, job.motion))
+
+    def _submit(self, job: _SharedJob | _RunJob, task: Task) -> None:
+        self._jobs[self._next] = job
+        self._pool.submit(self._next, task)
+        self._next += 1
+
+    def _fail(self, runs: tuple[Run, ...], reason: str) -> bool:
+        self._journal.append([self._work.failed(run, reason) for run in runs])
+        return True
+
+    def _take(self, outcome: Outcome) -> None:
+        job = self._jobs.pop(outcome.key)
+        if isinstance(job, _SharedJob):
+            job.shared[job.name] = _Shared(outcome.value, outcome.fault)
+            if job.shared is self._designs and outcome.fault is None:
+                keep_design(self._folder, job.name, outcome.value)
+        elif outcome.fault is None:
+            self._journal.append(outcome.value)
+        elif len(job.runs) > 1:  # one of them is at fault: find out which
+            for run in job.runs:
+                self._submit_runs(_RunJob((run,), job.design, job.motion))
+        else:
+            self._fail(job.runs, outcome.fault)
+
+
+def _sets(plan: Plan, is_done: Callable[[int], bool]) -> Iterator[_Set]:
+    """Sets of runs with the same equations, in order; motions are compared with the sets before and after."""
+    before, current = "", None
+    for following in plan.tasks(is_done):
+        if current is not None:
+            yield _Set(current, current[0].motion in (before, following[0].motion))
+            before = current[0].motion
+        current = following
+    if current is not None:
+        yield _Set(current, current[0].motion == before)

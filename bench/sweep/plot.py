@@ -1,0 +1,132 @@
+"""A metric against an axis: median and spread over the runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bench.files import atomic_path
+from bench.sweep.measure import METRICS
+from bench.sweep.summary import Spread, Summary, is_share, spread, summarise
+from bench.sweep.table import read_table
+
+BINS = 12  # a drawn axis, which has a value of its own in every run, is cut into as many parts of equal count
+MOST_VALUES = 40
+WIDE = 20.0  # ratio of largest to smallest value from which an axis is logarithmic
+COVERAGE = 0.95
+COLORS = ("#1f6fb4", "#d1600c", "#2b8a3e", "#a8328e", "#7a5b00", "#00808a", "#c22a2a", "#5a5a5a")
+
+
+def plot_sweep(
+    table: Path, path: Path, x: str, y: str, lines: str | None = None, *, logarithmic: bool | None = None
+) -> None:
+    """Draw a figure (.png, .svg or .pdf): the median of `y` for each value of `x`, with the middle 90 %.
+
+    Of a share: the mean, with its 95 % interval. lines: an axis with a line for each of its values.
+    logarithmic: the axis of y; by default where its values span a wide range.
+    Raises BenchError if the table has no such column.
+    """
+    found = _binned(table, x, y, lines)
+    figure = Figure(figsize=(7.0, 4.4), layout="constrained")
+    axes = figure.add_subplot()
+    positions, labels = _positions([value for _, values, _ in found for value in values])
+    for i, (name, values, spreads) in enumerate(found):
+        at = np.array([positions[value] for value in values], dtype=float)
+        _draw(axes, at, spreads, name, COLORS[i % len(COLORS)], share=is_share(y), joined=labels is None)
+    if labels is not None:
+        axes.set_xticks(range(len(labels)), labels, rotation=0 if len(labels) < 6 else 30)
+    elif _is_wide(list(positions.values())):
+        axes.set_xscale("log")
+    middles = [one.median for _, _, spreads in found for one in spreads]
+    if is_share(y):
+        axes.axhline(COVERAGE, color="#888888", linewidth=0.8, linestyle="--")
+    elif logarithmic or (logarithmic is None and _is_wide(middles)):
+        axes.set_yscale("log")
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.set_title(METRICS.get(y.split(".", maxsplit=1)[0], y), fontsize=9, color="#555555")
+    axes.grid(visible=True, color="#dddddd", linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    if lines is not None:
+        axes.legend(title=lines, frameon=False, fontsize=8, title_fontsize=8)
+    with atomic_path(path) as partial, mpl.rc_context({"svg.hashsalt": "bench", "svg.fonttype": "none"}):
+        figure.savefig(partial, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+Found = list[tuple[Any, list[Any], list[Spread]]]
+"""For each line: its value, values of x, spreads of y."""
+
+
+def _binned(table: Path, x: str, y: str, lines: str | None) -> Found:
+    raw = read_table(table, [x])[x]
+    distinct = set(raw) - {None}
+    if len(distinct) > MOST_VALUES and all(isinstance(value, int | float) for value in distinct):
+        return _in_bins(table, x, y, lines)
+    summary = summarise(table, [x, *([lines] if lines else [])], [y])
+    return _by_line(summary, y)
+
+
+def _by_line(summary: Summary, y: str) -> Found:
+    found: dict[Any, tuple[list[Any], list[Spread]]] = {}
+    for line in sorted(summary.lines, key=lambda line: _rank(line.values[0])):
+        if line.values[0] is None or not line.spreads[y].count:
+            continue
+        name = line.values[1] if len(line.values) > 1 else None
+        values, spreads = found.setdefault(name, ([], []))
+        values.append(line.values[0])
+        spreads.append(line.spreads[y])
+    order = {line.values[1] if len(line.values) > 1 else None: None for line in summary.lines}
+    return [(name, *found[name]) for name in order if name in found]
+
+
+def _rank(value: Any) -> tuple[int, float]:
+    return (0, float(value)) if isinstance(value, int | float) else (1, 0.0)
+
+
+def _in_bins(table: Path, x: str, y: str, lines: str | None) -> Found:
+    names = list(dict.fromkeys((x, y, *([lines] if lines else []))))
+    columns = read_table(table, names)
+    keys = columns[lines] if lines else [None] * len(columns[x])
+    found: Found = []
+    for name in dict.fromkeys(keys):
+        rows = [
+            (columns[x][i], columns[y][i])
+            for i in range(len(keys))
+            if keys[i] == name and columns[x][i] is not None and columns[y][i] is not None
+        ]
+        parts = [part for part in np.array_split(np.array(sorted(rows), dtype=float), BINS) if len(part)]
+        found.append((name, [float(np.median(p[:, 0])) for p in parts], [spread(y, p[:, 1]) for p in parts]))
+    return found
+
+
+def _positions(values: Sequence[Any]) -> tuple[dict[Any, float], list[str] | None]:
+    """Where each value lies on the axis, and its labels if the values are no numbers."""
+    distinct = list(dict.fromkeys(values))
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in distinct):
+        return {value: float(value) for value in distinct}, None
+    return {value: float(i) for i, value in enumerate(distinct)}, [str(value) for value in distinct]
+
+
+def _draw(
+    axes: Axes, at: np.ndarray, spreads: Sequence[Spread], name: Any, color: str, *, share: bool, joined: bool
+) -> None:
+    middle = np.array([one.mean if share else one.median for one in spreads])
+    low, high = (np.array([getattr(one, end) for one in spreads]) for end in ("low", "high"))
+    label = None if name is None else str(name)
+    if joined and len(at) > 1:
+        axes.fill_between(at, low, high, color=color, alpha=0.13, linewidth=0)
+        axes.plot(at, middle, color=color, marker="o", markersize=3.5, linewidth=1.4, label=label)
+    else:
+        errors = np.maximum(np.stack([middle - low, high - middle]), 0.0)
+        axes.errorbar(at, middle, errors, color=color, marker="o", linestyle="none", capsize=3, label=label)
+
+
+def _is_wide(values: Sequence[float]) -> bool:
+    known = [value for value in values if np.isfinite(value)]
+    return len(known) > 1 and min(known) > 0 and max(known) / min(known) >= WIDE

@@ -1,0 +1,107 @@
+"""A sweep checked before it starts: what run 900 would trip over is found now."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from pydantic import ValidationError
+
+from bench.effects import select_effects
+from bench.errors import BenchError
+from bench.estimate.estimators import ESTIMATORS
+from bench.estimate.measured import passive_joints
+from bench.model.model import build_model
+from bench.robot import Robot, load_robot
+from bench.scenario import Scenario, scenario_from_dict
+from bench.sweep.axes import DrawnAxis
+from bench.sweep.measure import METRICS
+from bench.sweep.plan import Plan, Run, digest
+from bench.sweep.sweep_file import IdentifyTable
+from bench.toml_input import first_mistake
+from bench.truth.machine import build_machine
+
+MOST_CHECKED = 3000
+MOST_BUILT = 8
+
+
+@dataclass
+class _Seen:
+    robots: dict[str, Robot] = field(default_factory=dict)
+    effects: set[str] = field(default_factory=set)
+
+
+def check_plan(plan: Plan) -> None:
+    """Check every grid point and every draw (3000 of each at most), and build some of the machines.
+
+    Raises BenchError, one line that names the run and what is wrong with it.
+    """
+    table, path = plan.sweep.table, plan.sweep.path
+    for metric in (*table.show, *(plot.y for plot in table.plots)):
+        if metric.split(".")[0] not in METRICS:
+            raise BenchError(f"{path}: no metric {metric!r}; there are {', '.join(METRICS)}")
+    for plot in table.plots:
+        for axis in (plot.x, *([plot.lines] if plot.lines else [])):
+            if axis not in (*plan.axis_names, "seed"):
+                raise BenchError(
+                    f"{path}: plots: {axis!r} is no axis; there are {', '.join(plan.axis_names)}"
+                )
+    seen = _Seen()
+    scenarios: dict[str, tuple[Run, Scenario]] = {}
+    for number in _representative(plan):
+        run = plan.run(number)
+        try:
+            scenario = _checked(run, seen)
+        except BenchError as error:
+            raise _about(plan, run, error) from error
+        scenarios.setdefault(
+            digest([run.content.get(key) for key in ("robot", "hidden", "payloads")]), (run, scenario)
+        )
+    found = list(scenarios.values())
+    for i in _spread(len(found), MOST_BUILT):
+        run, scenario = found[i]
+        try:
+            build_machine(scenario)
+        except BenchError as error:
+            raise _about(plan, run, error) from error
+
+
+def _checked(run: Run, seen: _Seen) -> Scenario:
+    name = run.content.get("robot")
+    if isinstance(name, str) and name not in seen.robots:
+        seen.robots[name] = load_robot(name)
+    scenario = scenario_from_dict(run.content, run.base, run.base, seen.robots.get(str(name)))
+    try:
+        identify = IdentifyTable.model_validate(run.identify)
+    except ValidationError as error:
+        raise BenchError(first_mistake(error)) from error
+    if identify.method not in ESTIMATORS:
+        raise BenchError(f"method: {identify.method!r} is not one of {', '.join(ESTIMATORS)}")
+    key = digest([name, identify.effects])
+    if key not in seen.effects:
+        passive = passive_joints(build_model(scenario.robot).geometry) if identify.effects else ()
+        select_effects(identify.effects, scenario.robot.joints, passive)
+        seen.effects.add(key)
+    return scenario
+
+
+def _representative(plan: Plan) -> Iterator[int]:
+    """Numbers of runs: all grid points with the first seed, then all seeds if something is drawn."""
+    numbers = np.arange(plan.size).reshape(plan.shape)
+    seeds = plan.axes.index(None)
+    grid = numbers.take(0, axis=seeds).ravel()
+    yield from (int(grid[i]) for i in _spread(len(grid), MOST_CHECKED))
+    if any(isinstance(axis, DrawnAxis) for axis in plan.sweep.axes):
+        drawn = np.moveaxis(numbers, seeds, 0).reshape(plan.shape[seeds], -1)[:, 0]
+        yield from (int(drawn[i]) for i in _spread(len(drawn), MOST_CHECKED))
+
+
+def _spread(count: int, most: int) -> Sequence[int]:
+    """At most `most` of the indices below count, the first and the last among them."""
+    return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most)).round()})
+
+
+def _about(plan: Plan, run: Run, error: BenchError) -> BenchError:
+    values = ", ".join(f"{name} = {value}" for name, value in run.axes.items()) or f"seed {run.seed}"
+    return BenchError(f"{plan.sweep.path}: run {run.number} ({values}): {error}")

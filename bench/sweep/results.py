@@ -1,0 +1,57 @@
+"""What a sweep leaves in its folder beside the table: summary and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from bench.files import write_text_atomically
+from bench.sweep.plan import Plan
+from bench.sweep.plot import plot_sweep
+from bench.sweep.print_summary import summary_markdown
+from bench.sweep.run_sweep import TABLE
+from bench.sweep.summary import Summary, summarise
+from bench.sweep.sweep_file import PlotTable
+from bench.sweep.table import column_names
+
+SUMMARY = "summary.md"
+
+
+def write_summary(plan: Plan, folder: Path) -> Summary:
+    """Write summary.md by all axes of the grid, with the metrics that the sweep's file asks for."""
+    table = folder / TABLE
+    known = column_names(table)
+    metrics = [metric for metric in plan.sweep.table.show if metric in known]
+    axes = [axis.name for axis in plan.sweep.grid]
+    summary = summarise(table, axes, metrics)
+    heading = f"# {plan.sweep.name}\n\n{plan.sweep.table.description}\n\n"
+    write_text_atomically(folder / SUMMARY, heading + summary_markdown(summary))
+    return summary
+
+
+def write_plots(plan: Plan, folder: Path) -> list[Path]:
+    """Draw the figures that the sweep's file asks for, or the first metrics against the first axis."""
+    table = folder / TABLE
+    known = column_names(table)
+    paths = []
+    for plot in plan.sweep.table.plots or default_plots(plan):
+        if plot.y in known:
+            paths.append(folder / plot_name(plot.x, plot.y, plot.lines))
+            plot_sweep(table, paths[-1], plot.x, plot.y, plot.lines)
+    return paths
+
+
+def default_plots(plan: Plan) -> Sequence[PlotTable]:
+    """The first two metrics against the axis with the most values, a line for each value of the next."""
+    axes = sorted(plan.sweep.grid, key=lambda axis: -len(axis.points))
+    if not axes:
+        names = plan.axis_names or ("seed",)
+        return [PlotTable(x=names[0], y=metric) for metric in plan.sweep.table.show[:2]]
+    lines = axes[1].name if len(axes) > 1 else None
+    return [PlotTable(x=axes[0].name, y=metric, lines=lines) for metric in plan.sweep.table.show[:2]]
+
+
+def plot_name(x: str, y: str, lines: str | None = None) -> str:
+    """File name of a figure."""
+    name = f"{y} against {x}" + (f" by {lines}" if lines else "")
+    return name.replace(" ", "_").replace("/", "_") + ".svg"

@@ -1,0 +1,87 @@
+"""A sweep from its file to its table."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.errors import BenchError
+from bench.files import write_json_atomically, write_text_atomically
+from bench.sweep.drive import Driver, Report, Work
+from bench.sweep.journal import Journal
+from bench.sweep.plan import Plan, digest
+from bench.sweep.pool import Pool
+from bench.sweep.table import write_table
+
+TABLE, JOURNAL, RECORD, DESIGNS, FILE = "runs.parquet", "runs.jsonl", "sweep.json", "designs", "sweep.toml"
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What a sweep has left behind."""
+
+    folder: Path
+    table: Path
+    runs: int
+    failed: int
+
+
+def run_sweep(
+    plan: Plan,
+    folder: Path,
+    make_pool: Callable[[], Pool],
+    work: Work,
+    report: Report,
+    *,
+    retry_failed: bool = False,
+) -> Finished:
+    """Run what is not there yet and write the table.
+
+    Started again on the same folder after whatever end it goes on, and the table is the same to the last bit.
+    Raises BenchError if the folder belongs to another sweep.
+    """
+    _claim(plan, folder)
+    journal = Journal(folder / JOURNAL, plan.size)
+    try:
+        report(journal)
+        if journal.count < plan.size or (retry_failed and journal.failed):
+            pool = make_pool()
+            try:
+                Driver(plan, journal, pool, work, folder / DESIGNS, retry_failed=retry_failed).run(report)
+            finally:
+                pool.close()
+        metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}
+        write_table(journal, folder / TABLE, plan.axis_names, metadata)
+        return Finished(folder, folder / TABLE, journal.count, len(journal.failed))
+    finally:
+        journal.close()
+
+
+def _claim(plan: Plan, folder: Path) -> None:
+    """Mark a folder as that of this sweep."""
+    record = folder / RECORD
+    content = {
+        "sweep": plan.sweep.name,
+        "runs": plan.size,
+        "axes": list(plan.axis_names),
+        "digest": plan_digest(plan),
+    }
+    if record.is_file():
+        if json.loads(record.read_text(encoding="utf-8")) != content:
+            raise BenchError(
+                f"{folder}: holds another sweep, or an older version of this one: name another folder"
+            )
+        return
+    if folder.exists() and any(folder.iterdir()):
+        raise BenchError(f"{folder}: is there already and holds no sweep: name another folder")
+    write_text_atomically(folder / FILE, plan.sweep.path.read_text(encoding="utf-8"))
+    write_json_atomically(record, content)
+
+
+def plan_digest(plan: Plan) -> str:
+    """Tells sweeps apart by what their runs depend on: the file, and the scenarios that it builds on."""
+    runs = (plan.run(0), plan.run(plan.size - 1))
+    table = plan.sweep.table.model_dump(mode="json", exclude={"description", "show", "plots"})
+    return digest([table, [[run.content, run.axes] for run in runs]])

@@ -1,0 +1,147 @@
+"""The work of a sweep, as functions from one plain value to the next: what workers run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.estimate.identify import fit, prepare
+from bench.excite.scenario import designer
+from bench.scenario import Scenario, resolve_trajectories, scenario_from_dict
+from bench.sweep.journal import Row
+from bench.sweep.measure import measure
+from bench.sweep.plan import Run
+from bench.sweep.pool import Task
+from bench.sweep.settings import flat_settings, plain
+from bench.sweep.versions import versions
+from bench.trajectory import FourierTrajectory
+from bench.truth.dataset import as_dataset
+from bench.truth.resense import sense_again
+from bench.truth.simulate import Simulation, simulate
+
+Trajectories = Mapping[str, FourierTrajectory]
+OK, FAILED = "ok", "failed"
+
+
+@dataclass(frozen=True)
+class DesignTask:
+    """Find the trajectories of a run."""
+
+    run: Run
+
+    def __call__(self) -> Trajectories:
+        """Trajectories by recording name."""
+        scenario = _scenario(self.run, self.run.design_content)
+        return resolve_trajectories(scenario, designer)
+
+
+@dataclass(frozen=True)
+class MotionTask:
+    """Simulate the motion that several tasks share."""
+
+    run: Run
+    trajectories: Trajectories
+
+    def __call__(self) -> Simulation:
+        """The simulation without what sensing it again does not need."""
+        return slim(simulate(_scenario(self.run, self.run.content), self.trajectories, threads=1))
+
+
+@dataclass(frozen=True)
+class RunTask:
+    """Identify from one set of equations, in one or several ways."""
+
+    runs: tuple[Run, ...]
+    trajectories: Trajectories
+    motion: Simulation | None
+    """None: nothing else needs it, and it is simulated here."""
+    record: tuple[str, ...]
+
+    def __call__(self) -> list[Row]:
+        """A row a run; a run that fails for a reason that can be named has it in its row."""
+        first = self.runs[0]
+        try:
+            scenario = _scenario(first, first.content)
+            if self.motion is None:
+                simulation = simulate(scenario, self.trajectories, threads=1)
+            else:
+                simulation = sense_again(self.motion, scenario)
+            prepared = prepare(as_dataset(simulation), first.identify["effects"], _filters(scenario))
+        except BenchError as error:
+            return [failed_row(run, str(error)) for run in self.runs]
+        rows = []
+        for run in self.runs:
+            options = {key: run.identify[key] for key in ("deviations", "essential", "fit_gains")}
+            try:
+                result = fit(prepared, run.identify["method"], **options)
+                metrics = measure(simulation, prepared, result, self.record)
+            except BenchError as error:
+                rows.append(failed_row(run, str(error)))
+            else:
+                rows.append(_row(run, metrics))
+        return rows
+
+
+@dataclass(frozen=True)
+class IdentificationWork:
+    """The tasks of a sweep that simulates and identifies. record: groups of metrics."""
+
+    record: tuple[str, ...]
+
+    def design(self, run: Run) -> Task:
+        """Finds trajectories."""
+        return DesignTask(run)
+
+    def motion(self, run: Run, trajectories: Trajectories) -> Task:
+        """Simulates a motion."""
+        return MotionTask(run, trajectories)
+
+    def runs(self, runs: tuple[Run, ...], trajectories: Trajectories, motion: Simulation | None) -> Task:
+        """Senses, prepares, fits and measures."""
+        return RunTask(runs, trajectories, motion, self.record)
+
+    def failed(self, run: Run, reason: str) -> Row:
+        """The row of a run that came to nothing."""
+        return failed_row(run, reason)
+
+
+def failed_row(run: Run, reason: str) -> Row:
+    """The row of a run that came to nothing."""
+    return _row(run, {}) | {"status": FAILED, "reason": " ".join(reason.split())}
+
+
+def slim(simulation: Simulation) -> Simulation:
+    """A simulation with what `sense_again` needs, a few megabytes: time, positions, current references."""
+    nothing = np.empty((0, 0))
+    recordings = tuple(
+        replace(
+            one,
+            motion=replace(
+                one.motion, qpos=nothing, qvel=nothing, qacc=nothing, torque=nothing, reference=nothing
+            ),
+            log=replace(one.log, time=nothing, position=nothing, current=nothing),
+        )
+        for one in simulation.recordings
+    )
+    return replace(simulation, recordings=recordings)
+
+
+def _scenario(run: Run, content: Mapping[str, Any]) -> Scenario:
+    return scenario_from_dict(content, run.base, run.base)
+
+
+def _filters(scenario: Scenario) -> dict[str, Any]:
+    return scenario.settings.filter.model_dump(exclude_none=True)
+
+
+def _row(run: Run, metrics: Mapping[str, float]) -> Row:
+    row: Row = {"run": run.number, "status": OK, "reason": None, "scenario": run.base, "seed": run.seed}
+    row |= run.axes
+    row |= {key: float(value) for key, value in metrics.items()}
+    row |= {key: plain(value) for key, value in run.identify.items()}
+    row |= {key: value for key, value in flat_settings(run.content) if key not in row}
+    return row | versions().columns()
