@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.catalogue import built_in_robots
-from bench.model.geometry import Geometry
+from bench.model.geometry import Geometry, read_geometry
 from bench.robot import Robot, load_robot
 
 HEAD = """
@@ -104,7 +104,11 @@ MECHANISMS = {
 }
 SLIDES = ("x", "d", "slide")
 NAMES = (*built_in_robots(), *MECHANISMS)
-LOOPED = tuple(name for name in NAMES if name not in ("two_link", "emps", "serial"))
+LOOPED = tuple(
+    name
+    for name in NAMES
+    if (name != "serial" if name in MECHANISMS else read_geometry(load_robot(name)).loops)
+)
 
 
 def write_robot(folder: Path, body: str, motors: tuple[str, ...], tool: str | None = None) -> Robot:

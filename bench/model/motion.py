@@ -47,8 +47,9 @@ def motion_of(
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
     The closures are followed continuously from the home pose: a few nodes one after the other, then about
-    every STRIDE-th sample from their interpolation, then all samples from theirs. Raises BenchError that
-    names the time of a sample which is out of reach or singular.
+    every STRIDE-th sample from their interpolation, then all samples from theirs. Loops are closed to rounding;
+    the Jacobian is taken at most CLOSED away from the closed pose, and rates have its relative error. Raises
+    BenchError that names the time of a sample which is out of reach or singular.
     """
     closures = closures_of(geometry)
     track = _Track(time, position - geometry.active_offset, velocity, acceleration)

@@ -1,0 +1,1 @@
+"""What a calculation costs, measured beside something known in the same run."""
