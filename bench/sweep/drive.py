@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from bench.sweep.designs import keep_design, kept_design
 from bench.sweep.journal import Journal, Row
 from bench.sweep.plan import Plan, Run
-from bench.sweep.pool import Outcome, Pool, Task
+from bench.sweep.pool import Outcome, Pool, Shared, Task
 
 LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulated while these are worked off
 FEWEST_AHEAD = 8
@@ -28,8 +28,10 @@ class Work(Protocol):
     def motion(self, run: Run, trajectories: Any) -> Task:
         """Simulates a motion that several sets of runs share."""
 
-    def runs(self, runs: tuple[Run, ...], trajectories: Any, motion: Any) -> Task:
-        """Gives a row for each of the runs, which have the same equations; motion: None if theirs alone."""
+    def runs(self, runs: tuple[Run, ...], trajectories: Any) -> Task:
+        """Gives a row for each of the runs, which have the same equations, from the motion that they share
+        with others, or from None where it is theirs alone.
+        """
 
     def failed(self, run: Run, reason: str) -> Row:
         """The row of a run that came to nothing."""
@@ -52,7 +54,7 @@ class _Set:
 
 
 @dataclass(frozen=True)
-class _Shared:
+class _Common:
     """A design or a motion that is there, or the reason why it is not."""
 
     value: Any
@@ -60,10 +62,10 @@ class _Shared:
 
 
 @dataclass(frozen=True)
-class _SharedJob:
+class _CommonJob:
     """What finds a design or a motion."""
 
-    shared: dict[str, _Shared]
+    found: dict[str, _Common]
     name: str
 
 
@@ -73,7 +75,7 @@ class _RunJob:
 
     runs: tuple[Run, ...]
     design: Any
-    motion: Any
+    motion: Shared | None
 
 
 class Driver:
@@ -98,9 +100,9 @@ class Driver:
         self._sets = _sets(plan, lambda number: number in journal and number not in again)
         self._limit = max(FEWEST_AHEAD, LOOK_AHEAD * pool.slots)
         self._window: list[_Set] = []
-        self._designs: dict[str, _Shared] = {}
-        self._motions: dict[str, _Shared] = {}
-        self._jobs: dict[int, _SharedJob | _RunJob] = {}
+        self._designs: dict[str, _Common] = {}
+        self._motions: dict[str, _Common] = {}
+        self._jobs: dict[int, _CommonJob | _RunJob] = {}
         self._next = 0
 
     def run(self, report: Report) -> None:
@@ -126,37 +128,38 @@ class Driver:
         """Take the next step towards the runs of a set; whether they are under way, or have failed."""
         first = one.runs[0]
         if one.design not in self._designs and (kept := kept_design(self._folder, one.design)) is not None:
-            self._designs[one.design] = _Shared(kept, None)
+            self._designs[one.design] = _Common(kept, None)
         design = self._designs.get(one.design)
         if design is None:
-            self._ask(_SharedJob(self._designs, one.design), lambda: self._work.design(first))
+            self._ask(_CommonJob(self._designs, one.design), lambda: self._work.design(first))
             return False
         if design.fault is not None:
             return self._fail(one.runs, design.fault)
-        motion = _Shared(None, None)
+        motion = None
         if one.shared:
             if one.motion not in self._motions:
-                job = _SharedJob(self._motions, one.motion)
+                job = _CommonJob(self._motions, one.motion)
                 self._ask(job, lambda: self._work.motion(first, design.value))
                 return False
-            motion = self._motions[one.motion]
-            if motion.fault is not None:
-                return self._fail(one.runs, motion.fault)
+            common = self._motions[one.motion]
+            if common.fault is not None:
+                return self._fail(one.runs, common.fault)
+            motion = Shared(one.motion, common.value)
         if sum(isinstance(job, _RunJob) for job in self._jobs.values()) > self._pool.slots:
             return False
-        self._submit_runs(_RunJob(one.runs, design.value, motion.value))
+        self._submit_runs(_RunJob(one.runs, design.value, motion))
         return True
 
-    def _ask(self, job: _SharedJob, task: Callable[[], Task]) -> None:
-        if not any(isinstance(other, _SharedJob) and other.name == job.name for other in self._jobs.values()):
+    def _ask(self, job: _CommonJob, task: Callable[[], Task]) -> None:
+        if not any(isinstance(other, _CommonJob) and other.name == job.name for other in self._jobs.values()):
             self._submit(job, task())
 
     def _submit_runs(self, job: _RunJob) -> None:
-        self._submit(job, self._work.runs(job.runs, job.design, job.motion))
+        self._submit(job, self._work.runs(job.runs, job.design), job.motion)
 
-    def _submit(self, job: _SharedJob | _RunJob, task: Task) -> None:
+    def _submit(self, job: _CommonJob | _RunJob, task: Task, shared: Shared | None = None) -> None:
         self._jobs[self._next] = job
-        self._pool.submit(self._next, task)
+        self._pool.submit(self._next, task, shared)
         self._next += 1
 
     def _fail(self, runs: tuple[Run, ...], reason: str) -> bool:
@@ -165,9 +168,9 @@ class Driver:
 
     def _take(self, outcome: Outcome) -> None:
         job = self._jobs.pop(outcome.key)
-        if isinstance(job, _SharedJob):
-            job.shared[job.name] = _Shared(outcome.value, outcome.fault)
-            if job.shared is self._designs and outcome.fault is None:
+        if isinstance(job, _CommonJob):
+            job.found[job.name] = _Common(outcome.value, outcome.fault)
+            if job.found is self._designs and outcome.fault is None:
                 keep_design(self._folder, job.name, outcome.value)
         elif outcome.fault is None:
             self._journal.append(outcome.value)

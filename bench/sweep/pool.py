@@ -17,11 +17,20 @@ from typing import Any, Protocol, TypeAlias
 
 from bench.errors import BenchError
 
-Task: TypeAlias = Callable[[], Any]
+Task: TypeAlias = Callable[[Any], Any]
+"""Something to work out from what it shares with other tasks, or from None."""
 ATTEMPTS = 3  # a task whose worker dies is tried again, this many times in all
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 PRELOADED = ["bench.sweep.work"]
 FORKED = "forkserver" in multiprocessing.get_all_start_methods()
+
+
+@dataclass(frozen=True)
+class Shared:
+    """A value that many tasks need, such as a simulation: sent to each worker once. `name` tells values apart."""
+
+    name: str
+    value: Any
 
 
 @dataclass(frozen=True)
@@ -40,8 +49,8 @@ class Pool(Protocol):
     def slots(self) -> int:
         """How many tasks run at the same time."""
 
-    def submit(self, key: int, task: Task) -> None:
-        """Queue a task under a key of the caller's."""
+    def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
+        """Queue a task under a key of the caller's, with the value that it is to be called with."""
 
     def outcomes(self) -> list[Outcome]:
         """Wait until a task ends, at most for a second, and return all that have ended."""
@@ -55,12 +64,15 @@ class _Worker:
     process: multiprocessing.process.BaseProcess
     connection: Connection
     job: _Job | None = None
+    holds: str | None = None
+    """Name of the shared value that it was sent last."""
 
 
 @dataclass
 class _Job:
     key: int
     task: Task
+    shared: Shared | None
     attempts: int = 0
 
 
@@ -85,9 +97,9 @@ class LocalPool:
         """Process ids of the workers."""
         return [worker.process.pid or 0 for worker in self._workers]
 
-    def submit(self, key: int, task: Task) -> None:
+    def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
         """Queue a task."""
-        self._queue.append(_Job(key, task))
+        self._queue.append(_Job(key, task, shared))
         self._hand_out()
 
     def outcomes(self) -> list[Outcome]:
@@ -126,8 +138,10 @@ class LocalPool:
                 job = self._queue.popleft()
                 worker.job = job
                 job.attempts += 1
+                name = job.shared.name if job.shared else None
                 try:
-                    worker.connection.send(job.task)
+                    worker.connection.send((job.task, name, None if name == worker.holds else job.shared))
+                    worker.holds = name
                 except (BrokenPipeError, ConnectionResetError):
                     self._replace(index)
 
@@ -162,10 +176,10 @@ class LocalPool:
             self._outcomes.append(Outcome(job.key, None, f"the worker died {ATTEMPTS} times ({name})"))
 
 
-def attempt(task: Task) -> tuple[Any, str | None]:
+def attempt(task: Task, shared: Any = None) -> tuple[Any, str | None]:
     """The value of a task, or None and the reason why there is none."""
     try:
-        return task(), None
+        return task(shared), None
     except Exception as error:  # noqa: BLE001 - however a run fails, it is recorded and the others go on
         if isinstance(error, BenchError):
             return None, str(error)
@@ -177,8 +191,11 @@ def _work(connection: Connection) -> None:
     """What a worker process does until the other end of its connection is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     try:
+        held: Shared | None = None
         while True:
-            connection.send(attempt(connection.recv()))
+            task, name, sent = connection.recv()
+            held = sent or (held if name is not None else None)
+            connection.send(attempt(task, held.value if held else None))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 

@@ -33,7 +33,7 @@ class DesignTask:
 
     run: Run
 
-    def __call__(self) -> Trajectories:
+    def __call__(self, _: None) -> Trajectories:
         """Trajectories by recording name."""
         scenario = _scenario(self.run, self.run.design_content)
         return resolve_trajectories(scenario, designer)
@@ -46,7 +46,7 @@ class MotionTask:
     run: Run
     trajectories: Trajectories
 
-    def __call__(self) -> Simulation:
+    def __call__(self, _: None) -> Simulation:
         """The simulation without what sensing it again does not need."""
         return slim(simulate(_scenario(self.run, self.run.content), self.trajectories, threads=1))
 
@@ -57,19 +57,20 @@ class RunTask:
 
     runs: tuple[Run, ...]
     trajectories: Trajectories
-    motion: Simulation | None
-    """None: nothing else needs it, and it is simulated here."""
     record: tuple[str, ...]
 
-    def __call__(self) -> list[Row]:
-        """A row a run; a run that fails for a reason that can be named has it in its row."""
+    def __call__(self, motion: Simulation | None) -> list[Row]:
+        """A row a run; a run that fails for a reason that can be named has it in its row.
+
+        motion: simulated already, because others need it too; None: it is simulated here.
+        """
         first = self.runs[0]
         try:
             scenario = _scenario(first, first.content)
-            if self.motion is None:
+            if motion is None:
                 simulation = simulate(scenario, self.trajectories, threads=1)
             else:
-                simulation = sense_again(self.motion, scenario)
+                simulation = sense_again(motion, scenario)
             prepared = prepare(as_dataset(simulation), first.identify["effects"], _filters(scenario))
         except BenchError as error:
             return [failed_row(run, str(error)) for run in self.runs]
@@ -100,9 +101,9 @@ class IdentificationWork:
         """Simulates a motion."""
         return MotionTask(run, trajectories)
 
-    def runs(self, runs: tuple[Run, ...], trajectories: Trajectories, motion: Simulation | None) -> Task:
+    def runs(self, runs: tuple[Run, ...], trajectories: Trajectories) -> Task:
         """Senses, prepares, fits and measures."""
-        return RunTask(runs, trajectories, motion, self.record)
+        return RunTask(runs, trajectories, self.record)
 
     def failed(self, run: Run, reason: str) -> Row:
         """The row of a run that came to nothing."""
