@@ -1,7 +1,7 @@
 """The reference of scenario files stays in step with what the program accepts."""
 
 import re
-from dataclasses import fields
+from dataclasses import MISSING, fields
 
 import pytest
 
@@ -35,11 +35,17 @@ def test_every_metric_and_its_meaning():
         assert f"| `{name}` | {meaning} |" in README
 
 
-def test_every_hidden_effect_and_its_parameters():
+def test_every_hidden_effect_its_parameters_and_their_defaults():
+    tables = README.split("outside the catalogue")
     for name, kind in HIDDEN_EFFECTS.items():
-        parameters = ", ".join(f"`{field.name}`" for field in fields(kind) if field.name != "joint")
-        assert f"| `{name}` | {parameters} |" in README
+        parameters = ", ".join(
+            f"`{field.name}`" + ("" if field.default is MISSING else f" = {field.default:g}")
+            for field in fields(kind)
+            if field.name != "joint"
+        )
+        assert f"| `{name}` | {parameters} |" in tables[0 if kind.in_catalogue else 1], name
         assert kind.name == name
+    assert list(HIDDEN_EFFECTS) == sorted(HIDDEN_EFFECTS)
 
 
 def test_the_example_loads(tmp_path):

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.truth.indices import Indices
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.signedinteger]
 CLOSED = 1e-12  # m: loops closed to rounding
 LARGEST_MOVE = 0.02  # rad or m of an actuated joint between two solutions, so that the branch is kept
 
@@ -62,11 +62,26 @@ def reduced_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
     """The inertia (n, n) that the actuated joints feel at qpos (nq,), loops closed; kg·m² or kg."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
-    _, jacobian = loop_rows(model, data)
+    follow = _follow(model, data, dofs)
     full = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
+    return follow.T @ full @ follow
+
+
+def holding_torque(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
+    """What the actuated joints (n,) have to supply to hold the weight of the machine at qpos (nq,)."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    follow = _follow(model, data, dofs)
+    mujoco.mj_fwdVelocity(model, data)
+    return follow.T @ data.qfrc_bias
+
+
+def _follow(model: mujoco.MjModel, data: mujoco.MjData, dofs: Indices) -> Array:
+    """Velocities (nv, n) of all joints for a unit velocity of each actuated joint, at data.qpos."""
+    _, jacobian = loop_rows(model, data)
     passive = np.setdiff1d(np.arange(model.nv), dofs)
-    follow = np.zeros((model.nv, len(dofs)))  # joint velocities for a unit velocity of each actuated joint
+    follow = np.zeros((model.nv, len(dofs)))
     follow[dofs] = np.eye(len(dofs))
     follow[passive] = -np.linalg.lstsq(jacobian[:, passive], jacobian[:, dofs], rcond=None)[0]
-    return follow.T @ full @ follow
+    return follow

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -13,15 +13,23 @@ from bench.errors import BenchError
 from bench.payload import Payload, inertia_matrix
 from bench.robot import Robot
 from bench.scenario import Scenario, payload_truth, per_joint
-from bench.scenario_tables import Controller
+from bench.scenario_tables import Controller, PayloadTable
 from bench.toml_input import one_line
-from bench.truth.assembly import Indices, reduced_inertia
-from bench.truth.hidden import HiddenEffect, hidden_effects
+from bench.truth.assembly import reduced_inertia
+from bench.truth.hidden import (
+    LAWS,
+    PAYLOAD_BODY,
+    Draft,
+    EncoderOffset,
+    HiddenEffect,
+    has_law,
+)
+from bench.truth.hidden.entries import hidden_effects
+from bench.truth.indices import Indices
 from bench.truth.streams import stream
 
 Array = NDArray[np.float64]
 
-PAYLOAD_BODY = "payload of the scenario"
 LOOP_SOFTNESS = 0.002  # s: time constant of a loop's closure; 0.02 to 0.7 µm of opening for a small robot
 RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
 
@@ -31,7 +39,8 @@ class Drive:
     """Motors and joint controller, arrays (n,).
 
     force = true gain · i,  i = (kp (q_ref − q) + kv (q̇_ref − q̇) + ff) / nominal gain,
-    ff = feedforward · q̈_ref. kp: N·m/rad, kv: N·m·s/rad, feedforward: kg·m², or N/m, N·s/m, kg for a slide.
+    ff = feedforward · q̈_ref, q as the encoders read it: the position of the motors plus offset.
+    kp: N·m/rad, kv: N·m·s/rad, feedforward: kg·m², or N/m, N·s/m, kg for a slide.
     """
 
     nominal_gains: Array
@@ -39,6 +48,8 @@ class Drive:
     kp: Array
     kv: Array
     feedforward: Array
+    offset: Array
+    """Of the encoders, rad or m."""
 
     @property
     def ratio(self) -> Array:
@@ -46,12 +57,11 @@ class Drive:
         return self.true_gains / self.nominal_gains
 
     def command(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """What the controller makes of a reference (…, n) before it subtracts what it measures, N·m or N."""
-        return self.kp * q + self.kv * qd + self.feedforward * qdd
+        """What the controller makes of a reference (…, n), N·m or N.
 
-    def force(self, command: Array, position: Array, velocity: Array) -> Array:
-        """Force of the motors (…, n) at a state of their joints (…, n)."""
-        return self.ratio * (command - self.kp * position - self.kv * velocity)
+        It subtracts kp · (position of the motors) and kv · velocity at every step.
+        """
+        return self.kp * (q - self.offset) + self.kv * qd + self.feedforward * qdd
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +72,22 @@ class Machine:
     models: Mapping[str | None, mujoco.MjModel]
     """By payload name; None is the machine without payload."""
     drive: Drive
+    payloads: Mapping[str, Payload]
+    """As they really are."""
     hidden: tuple[HiddenEffect, ...]
+    laws: bool
+    """Whether effects have laws of their own, so that the forces of the motors are set at every step."""
     home: Array
     """qpos (nq,) of the keyframe `home`."""
     addresses: Indices
     """Indices into qpos of the actuated joints (n,)."""
     dofs: Indices
     """Indices into qvel of the actuated joints (n,)."""
+    motor_addresses: Indices
+    """Indices into qpos of what the motors turn and the encoders measure: the rotor of an actuated joint
+    that has a spring or play in its drive, the joint itself without."""
+    motor_dofs: Indices
+    """The same in qvel."""
 
 
 def build_machine(scenario: Scenario) -> Machine:
@@ -76,29 +95,53 @@ def build_machine(scenario: Scenario) -> Machine:
 
     Raises BenchError for an effect or a joint that does not exist and for what MuJoCo refuses.
     """
+    try:
+        return _built(scenario)
+    except BenchError as error:
+        raise BenchError(f"scenario {scenario.name}: {error}") from error
+
+
+def _built(scenario: Scenario) -> Machine:
     robot, settings = scenario.robot, scenario.settings
     plain = _compiled(_rigid_spec(robot, settings.step), robot)
     dofs = np.array([plain.joint(joint).dofadr[0] for joint in robot.joints])
-    addresses = np.array([plain.joint(joint).qposadr[0] for joint in robot.joints])
     home = home_pose(robot)
     inertia = np.diag(reduced_inertia(plain, home, dofs))
-    drive = _drive(robot, settings.controller, true_gains(scenario), inertia)
-    try:
-        hidden = hidden_effects(settings.hidden, robot.joints, plain)
-    except BenchError as error:
-        raise BenchError(f"scenario {scenario.name}: {error}") from error
-    payloads: dict[str | None, Payload | None] = {None: None}
-    payloads |= {name: payload_truth(name, table) for name, table in settings.payloads.items()}
-    models = {}
-    for name, payload in payloads.items():
-        spec = _rigid_spec(robot, settings.step)
-        _add_motors(spec, robot, drive)
+    hidden = hidden_effects(settings.hidden, robot.joints, plain)
+    laws = any(has_law(effect, law) for effect in hidden for law in LAWS)
+    drive = _drive(robot, settings.controller, true_gains(scenario), inertia, _encoder_offset(hidden, robot))
+    payloads = {name: _true_payload(name, table, hidden) for name, table in settings.payloads.items()}
+    models: dict[str | None, mujoco.MjModel] = {}
+    for name in (None, *payloads):
+        draft = Draft(
+            _rigid_spec(robot, settings.step),
+            robot,
+            plain,
+            home,
+            dict(zip(robot.joints, inertia.tolist(), strict=True)),
+            tuple(payloads),
+        )
         for effect in hidden:
-            effect.change(spec)
-        if len(payloads) > 1:
-            _add_payload(spec, robot, plain, payload)
-        models[name] = _compiled(spec, robot)
-    return Machine(robot, models, drive, hidden, home, addresses, dofs)
+            if effect.changes_drives:
+                effect.change(draft)
+        _add_motors(draft, drive, laws)
+        for effect in hidden:
+            if not effect.changes_drives:
+                effect.change(draft)
+        if payloads:
+            _add_payload(draft, None if name is None else payloads[name])
+        models[name] = _compiled(draft.spec, robot)
+        for effect in hidden:
+            effect.adjust(models[name], draft)
+    model = models[None]
+    ends = [draft.motor_side(joint).name for joint in robot.joints]
+    addresses, motor_addresses = (
+        np.array([model.joint(joint).qposadr[0] for joint in side]) for side in (robot.joints, ends)
+    )
+    motor_dofs = np.array([model.joint(joint).dofadr[0] for joint in ends])
+    return Machine(
+        robot, models, drive, payloads, hidden, laws, home, addresses, dofs, motor_addresses, motor_dofs
+    )
 
 
 def home_pose(robot: Robot) -> Array:
@@ -154,7 +197,23 @@ def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
         ) from error
 
 
-def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array) -> Drive:
+def _encoder_offset(hidden: Sequence[HiddenEffect], robot: Robot) -> Array:
+    """What the encoders (n,) read too much."""
+    offset = np.zeros(len(robot.joints))
+    for effect in hidden:
+        if isinstance(effect, EncoderOffset):
+            offset[robot.joints.index(effect.joint)] += effect.offset
+    return offset
+
+
+def _true_payload(name: str, table: PayloadTable, hidden: Sequence[HiddenEffect]) -> Payload:
+    payload = payload_truth(name, table)
+    for effect in hidden:
+        payload = effect.weigh(payload)
+    return payload
+
+
+def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array, offset: Array) -> Drive:
     """inertia: (n,) what each actuated joint feels in the home pose."""
     joints = robot.joints
     if controller.kp is not None and controller.kv is not None:
@@ -164,25 +223,30 @@ def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array) -
         kp = inertia * omega**2
         kv = 2 * per_joint(controller.damping, joints) * inertia * omega
     feedforward = inertia if controller.feedforward == "acceleration" else np.zeros(len(joints))
-    return Drive(robot.nominal_gains, gains, kp, kv, feedforward)
+    return Drive(robot.nominal_gains, gains, kp, kv, feedforward, offset)
 
 
-def _add_motors(spec: mujoco.MjSpec, robot: Robot, drive: Drive) -> None:
-    """One actuator a joint, first in the model: its control is `Drive.command`, its force `Drive.force`."""
-    for i, joint in enumerate(robot.joints):
-        motor = spec.add_actuator(name=f"motor:{joint}", target=joint)
+def _add_motors(draft: Draft, drive: Drive, laws: bool) -> None:
+    """One actuator a joint, first in the model.
+
+    If there are laws, they set its control, which is its force. Without, its force is the controller's,
+    ratio · (control − kp q − kv q̇), with `Drive.command` as control.
+    """
+    for i, joint in enumerate(draft.robot.joints):
+        motor = draft.spec.add_actuator(name=f"motor:{joint}", target=draft.motor_side(joint).name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
         motor.gaintype = mujoco.mjtGain.mjGAIN_FIXED
-        motor.gainprm[0] = drive.ratio[i]
         motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-        motor.biasprm[1] = -drive.ratio[i] * drive.kp[i]
-        motor.biasprm[2] = -drive.ratio[i] * drive.kv[i]
+        motor.gainprm[0] = 1.0 if laws else drive.ratio[i]
+        motor.biasprm[1] = 0.0 if laws else -drive.ratio[i] * drive.kp[i]
+        motor.biasprm[2] = 0.0 if laws else -drive.ratio[i] * drive.kv[i]
 
 
-def _add_payload(spec: mujoco.MjSpec, robot: Robot, plain: mujoco.MjModel, payload: Payload | None) -> None:
+def _add_payload(draft: Draft, payload: Payload | None) -> None:
     """A body fixed in the tool frame; without a payload it has no mass, so that all models are alike."""
-    site = plain.site(robot.tool_site)
-    parent = spec.site(robot.tool_site).parent
+    robot = draft.robot
+    site = draft.plain.site(robot.tool_site)
+    parent = draft.spec.site(robot.tool_site).parent
     if parent.name == "world":
         raise BenchError(
             f"{robot.model_path}: the tool site {robot.tool_site!r} does not move with the robot"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from mujoco.batch import Batch, SimulationError
 from numpy.typing import NDArray
@@ -12,9 +13,10 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.toml_input import one_line
 from bench.trajectory import FourierTrajectory
-from bench.truth.assembly import assembled
-from bench.truth.hidden import TorqueLaw
+from bench.truth.assembly import assembled, holding_torque
+from bench.truth.hidden import MOTOR_SIDE
 from bench.truth.machine import Machine
+from bench.truth.stepping import States, Stepper
 
 Array = NDArray[np.float64]
 CHUNK = 2000  # steps of one call, about: bounds the memory, whatever the duration
@@ -57,18 +59,10 @@ class Motion:
     """(N, nv)."""
     torque: Array
     """(N, n) torque or force of the motors."""
+    current: Array
+    """(N, n) current reference as it is logged, before noise, in the drive's unit."""
     reference: Array
     """(N, n) reference positions of the actuated joints."""
-
-
-@dataclass(frozen=True, eq=False)
-class _States:
-    """Samples of all runs, (R, samples, …); all of one instant."""
-
-    qpos: Array
-    qvel: Array
-    qacc: Array
-    torque: Array
 
 
 def simulate_motion(
@@ -81,10 +75,11 @@ def simulate_motion(
     its end meanwhile.
     Raises BenchError if the loops do not close at the start or the simulation diverges.
     """
-    batch = Batch(machine.models[None], len(runs), max(1, min(threads, len(runs))))
+    # threads that meet after every step take longer than what they share
+    batch = Batch(machine.models[None], len(runs), 1 if machine.laws else max(1, min(threads, len(runs))))
     batch.set_models([machine.models[run.payload] for run in runs])
     batch.qpos = np.stack([_first_pose(machine, run) for run in runs])
-    laws = _torque_laws(machine)
+    stepper = Stepper(batch, machine, [(run.name, run.payload) for run in runs]) if machine.laws else None
     total = timing.settle + max(run.samples for run in runs)
     size = max(1, CHUNK // timing.log_every)
     chunks = []
@@ -93,10 +88,10 @@ def simulate_motion(
         time = timing.step * (steps - timing.settle * timing.log_every).astype(np.float64)
         command = np.stack([machine.drive.command(*run.trajectory.evaluate(time)) for run in runs])
         try:
-            if laws:
-                states = _step_with_laws(batch, machine, laws, time, command, timing.log_every)
+            if stepper is None:
+                states = _roll_out(batch, machine, command, timing.log_every)
             else:
-                states = _roll_out(batch, command, timing.log_every)
+                states = stepper.advance(time, command, timing.log_every)
         except SimulationError as error:
             raise BenchError(f"MuJoCo gave up at {time[0]:g} s: {one_line(error)}") from error
         for run, warnings in zip(runs, batch.warning, strict=True):
@@ -110,74 +105,52 @@ def simulate_motion(
 
 
 def _first_pose(machine: Machine, run: Run) -> Array:
+    """Loops closed; where a spring or play stands between motor and joint, it carries the weight."""
+    model = machine.models[run.payload]
+    home = np.concatenate([machine.home, np.zeros(model.nq - len(machine.home))])
+    target = run.trajectory.center - machine.drive.offset
     try:
-        return assembled(machine.models[run.payload], machine.home, machine.dofs, run.trajectory.center)
+        pose = assembled(model, home, machine.dofs, target)
+        if (machine.motor_addresses != machine.addresses).any():
+            wound = _winding(machine, model, holding_torque(model, pose, machine.dofs))
+            pose = assembled(model, home, machine.dofs, target - wound)
+            pose[machine.motor_addresses] = target
     except BenchError as error:
         raise BenchError(f"recording {run.name!r}: {error}") from error
+    return pose
 
 
-def _roll_out(batch: Batch, command: Array, every: int) -> _States:
+def _winding(machine: Machine, model: mujoco.MjModel, torque: Array) -> Array:
+    """How far the motors (n,) turn ahead of their joints to pass on a torque (n,)."""
+    winding = np.zeros(len(torque))
+    for i, joint in enumerate(machine.robot.joints):
+        if machine.motor_addresses[i] != machine.addresses[i]:
+            tendon = model.tendon(MOTOR_SIDE + joint)
+            play = tendon.lengthspring[1] - tendon.lengthspring[0]
+            winding[i] = torque[i] / np.ravel(tendon.stiffness)[0] + np.sign(torque[i]) * play / 2
+    return winding
+
+
+def _roll_out(batch: Batch, machine: Machine, command: Array, every: int) -> States:
     """Take the steps of command (R, steps, n) in one call and keep one in `every`."""
     motors = command.shape[2]
+    control = np.zeros((*command.shape[:2], batch.model.nu))
+    control[:, :, :motors] = command
     before = {name: batch.bind(name).copy()[:, None] for name in ("qpos", "qvel")}
-    out = batch.rollout(command.shape[1], _padded(batch, command), record=RECORD)
+    out = batch.rollout(command.shape[1], control, record=RECORD)
     # states are recorded after their step, forces and accelerations before it
     qpos, qvel = (
         np.concatenate([before[name], out[name][:, every - 1 : -1 : every]], axis=1) for name in before
     )
-    return _States(
-        qpos, qvel, out["qacc"][:, ::every].copy(), out["actuator_force"][:, ::every, :motors].copy()
-    )
+    torque = out["actuator_force"][:, ::every, :motors].copy()
+    return States(qpos, qvel, out["qacc"][:, ::every].copy(), torque, torque / machine.drive.true_gains)
 
 
-def _step_with_laws(
-    batch: Batch,
-    machine: Machine,
-    laws: Sequence[tuple[int, TorqueLaw]],
-    time: Array,
-    command: Array,
-    every: int,
-) -> _States:
-    """The same, with torque laws evaluated before every step."""
-    model, dofs, addresses = machine.models[None], machine.dofs, machine.addresses
-    places = [(model.jnt_qposadr[joint], model.jnt_dofadr[joint], law) for joint, law in laws]
-    qpos, qvel, control, applied = (batch.bind(name) for name in ("qpos", "qvel", "ctrl", "qfrc_applied"))
-    derived = batch.bind("qacc"), batch.bind("actuator_force")
-    motor = np.zeros_like(qvel)
-    padded = _padded(batch, command)
-    kept: list[tuple[Array, ...]] = []
-    for k, now in enumerate(time):
-        control[:] = padded[:, k]
-        motor[:, dofs] = machine.drive.force(command[:, k], qpos[:, addresses], qvel[:, dofs])
-        applied[:] = 0.0
-        for address, dof, law in places:
-            applied[:, dof] -= law(now, qpos[:, address], qvel[:, dof], motor[:, dof])
-        before = (qpos.copy(), qvel.copy()) if k % every == 0 else None
-        batch.step()
-        if before is not None:
-            kept.append((*before, *(values.copy() for values in derived)))
-    states = [np.stack(values, axis=1) for values in zip(*kept, strict=True)]
-    return _States(states[0], states[1], states[2], states[3][:, :, : len(dofs)])
-
-
-def _padded(batch: Batch, command: Array) -> Array:
-    """command (R, steps, n) with zeros for the actuators behind the motors, (R, steps, nu)."""
-    padded = np.zeros((*command.shape[:2], batch.model.nu))
-    padded[:, :, : command.shape[2]] = command
-    return padded
-
-
-def _torque_laws(machine: Machine) -> list[tuple[int, TorqueLaw]]:
-    """Joint number and law of every hidden effect that MuJoCo does not have itself."""
-    laws = [(machine.models[None].joint(effect.joint).id, effect.torque_law()) for effect in machine.hidden]
-    return [(joint, law) for joint, law in laws if law is not None]
-
-
-def _motion(index: int, run: Run, timing: Timing, chunks: Sequence[_States]) -> Motion:
+def _motion(index: int, run: Run, timing: Timing, chunks: Sequence[States]) -> Motion:
     own = slice(timing.settle, timing.settle + run.samples)
-    qpos, qvel, qacc, torque = (
+    qpos, qvel, qacc, torque, current = (
         np.concatenate([getattr(states, name)[index] for states in chunks])[own]
-        for name in ("qpos", "qvel", "qacc", "torque")
+        for name in ("qpos", "qvel", "qacc", "torque", "current")
     )
     time = timing.step * timing.log_every * np.arange(run.samples, dtype=np.float64)
-    return Motion(time, qpos, qvel, qacc, torque, run.trajectory.evaluate(time)[0])
+    return Motion(time, qpos, qvel, qacc, torque, current, run.trajectory.evaluate(time)[0])

@@ -10,7 +10,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.truth.machine import PAYLOAD_BODY, Machine
+from bench.payload import Payload
+from bench.truth.hidden import MOTOR_SIDE, PAYLOAD_BODY
+from bench.truth.machine import Machine
 from bench.truth.simulate import SimulatedRecording, Simulation
 
 Array = NDArray[np.float64]
@@ -32,7 +34,10 @@ def truth(simulation: Simulation) -> dict[str, Any]:
         "drive_gains": _drive_gains(machine),
         "bodies": _bodies(machine.models[None]),
         "joints": _joints(machine.models[None]),
-        "payloads": {name: table.model_dump(mode="json") for name, table in settings.payloads.items()},
+        "payloads": {
+            name: table.model_dump(mode="json") | _weight(machine.payloads[name])
+            for name, table in settings.payloads.items()
+        },
         "hidden": [{"effect": effect.name, **asdict(effect)} for effect in machine.hidden],
         "loop_gap": simulation.loop_gap,
         "recordings": {
@@ -58,11 +63,17 @@ def _drive_gains(machine: Machine) -> dict[str, Any]:
     }
 
 
+def _weight(payload: Payload) -> dict[str, Any]:
+    """What a hidden effect may have changed."""
+    inertia = np.zeros(6) if payload.inertia is None else payload.inertia
+    return {"mass": payload.mass, "inertia": inertia.tolist()}
+
+
 def _bodies(model: mujoco.MjModel) -> dict[str, Any]:
     bodies = {}
     for i in range(1, model.nbody):
         name = model.body(i).name or f"body {i}"
-        if name == PAYLOAD_BODY:
+        if name == PAYLOAD_BODY or name.startswith(MOTOR_SIDE):
             continue
         axes = np.zeros(9)
         mujoco.mju_quat2Mat(axes, model.body_iquat[i])

@@ -34,7 +34,7 @@ class SimulatedRecording:
     trajectory: FourierTrajectory
     motion: Motion
     position: Array
-    """(N, n) true positions of the actuated joints."""
+    """(N, n) what perfect encoders read: the true positions of the actuated joints, hidden effects aside."""
     current: Array
     """(N, n) true current references, in the drive's unit."""
     loop_gap: float
@@ -106,8 +106,8 @@ def simulate(
 def _recorded(
     scenario: Scenario, machine: Machine, table: RecordingTable, trajectory: FourierTrajectory, motion: Motion
 ) -> SimulatedRecording:
-    position = motion.qpos[:, machine.addresses]
-    current = motion.torque / machine.drive.true_gains
+    position = motion.qpos[:, machine.motor_addresses] + machine.drive.offset
+    current = motion.current
     model = machine.models[table.payload]
     gap = float(loop_gaps(model, motion.qpos).max(initial=0.0))
     for fault in (

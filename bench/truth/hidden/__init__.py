@@ -2,71 +2,101 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Mapping
 
-import mujoco
-import numpy as np
-
-from bench.errors import BenchError
-from bench.scenario_tables import Hidden
+from bench.truth.hidden.acceleration_dependent_friction import AccelerationDependentFriction
 from bench.truth.hidden.asymmetric_viscous_friction import AsymmetricViscousFriction
-from bench.truth.hidden.base import HiddenEffect, TorqueLaw
+from bench.truth.hidden.backlash import Backlash
+from bench.truth.hidden.base import (
+    LAWS,
+    MOTOR_SIDE,
+    PAYLOAD_BODY,
+    Draft,
+    HiddenEffect,
+    JointEffect,
+    has_law,
+)
+from bench.truth.hidden.base_tilt import BaseTilt
+from bench.truth.hidden.cogging_torque import CoggingTorque
 from bench.truth.hidden.constant_offset import ConstantOffset
 from bench.truth.hidden.coulomb_friction import CoulombFriction
+from bench.truth.hidden.current_crosstalk import CurrentCrosstalk
+from bench.truth.hidden.current_delay import CurrentDelay
+from bench.truth.hidden.current_loop_lag import CurrentLoopLag
+from bench.truth.hidden.drive_flexibility import DriveFlexibility
+from bench.truth.hidden.encoder_offset import EncoderOffset
+from bench.truth.hidden.gain_saturation import GainSaturation
+from bench.truth.hidden.geometric_error import GeometricError
+from bench.truth.hidden.joint_spring import JointSpring
+from bench.truth.hidden.load_dependent_friction import LoadDependentFriction
+from bench.truth.hidden.passive_coulomb_friction import PassiveCoulombFriction
+from bench.truth.hidden.passive_viscous_friction import PassiveViscousFriction
+from bench.truth.hidden.payload_mass_error import PayloadMassError
+from bench.truth.hidden.periodic_disturbance import PeriodicDisturbance
+from bench.truth.hidden.platform_force import PlatformForce
+from bench.truth.hidden.position_dependent_friction import PositionDependentFriction
+from bench.truth.hidden.position_dependent_viscous_friction import PositionDependentViscousFriction
+from bench.truth.hidden.presliding_hysteresis import PreslidingHysteresis
+from bench.truth.hidden.quadratic_drag import QuadraticDrag
+from bench.truth.hidden.rotor_inertia import RotorInertia
+from bench.truth.hidden.signals import Clock, Law, Parameters, Signals
+from bench.truth.hidden.speed_dependent_gain import SpeedDependentGain
+from bench.truth.hidden.stribeck_friction import StribeckFriction
+from bench.truth.hidden.thermal_friction_drift import ThermalFrictionDrift
+from bench.truth.hidden.torque_drift import TorqueDrift
+from bench.truth.hidden.torque_ripple import TorqueRipple
+from bench.truth.hidden.viscoelastic_cable import ViscoelasticCable
 from bench.truth.hidden.viscous_friction import ViscousFriction
 
-__all__ = ["HIDDEN_EFFECTS", "HiddenEffect", "TorqueLaw", "hidden_effects"]
+__all__ = [
+    "HIDDEN_EFFECTS",
+    "LAWS",
+    "MOTOR_SIDE",
+    "PAYLOAD_BODY",
+    "Clock",
+    "Draft",
+    "EncoderOffset",
+    "HiddenEffect",
+    "JointEffect",
+    "Law",
+    "Parameters",
+    "Signals",
+    "has_law",
+]
 
 HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
+    "acceleration_dependent_friction": AccelerationDependentFriction,
     "asymmetric_viscous_friction": AsymmetricViscousFriction,
+    "backlash": Backlash,
+    "base_tilt": BaseTilt,
+    "cogging_torque": CoggingTorque,
     "constant_offset": ConstantOffset,
     "coulomb_friction": CoulombFriction,
+    "current_crosstalk": CurrentCrosstalk,
+    "current_delay": CurrentDelay,
+    "current_loop_lag": CurrentLoopLag,
+    "drive_flexibility": DriveFlexibility,
+    "encoder_offset": EncoderOffset,
+    "gain_saturation": GainSaturation,
+    "geometric_error": GeometricError,
+    "joint_spring": JointSpring,
+    "load_dependent_friction": LoadDependentFriction,
+    "passive_coulomb_friction": PassiveCoulombFriction,
+    "passive_viscous_friction": PassiveViscousFriction,
+    "payload_mass_error": PayloadMassError,
+    "periodic_disturbance": PeriodicDisturbance,
+    "platform_force": PlatformForce,
+    "position_dependent_friction": PositionDependentFriction,
+    "position_dependent_viscous_friction": PositionDependentViscousFriction,
+    "presliding_hysteresis": PreslidingHysteresis,
+    "quadratic_drag": QuadraticDrag,
+    "rotor_inertia": RotorInertia,
+    "speed_dependent_gain": SpeedDependentGain,
+    "stribeck_friction": StribeckFriction,
+    "thermal_friction_drift": ThermalFrictionDrift,
+    "torque_drift": TorqueDrift,
+    "torque_ripple": TorqueRipple,
+    "viscoelastic_cable": ViscoelasticCable,
     "viscous_friction": ViscousFriction,
 }
-"""Every effect by the name that a scenario uses."""
-
-
-def hidden_effects(
-    entries: Sequence[Hidden], actuated: Sequence[str], model: mujoco.MjModel
-) -> tuple[HiddenEffect, ...]:
-    """The effects of a scenario's [[hidden]] entries, one a joint; without a joint, in all `actuated`.
-
-    Raises BenchError for an effect, a joint or a parameter that does not exist, and for a missing or wrong
-    parameter.
-    """
-    effects: list[HiddenEffect] = []
-    for i, entry in enumerate(entries):
-        where = f"hidden[{i}]"
-        if entry.effect not in HIDDEN_EFFECTS:
-            raise BenchError(
-                f"{where}.effect: no effect {entry.effect!r}; there are {', '.join(HIDDEN_EFFECTS)}"
-            )
-        kind = HIDDEN_EFFECTS[entry.effect]
-        parameters = _parameters(entry, kind, where)
-        for joint in actuated if entry.joint is None else (entry.joint,):
-            _check_joint(joint, model, where)
-            effects.append(kind(joint, **parameters))
-    return tuple(effects)
-
-
-def _parameters(entry: Hidden, kind: type[HiddenEffect], where: str) -> dict[str, float]:
-    names = [field.name for field in fields(kind) if field.name != "joint"]
-    for key, value in entry.parameters.items():
-        if key not in names:
-            raise BenchError(f"{where}.{key}: unknown key; {entry.effect} has {', '.join(names)}")
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise BenchError(f"{where}.{key}: should be a number, got {value!r}")
-        if not np.isfinite(value) or (value < 0 and key in kind.not_negative):
-            raise BenchError(f"{where}.{key}: should be finite and at least 0, got {value!r}")
-    for name in names:
-        if name not in entry.parameters:
-            raise BenchError(f"{where}.{name}: missing; {entry.effect} needs it")
-    return {name: float(entry.parameters[name]) for name in names}
-
-
-def _check_joint(joint: str, model: mujoco.MjModel, where: str) -> None:
-    scalar = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-    names = [model.joint(j).name for j in range(model.njnt) if model.jnt_type[j] in scalar]
-    if joint not in names:
-        raise BenchError(f"{where}.joint: no hinge or slide joint {joint!r}; there are {', '.join(names)}")
+"""Every effect by the name that a scenario uses, those outside the catalogue included (`in_catalogue`)."""

@@ -7,11 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from bench.truth.hidden.base import Array, HiddenEffect, TorqueLaw
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
 @dataclass(frozen=True)
-class AsymmetricViscousFriction(HiddenEffect):
+class AsymmetricViscousFriction(JointEffect):
     """Fv_plus · q̇ for q̇ > 0, Fv_minus · q̇ for q̇ < 0.
 
     Fv_plus, Fv_minus: N·m·s/rad or N·s/m, at least 0.
@@ -22,10 +23,6 @@ class AsymmetricViscousFriction(HiddenEffect):
     Fv_plus: float
     Fv_minus: float
 
-    def torque_law(self) -> TorqueLaw:
-        """The law; it has no state."""
-
-        def law(_time: float, _position: Array, velocity: Array, _motor: Array) -> Array:
-            return np.where(velocity > 0, self.Fv_plus, self.Fv_minus) * velocity
-
-        return law
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        return lambda: np.where(s.velocity > 0, p["Fv_plus"], p["Fv_minus"]) * s.velocity

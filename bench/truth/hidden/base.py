@@ -1,38 +1,195 @@
-"""What a hidden effect is: a change of the MuJoCo model, or a torque law of its own."""
+"""What a hidden effect is: a change of the MuJoCo model, or laws that are evaluated at every step."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.errors import BenchError
+from bench.payload import Payload
+from bench.robot import Robot
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
 Array = NDArray[np.float64]
 
-TorqueLaw = Callable[[float, Array, Array, Array], Array]
-"""Opposing torque (R,) from time (s), position, velocity and motor torque (R,) of R recordings at once."""
+PAYLOAD_BODY = "payload of the scenario"
+MOTOR_SIDE = "hidden:motor side:"
+"""Before the name of a joint: the rotor of its motor, where a spring or play stands between the two."""
+
+NO_MOTOR = 1e-9  # N·m/A: a DC motor must have some; its braking is the square of it
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A machine while it is built: its uncompiled model, and the robot before anything was hidden in it."""
+
+    spec: mujoco.MjSpec
+    robot: Robot
+    plain: mujoco.MjModel
+    home: Array
+    """qpos (nq,) of `plain` in the keyframe `home`."""
+    inertia: Mapping[str, float]
+    """kg·m² or kg that each actuated joint feels at home, loops closed."""
+    payloads: tuple[str, ...]
+    """Names of the payloads of the scenario."""
+
+    @property
+    def step(self) -> float:
+        """Step of the simulation, s."""
+        return float(self.spec.option.timestep)
+
+    def motor_side(self, joint: str) -> mujoco.MjsJoint:
+        """The joint in which the motor of an actuated joint turns: its rotor's, or the joint itself."""
+        rotor = self.spec.joint(MOTOR_SIDE + joint)
+        return self.spec.joint(joint) if rotor is None else rotor
 
 
 @dataclass(frozen=True)
 class HiddenEffect:
-    """An effect in one joint of the simulated machine; the fields of a subclass are its parameters.
+    """An effect of the whole machine; the fields of a subclass are its parameters, in SI units.
 
-    A parameter opposes the motion: the torque of the law has to be supplied by the motor in addition to
-    what the rigid body needs, g i = τ_rigid + law. Torques stand for forces where the joint is a slide.
-    An effect that MuJoCo has overrides `change`; any other overrides `torque_law`.
+    An effect overrides what it needs of the methods below. Those that return a law are given the parameters
+    of m joints at once, (m,) each, so that a law is written once for one joint or all of them.
     """
 
     name: ClassVar[str]
+    positive: ClassVar[tuple[str, ...]] = ()
+    """Parameters that must be greater than 0."""
     not_negative: ClassVar[tuple[str, ...]] = ()
     """Parameters that physics keeps from being negative."""
-    joint: str
+    changes_drives: ClassVar[bool] = False
+    """Whether it changes what the motors turn, so that it comes before them."""
+    in_catalogue: ClassVar[bool] = True
+    """False: something that no model is expected to know."""
 
-    def change(self, spec: mujoco.MjSpec) -> None:
+    def change(self, draft: Draft) -> None:
         """Add the effect to the uncompiled model."""
 
-    def torque_law(self) -> TorqueLaw | None:
-        """A law evaluated at every step, with a state of its own if it has one; None if there is none."""
+    def adjust(self, model: mujoco.MjModel, draft: Draft) -> None:
+        """Change the compiled model."""
+
+    def weigh(self, payload: Payload) -> Payload:
+        """The payload that is really there, where `payload` is declared."""
+        return payload
+
+
+@dataclass(frozen=True)
+class JointEffect(HiddenEffect):
+    """An effect in one joint of the machine.
+
+    A torque opposes the motion: the motor has to supply it in addition to what the rigid body needs,
+    g i = τ_rigid + law. Torques stand for forces where the joint is a slide.
+    """
+
+    where: ClassVar[Literal["actuated", "passive", "any"]] = "actuated"
+    """The joints that can have it. All actuated, or all passive ones have it if none is named."""
+    joint: str
+
+    @staticmethod
+    def log(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
+        """What is logged instead of the current reference s.current, (R, m)."""
         return None
+
+    @staticmethod
+    def current(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
+        """What flows instead of s.current, (R, m), in the drive's unit."""
+        return None
+
+    @staticmethod
+    def gain(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
+        """Factor of the true drive gain, (R, m), at the current s.current that flows."""
+        return None
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
+        """Opposing torque (R, m)."""
+        return None
+
+    @staticmethod
+    def dry_friction(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
+        """Size (R, m) of a dry friction, which opposes the motion and holds the joint at standstill."""
+        return None
+
+
+LAWS = ("log", "current", "gain", "torque", "dry_friction")
+"""Methods of a joint's effect that return a law, in the order of evaluation."""
+
+
+def has_law(effect: HiddenEffect, law: str) -> bool:
+    """Whether an effect overrides one of LAWS."""
+    kind = type(effect)
+    return isinstance(effect, JointEffect) and getattr(kind, law) is not getattr(JointEffect, law)
+
+
+def hard_friction(draft: Draft, joint: str) -> None:
+    """Make the constraint of a joint's dry friction as hard as the step allows.
+
+    MuJoCo's friction constraint brings a slow joint to rest within the time constant of its `solref`. With
+    two steps, the shortest that is stable, the full friction acts to rounding as soon as a joint moves faster
+    than a few times (acceleration that it gives to the joint) · step, some 1e-3 rad/s. With the default of
+    0.02 s that would take 0.1 rad/s.
+    """
+    changed = draft.spec.joint(joint)
+    changed.solref_friction = [2 * draft.step, 1.0]
+    changed.solimp_friction = [0.9999, 0.99999, 0.001, 0.5, 2.0]
+
+
+def add_damping(draft: Draft, joint: str, linear: float, quadratic: float = 0.0) -> None:
+    """Add linear · q̇ + quadratic · q̇ |q̇| to the damping of a joint."""
+    changed = draft.spec.joint(joint)
+    damping = changed.damping.copy()
+    damping[:2] += linear, quadratic
+    changed.damping = damping
+
+
+def add_affine_actuator(draft: Draft, name: str, joint: mujoco.MjsJoint, bias: tuple[float, float]) -> None:
+    """An actuator that nobody commands; its force on the joint is bias[0] + bias[1] · position."""
+    actuator = draft.spec.add_actuator(name=free_name(draft, name), target=joint.name)
+    actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
+    actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+    actuator.gainprm[0] = 0.0
+    actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+    actuator.biasprm[0], actuator.biasprm[1] = bias
+
+
+def add_dc_motor(
+    draft: Draft,
+    name: str,
+    joint: mujoco.MjsJoint,
+    lugre: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+    cogging: Sequence[float] = (0.0, 0.0, 0.0),
+) -> None:
+    """A DC motor without current, for its friction and its cogging alone.
+
+    lugre: stiffness and damping of the bristles, Coulomb and static friction, Stribeck velocity.
+    cogging: amplitude, periods in 2π rad, phase: amplitude · sin(periods · position + phase) on the joint.
+    """
+    actuator = draft.spec.add_actuator(name=free_name(draft, name), target=joint.name)
+    actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
+    actuator.set_to_dcmotor(
+        motorconst=[NO_MOTOR, 0.0],
+        resistance=1.0,
+        lugre=list(lugre),
+        cogging=list(cogging),
+        ctrlspec=int(mujoco.mjtCtrlInput.mjINPUT_NONE),
+    )
+
+
+def free_name(draft: Draft, name: str) -> str:
+    """`name`, numbered so that no other actuator has it."""
+    taken = {actuator.name for actuator in draft.spec.actuators}
+    return next(n for n in (f"hidden:{name}:{i}" for i in range(len(taken) + 1)) if n not in taken)
+
+
+def refuse_fast_swing(draft: Draft, effect: JointEffect, stiffness: float, inertia: float) -> None:
+    """BenchError if an inertia on a spring would swing too fast for the simulation's step."""
+    if np.sqrt(stiffness / inertia) * draft.step > 0.5:
+        raise BenchError(
+            f"{effect.name} of joint {effect.joint}: {inertia:.2g} on {stiffness:g} swings too fast for a step of"
+            f" {draft.step:g} s: at most {0.25 * inertia / draft.step**2:.3g}"
+        )

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import mujoco
-
-from bench.truth.hidden.base import HiddenEffect
+from bench.truth.hidden.base import Draft, JointEffect, add_damping
 
 
 @dataclass(frozen=True)
-class ViscousFriction(HiddenEffect):
+class ViscousFriction(JointEffect):
     """Fv · q̇, at the velocity before the step: the machine integrates damping explicitly.
 
     Fv: N·m·s/rad or N·s/m, at least 0.
@@ -21,9 +19,5 @@ class ViscousFriction(HiddenEffect):
     not_negative: ClassVar[tuple[str, ...]] = ("Fv",)
     Fv: float
 
-    def change(self, spec: mujoco.MjSpec) -> None:
-        """Add to the linear coefficient of the joint's damping."""
-        joint = spec.joint(self.joint)
-        damping = joint.damping.copy()
-        damping[0] += self.Fv
-        joint.damping = damping
+    def change(self, draft: Draft) -> None:
+        add_damping(draft, self.joint, self.Fv)

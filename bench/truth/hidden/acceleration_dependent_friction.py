@@ -1,0 +1,31 @@
+"""Dry friction that grows with the acceleration; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class AccelerationDependentFriction(JointEffect):
+    """c · |q̈| · sign(q̇), and sticking at standstill; q̈ one step ago.
+
+    c: kg·m² or kg, at least 0.
+    """
+
+    name: ClassVar[str] = "acceleration_dependent_friction"
+    not_negative: ClassVar[tuple[str, ...]] = ("c",)
+    in_catalogue: ClassVar[bool] = False
+    c: float
+
+    def change(self, draft: Draft) -> None:
+        hard_friction(draft, self.joint)
+
+    @staticmethod
+    def dry_friction(p: Parameters, s: Signals) -> Law:
+        return lambda: p["c"] * np.abs(s.acceleration)

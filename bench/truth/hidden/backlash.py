@@ -1,0 +1,31 @@
+"""Play between motor and joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft
+from bench.truth.hidden.drive_train import DriveTrain
+
+
+@dataclass(frozen=True)
+class Backlash(DriveTrain):
+    """With d = q_m - q: τ_joint = damping · ḋ + stiffness · (d ∓ play / 2) beyond ± play / 2, no spring within.
+
+    τ_motor = J q̈_m + τ_joint, J: rotor_inertia plus the joint's armature in the MJCF; q_m is what is measured.
+    Teeth that are a stiff spring when they touch; the damping (oil) also acts while they do not.
+
+    play: rad or m, from flank to flank.  stiffness: N·m/rad or N/m.  damping: N·m·s/rad or N·s/m, at least 0.
+    rotor_inertia: kg·m² or kg, 0 if left out.
+    """
+
+    name: ClassVar[str] = "backlash"
+    positive: ClassVar[tuple[str, ...]] = ("play", "stiffness")
+    play: float
+    stiffness: float
+    damping: float
+    rotor_inertia: float = 0.0
+
+    def change(self, draft: Draft) -> None:
+        self.add_rotor(draft, self.stiffness, self.damping, self.rotor_inertia, self.play)

@@ -1,0 +1,30 @@
+"""A base that does not stand level."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import Draft, HiddenEffect
+
+
+@dataclass(frozen=True)
+class BaseTilt(HiddenEffect):
+    """Gravity as the robot sees it is Rᵀ g, R = R_x(about_x) R_y(about_y), g that of the robot's MJCF.
+
+    The base is turned about its y axis and then about the x axis of the floor.
+
+    about_x, about_y: rad.
+    """
+
+    name: ClassVar[str] = "base_tilt"
+    about_x: float = 0.0
+    about_y: float = 0.0
+
+    def change(self, draft: Draft) -> None:
+        cx, sx, cy, sy = (f(angle) for angle in (self.about_x, self.about_y) for f in (np.cos, np.sin))
+        about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+        about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+        draft.spec.option.gravity = (about_x @ about_y).T @ draft.spec.option.gravity

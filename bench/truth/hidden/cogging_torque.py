@@ -1,0 +1,32 @@
+"""A torque that is periodic in the position of the motor, as MuJoCo's cogging."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor
+
+
+@dataclass(frozen=True)
+class CoggingTorque(JointEffect):
+    """a · cos(2π q / period) + b · sin(2π q / period), whatever the current: magnets over slots.
+
+    q: of the motor, where a spring or play stands between motor and joint.
+
+    a, b: N·m or N.  period: rad or m.
+    """
+
+    name: ClassVar[str] = "cogging_torque"
+    positive: ClassVar[tuple[str, ...]] = ("period",)
+    a: float
+    b: float
+    period: float
+
+    def change(self, draft: Draft) -> None:
+        size, phase = np.hypot(self.a, self.b), np.arctan2(-self.a, -self.b)
+        add_dc_motor(
+            draft, self.name, draft.motor_side(self.joint), cogging=[size, 2 * np.pi / self.period, phase]
+        )

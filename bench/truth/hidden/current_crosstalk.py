@@ -1,0 +1,30 @@
+"""A torque from the currents of the other motors; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.errors import BenchError
+from bench.truth.hidden.base import Draft, JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class CurrentCrosstalk(JointEffect):
+    """c · (sum of the torques of the other motors): drives that share a supply or a shield.
+
+    c: -, either sign (between a hinge and a slide 1/m or m).
+    """
+
+    name: ClassVar[str] = "current_crosstalk"
+    in_catalogue: ClassVar[bool] = False
+    c: float
+
+    def change(self, draft: Draft) -> None:
+        if len(draft.robot.joints) < 2:
+            raise BenchError(f"{self.name}: the robot {draft.robot.name!r} has one motor only")
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        return lambda: p["c"] * (s.all_torques.sum(axis=1, keepdims=True) - s.torque)

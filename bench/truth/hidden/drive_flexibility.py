@@ -1,0 +1,28 @@
+"""A spring between motor and joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft
+from bench.truth.hidden.drive_train import DriveTrain
+
+
+@dataclass(frozen=True)
+class DriveFlexibility(DriveTrain):
+    """τ_joint = stiffness (q_m - q) + damping (q̇_m - q̇),  τ_motor = J q̈_m + τ_joint; q_m is what is measured.
+
+    J: rotor_inertia plus the joint's armature in the MJCF. A belt, a harmonic drive.
+
+    stiffness: N·m/rad or N/m.  damping: N·m·s/rad or N·s/m, at least 0.
+    rotor_inertia: kg·m² or kg, 0 if left out.
+    """
+
+    name: ClassVar[str] = "drive_flexibility"
+    stiffness: float
+    damping: float
+    rotor_inertia: float = 0.0
+
+    def change(self, draft: Draft) -> None:
+        self.add_rotor(draft, self.stiffness, self.damping, self.rotor_inertia, 0.0)

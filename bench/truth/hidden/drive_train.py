@@ -1,0 +1,63 @@
+"""A motor and a joint that do not turn alike: what drive flexibility and backlash have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bench.errors import BenchError
+from bench.truth.hidden.base import MOTOR_SIDE, Draft, JointEffect, refuse_fast_swing
+
+NO_MASS = 1e-12  # kg and kg·m²: a body must have some; the rotor's inertia is its joint's armature
+
+
+@dataclass(frozen=True)
+class DriveTrain(JointEffect):
+    """The motor's rotor, and a spring and a damper from it to the joint; the encoder is on the rotor.
+
+    The armature that the joint has in the MJCF is the rotor's. The rotor stands in the world as a body of its
+    own with its axis through its centre of mass, so that it feels nothing but its motor and its spring.
+    """
+
+    positive: ClassVar[tuple[str, ...]] = ("stiffness",)
+    not_negative: ClassVar[tuple[str, ...]] = ("damping", "rotor_inertia")
+    changes_drives: ClassVar[bool] = True
+
+    def add_rotor(
+        self, draft: Draft, stiffness: float, damping: float, rotor_inertia: float, play: float
+    ) -> None:
+        """Add the rotor; no torque passes while motor and joint are less than play / 2 apart, damping aside.
+
+        stiffness, damping: at the joint.  rotor_inertia: in addition to the joint's armature.
+        Raises BenchError if the joint has such a drive already, the rotor has no inertia, or it swings too
+        fast.
+        """
+        spec, name = draft.spec, MOTOR_SIDE + self.joint
+        joint = spec.joint(self.joint)
+        if spec.joint(name) is not None:
+            raise BenchError(f"{self.name}: joint {self.joint} already has a spring or play in its drive")
+        inertia = float(joint.armature) + rotor_inertia
+        if not inertia > 0:
+            raise BenchError(f"{self.name}: joint {self.joint} has no rotor: rotor_inertia must be given")
+        refuse_fast_swing(draft, self, stiffness, inertia)
+        joint.armature = 0.0
+        body = spec.worldbody.add_body(name=name)
+        body.explicitinertial = True
+        body.mass, body.inertia = NO_MASS, np.full(3, NO_MASS)
+        rotor = body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, 1.0])
+        rotor.armature = inertia
+        tendon = spec.add_tendon(name=name)
+        tendon.wrap_joint(name, 1.0)
+        tendon.wrap_joint(self.joint, -1.0)
+        tendon.stiffness = _linear(tendon.stiffness, stiffness)
+        tendon.damping = _linear(tendon.damping, damping)
+        tendon.springlength = [-play / 2, play / 2]
+
+
+def _linear(polynomial: ArrayLike, coefficient: float) -> ArrayLike:
+    """A polynomial of MuJoCo, or a plain number, with a linear term only."""
+    return [coefficient, *np.zeros(np.size(polynomial) - 1)] if np.ndim(polynomial) else coefficient

@@ -1,0 +1,75 @@
+"""A link that is longer than its MJCF says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from bench.errors import BenchError
+from bench.truth.hidden.base import Draft, JointEffect
+
+ONE_TO_THREE = slice(0, 3)
+FOUR_TO_SIX = slice(3, 6)
+
+
+@dataclass(frozen=True)
+class GeometricError(JointEffect):
+    """The link that the joint moves is longer by `error`; its centre of mass stays where it was.
+
+    All that is fixed on the link beyond its joint, other joints, ends of loops and the tool, lies farther out
+    by `error`: away from the axis of its hinge, towards the mean place of the next joints and ends of loops
+    (of the tool, if there are none). For a slide, away from the joint's origin.
+
+    error: m, either sign.
+    """
+
+    name: ClassVar[str] = "geometric_error"
+    where = "any"
+    error: float
+
+    def adjust(self, model: mujoco.MjModel, draft: Draft) -> None:
+        joint = model.joint(self.joint)
+        body = int(joint.bodyid[0])
+        tool = -1 if draft.robot.tool_site is None else model.site(draft.robot.tool_site).id
+        bodies = [i for i in range(1, model.nbody) if model.body_parentid[i] == body]
+        sites, anchors = _ends_of_loops(model, body)
+        ends = [model.body_pos[i] for i in bodies if model.body_jntnum[i] > 0]
+        ends += [model.site_pos[i] for i in sites] + [model.eq_data[i, part] for i, part in anchors]
+        if not ends and tool >= 0 and model.site_bodyid[tool] == body:
+            ends = [model.site_pos[tool]]
+        reach = np.mean(ends, axis=0) - joint.pos if ends else np.zeros(3)
+        if joint.type[0] == int(mujoco.mjtJoint.mjJNT_HINGE):
+            reach -= (reach @ joint.axis) * joint.axis
+        if not np.linalg.norm(reach) > 0:
+            raise BenchError(
+                f"{self.name}: the link of joint {self.joint} has no length: nothing is fixed to it"
+            )
+        move = self.error * reach / np.linalg.norm(reach)
+        for i in bodies:
+            model.body_pos[i] += move
+        if tool >= 0 and model.site_bodyid[tool] == body:
+            sites = sorted({*sites, tool})
+        for i in sites:
+            model.site_pos[i] += move
+        for i, part in anchors:
+            model.eq_data[i, part] += move
+        mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def _ends_of_loops(model: mujoco.MjModel, body: int) -> tuple[list[int], list[tuple[int, slice]]]:
+    """Sites, and equalities with the part of their data, that hold an end of a loop on a body."""
+    sites, anchors = [], []
+    for i in range(model.neq):
+        ids = (int(model.eq_obj1id[i]), int(model.eq_obj2id[i]))
+        if model.eq_objtype[i] == int(mujoco.mjtObj.mjOBJ_SITE):
+            sites += [site for site in ids if model.site_bodyid[site] == body]
+            continue
+        # connect: anchors in body 1 and body 2; weld: anchor in body 2 first, then its place in body 1
+        parts = [ONE_TO_THREE, FOUR_TO_SIX]
+        if model.eq_type[i] == int(mujoco.mjtEq.mjEQ_WELD):
+            parts.reverse()
+        anchors += [(i, part) for other, part in zip(ids, parts, strict=True) if other == body]
+    return sorted(set(sites)), anchors

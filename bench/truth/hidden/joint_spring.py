@@ -1,0 +1,24 @@
+"""A spring at a joint, as an actuator that nobody commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
+
+
+@dataclass(frozen=True)
+class JointSpring(JointEffect):
+    """k · (q - q0): a balancing spring, a cable harness.
+
+    k: N·m/rad or N/m, at least 0.  q0: where it is relaxed, rad or m.
+    """
+
+    name: ClassVar[str] = "joint_spring"
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    k: float
+    q0: float
+
+    def change(self, draft: Draft) -> None:
+        add_affine_actuator(draft, self.name, draft.spec.joint(self.joint), (self.k * self.q0, -self.k))

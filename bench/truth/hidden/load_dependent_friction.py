@@ -1,0 +1,34 @@
+"""Dry friction that grows with the transmitted torque."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class LoadDependentFriction(JointEffect):
+    """mu · |τ| · sign(q̇), and sticking at standstill: gears and bearings under load.
+
+    τ is the torque of the motor, friction included. The controller commands it from the state before the
+    step, so that there is no algebraic loop: a friction in terms of τ without friction would be
+    mu / (1 ∓ mu) instead, the sign that of τ q̇.
+
+    mu: at least 0, less than 1.
+    """
+
+    name: ClassVar[str] = "load_dependent_friction"
+    not_negative: ClassVar[tuple[str, ...]] = ("mu",)
+    mu: float
+
+    def change(self, draft: Draft) -> None:
+        hard_friction(draft, self.joint)
+
+    @staticmethod
+    def dry_friction(p: Parameters, s: Signals) -> Law:
+        return lambda: p["mu"] * np.abs(s.torque)

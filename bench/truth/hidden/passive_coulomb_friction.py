@@ -1,0 +1,27 @@
+"""Coulomb friction in a joint without a motor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+
+
+@dataclass(frozen=True)
+class PassiveCoulombFriction(JointEffect):
+    """Fc · sign(q̇) in a passive joint; the motors feel it through the loops.
+
+    Exact above some 1e-3 rad/s of the passive joint, see `hard_friction`.
+
+    Fc: N·m or N, at least 0. Balls that close a loop are no joints of the machine: none there.
+    """
+
+    name: ClassVar[str] = "passive_coulomb_friction"
+    not_negative: ClassVar[tuple[str, ...]] = ("Fc",)
+    where = "passive"
+    Fc: float
+
+    def change(self, draft: Draft) -> None:
+        draft.spec.joint(self.joint).frictionloss += self.Fc
+        hard_friction(draft, self.joint)

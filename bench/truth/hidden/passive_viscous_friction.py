@@ -1,0 +1,24 @@
+"""Viscous friction in a joint without a motor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect, add_damping
+
+
+@dataclass(frozen=True)
+class PassiveViscousFriction(JointEffect):
+    """Fv · q̇ in a passive joint; the motors feel it through the loops.
+
+    Fv: N·m·s/rad or N·s/m, at least 0. Balls that close a loop are no joints of the machine: none there.
+    """
+
+    name: ClassVar[str] = "passive_viscous_friction"
+    not_negative: ClassVar[tuple[str, ...]] = ("Fv",)
+    where = "passive"
+    Fv: float
+
+    def change(self, draft: Draft) -> None:
+        add_damping(draft, self.joint, self.Fv)

@@ -1,0 +1,35 @@
+"""A payload that does not weigh what was declared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from bench.errors import BenchError
+from bench.payload import Payload
+from bench.truth.hidden.base import Draft, HiddenEffect
+
+
+@dataclass(frozen=True)
+class PayloadMassError(HiddenEffect):
+    """True mass = mass of the scenario's payload + error, its shape the same: inertia in proportion.
+
+    What the dataset declares stays as the scenario says.
+
+    error: kg, either sign, for every payload of the scenario.
+    """
+
+    name: ClassVar[str] = "payload_mass_error"
+    error: float
+
+    def change(self, draft: Draft) -> None:
+        if not draft.payloads:
+            raise BenchError(f"{self.name}: the scenario has no payload")
+
+    def weigh(self, payload: Payload) -> Payload:
+        if payload.mass is None or payload.inertia is None:
+            return payload
+        mass = payload.mass + self.error
+        if mass <= 0:
+            raise BenchError(f"{self.name}: payload {payload.name!r} would weigh {mass:g} kg")
+        return replace(payload, mass=mass, inertia=payload.inertia * (mass / payload.mass))

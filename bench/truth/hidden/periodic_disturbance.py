@@ -1,0 +1,30 @@
+"""A torque at a fixed frequency; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class PeriodicDisturbance(JointEffect):
+    """size · sin(2π frequency t + phase), in every recording alike: a fan, the mains, a neighbour's press.
+
+    size: N·m or N.  frequency: Hz.  phase: rad, 0 if left out.
+    """
+
+    name: ClassVar[str] = "periodic_disturbance"
+    positive: ClassVar[tuple[str, ...]] = ("frequency",)
+    in_catalogue: ClassVar[bool] = False
+    size: float
+    frequency: float
+    phase: float = 0.0
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        return lambda: p["size"] * np.sin(2 * np.pi * p["frequency"] * s.clock.time + p["phase"])

@@ -1,0 +1,51 @@
+"""A force at the tool, as actuators that nobody commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from bench.errors import BenchError
+from bench.truth.hidden.base import Draft, HiddenEffect, free_name
+
+
+@dataclass(frozen=True)
+class PlatformForce(HiddenEffect):
+    """f - k (x - x_home) on the robot at its tool site: a hose, a cable, a gas spring.
+
+    x: the tool in the frame of the base, x_home: in the pose `home`. The force acts on the robot; it does not
+    turn with the tool.
+
+    fx, fy, fz: N, in the frame of the base.  k: N/m, at least 0. Each 0 if left out.
+    """
+
+    name: ClassVar[str] = "platform_force"
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    fx: float = 0.0
+    fy: float = 0.0
+    fz: float = 0.0
+    k: float = 0.0
+
+    def change(self, draft: Draft) -> None:
+        tool = draft.robot.tool_site
+        if tool is None:
+            raise BenchError(
+                f"{self.name}: the robot {draft.robot.name!r} has no [tool] site for it to act on"
+            )
+        data = mujoco.MjData(draft.plain)
+        data.qpos[:] = draft.home
+        mujoco.mj_kinematics(draft.plain, data)
+        base = draft.spec.worldbody.add_site(name=free_name(draft, "base"))
+        for axis, force in enumerate((self.fx, self.fy, self.fz)):
+            actuator = draft.spec.add_actuator(name=free_name(draft, self.name), target=tool)
+            actuator.trntype = mujoco.mjtTrn.mjTRN_SITE
+            actuator.refsite = base.name
+            actuator.gear = np.eye(6)[axis]
+            actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+            actuator.gainprm[0] = 0.0
+            actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+            actuator.biasprm[0] = force + self.k * data.site(tool).xpos[axis]
+            actuator.biasprm[1] = -self.k

@@ -1,0 +1,33 @@
+"""Dry friction that changes with the position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+
+
+@dataclass(frozen=True)
+class PositionDependentFriction(JointEffect):
+    """(a · cos(h q) + b · sin(h q)) · sign(q̇), and sticking at standstill: a bent shaft, a tight spot.
+
+    No friction is negative: where the dry friction of the joint, other effects included, would be, the
+    simulation ends with an error.
+
+    a, b: N·m or N.  harmonic: h, 1 if left out; 1/rad, or 1/m for a slide.
+    """
+
+    name: ClassVar[str] = "position_dependent_friction"
+    positive: ClassVar[tuple[str, ...]] = ("harmonic",)
+    a: float
+    b: float
+    harmonic: float = 1.0
+
+    def change(self, draft: Draft) -> None:
+        hard_friction(draft, self.joint)
+
+    @staticmethod
+    def dry_friction(p: Parameters, s: Signals) -> Law:
+        return lambda: harmonic(p, s.position, p["harmonic"])

@@ -1,0 +1,28 @@
+"""Viscous friction that changes with the position; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+
+
+@dataclass(frozen=True)
+class PositionDependentViscousFriction(JointEffect):
+    """(a · cos(h q) + b · sin(h q)) · q̇: grease that has been pushed aside.
+
+    a, b: N·m·s/rad or N·s/m.  harmonic: h, 1 if left out; 1/rad, or 1/m for a slide.
+    """
+
+    name: ClassVar[str] = "position_dependent_viscous_friction"
+    positive: ClassVar[tuple[str, ...]] = ("harmonic",)
+    in_catalogue: ClassVar[bool] = False
+    a: float
+    b: float
+    harmonic: float = 1.0
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        return lambda: harmonic(p, s.position, p["harmonic"]) * s.velocity

@@ -1,0 +1,32 @@
+"""Friction that is a spring before it slides, as MuJoCo's LuGre model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor, refuse_fast_swing
+
+
+@dataclass(frozen=True)
+class PreslidingHysteresis(JointEffect):
+    """σ z, dz/dt = q̇ - σ |q̇| z / Fc (Dahl): σ (q - q_reversal) at first, Fc · sign(q̇) once it slides.
+
+    LuGre with equal static and Coulomb friction and no damping of the bristles. The torque of a step is
+    exactly Dahl's for the positions up to the step before.
+
+    Dahl, "Solid friction damping of mechanical vibrations", AIAA Journal 14 (1976).
+
+    Fc: N·m or N.  stiffness: σ, N·m/rad or N/m; most of Fc is there after 3 Fc / σ.
+    """
+
+    name: ClassVar[str] = "presliding_hysteresis"
+    positive: ClassVar[tuple[str, ...]] = ("Fc", "stiffness")
+    Fc: float
+    stiffness: float
+
+    def change(self, draft: Draft) -> None:
+        refuse_fast_swing(draft, self, self.stiffness, draft.inertia[self.joint])
+        add_dc_motor(
+            draft, self.name, draft.spec.joint(self.joint), lugre=[self.stiffness, 0.0, self.Fc, self.Fc, 1.0]
+        )

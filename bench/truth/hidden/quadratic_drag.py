@@ -1,0 +1,23 @@
+"""Drag that grows with the square of the speed, as damping of the joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect, add_damping
+
+
+@dataclass(frozen=True)
+class QuadraticDrag(JointEffect):
+    """c · q̇ · |q̇|: churned oil or air.
+
+    c: N·m·s²/rad² or N·s²/m², at least 0.
+    """
+
+    name: ClassVar[str] = "quadratic_drag"
+    not_negative: ClassVar[tuple[str, ...]] = ("c",)
+    c: float
+
+    def change(self, draft: Draft) -> None:
+        add_damping(draft, self.joint, 0.0, self.c)

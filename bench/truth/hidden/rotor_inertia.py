@@ -1,0 +1,23 @@
+"""Inertia of the motor's rotor, as armature of its joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect
+
+
+@dataclass(frozen=True)
+class RotorInertia(JointEffect):
+    """Ia · q̈: the rotor, seen through its gear. It turns with the motor but does not move with the links.
+
+    Ia: kg·m² or kg, at least 0.
+    """
+
+    name: ClassVar[str] = "rotor_inertia"
+    not_negative: ClassVar[tuple[str, ...]] = ("Ia",)
+    Ia: float
+
+    def change(self, draft: Draft) -> None:
+        draft.motor_side(self.joint).armature += self.Ia

@@ -1,0 +1,28 @@
+"""A drive gain that falls with the speed; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class SpeedDependentGain(JointEffect):
+    """τ = g i (1 - |q̇| / v0): an amplifier that runs out of voltage against the back-EMF.
+
+    v0: the speed at which nothing is left, rad/s or m/s.
+    """
+
+    name: ClassVar[str] = "speed_dependent_gain"
+    positive: ClassVar[tuple[str, ...]] = ("v0",)
+    in_catalogue: ClassVar[bool] = False
+    v0: float
+
+    @staticmethod
+    def gain(p: Parameters, s: Signals) -> Law:
+        return lambda: 1.0 - np.abs(s.velocity) / p["v0"]

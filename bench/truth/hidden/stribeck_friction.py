@@ -1,0 +1,36 @@
+"""Dry friction that falls with the speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class StribeckFriction(JointEffect):
+    """(Fc + Fs · exp(-|q̇ / vs|^delta)) · sign(q̇), and sticking at standstill up to Fc + Fs.
+
+    The friction constraint of the joint is given this size before every step.
+
+    Fc, Fs: N·m or N, at least 0.  vs: Stribeck velocity, rad/s or m/s.  delta: 2 (Gaussian) if left out.
+    """
+
+    name: ClassVar[str] = "stribeck_friction"
+    positive: ClassVar[tuple[str, ...]] = ("vs", "delta")
+    not_negative: ClassVar[tuple[str, ...]] = ("Fc", "Fs")
+    Fc: float
+    Fs: float
+    vs: float
+    delta: float = 2.0
+
+    def change(self, draft: Draft) -> None:
+        hard_friction(draft, self.joint)
+
+    @staticmethod
+    def dry_friction(p: Parameters, s: Signals) -> Law:
+        return lambda: p["Fc"] + p["Fs"] * np.exp(-((np.abs(s.velocity) / p["vs"]) ** p["delta"]))

@@ -1,0 +1,45 @@
+"""Friction that a joint has while it is cold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class ThermalFrictionDrift(JointEffect):
+    """(Fv · q̇ + Fc · sign(q̇)) · exp(-t / T): what a cold joint has more than a warm one.
+
+    Every recording begins with a cold joint at t = 0. The friction of the warm joint is an effect of its own.
+
+    Fv: N·m·s/rad or N·s/m.  Fc: N·m or N; both at least 0, and 0 if left out.  T: time constant, s.
+    """
+
+    name: ClassVar[str] = "thermal_friction_drift"
+    positive: ClassVar[tuple[str, ...]] = ("T",)
+    not_negative: ClassVar[tuple[str, ...]] = ("Fv", "Fc")
+    T: float
+    Fv: float = 0.0
+    Fc: float = 0.0
+
+    def change(self, draft: Draft) -> None:
+        hard_friction(draft, self.joint)
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        return lambda: p["Fv"] * np.exp(-max(s.clock.time, 0.0) / p["T"]) * s.velocity
+
+    @staticmethod
+    def dry_friction(p: Parameters, s: Signals) -> Law:
+        size = np.zeros_like(s.velocity)
+
+        def law() -> Array:
+            size[:] = p["Fc"] * np.exp(-max(s.clock.time, 0.0) / p["T"])
+            return size
+
+        return law

@@ -1,0 +1,48 @@
+"""A torque that wanders slowly and at random; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals
+from bench.truth.streams import stream
+
+WAVES = 12
+
+
+@dataclass(frozen=True)
+class TorqueDrift(JointEffect):
+    """size · √(2/K) · Σ cos(ω_k t + φ_k), K = 12 waves; another course in every recording and joint.
+
+    ω_k and φ_k are drawn from the seed, the recording's name and the joint: φ_k evenly from a turn, ω_k T
+    evenly from 0 to 2. The mean square over long times is size².
+
+    size: N·m or N.  T: s, the faster half of the waves takes between 3 T and 6 T.  seed: a whole number.
+    """
+
+    name: ClassVar[str] = "torque_drift"
+    positive: ClassVar[tuple[str, ...]] = ("T",)
+    not_negative: ClassVar[tuple[str, ...]] = ("seed",)
+    in_catalogue: ClassVar[bool] = False
+    size: float
+    T: float
+    seed: float = 0.0
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        draws = np.array(
+            [
+                [
+                    stream(int(seed), "torque_drift", recording, joint).random((2, WAVES))
+                    for seed, joint in zip(p["seed"], s.joints, strict=True)
+                ]
+                for recording in s.recordings
+            ]
+        )  # (R, m, 2, WAVES)
+        omega, phase = 2 * draws[:, :, 0] / p["T"][:, None], 2 * np.pi * draws[:, :, 1]
+        size = p["size"] * np.sqrt(2 / WAVES)
+        return lambda: size * np.cos(omega * s.clock.time + phase).sum(axis=2)

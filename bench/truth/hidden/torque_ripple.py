@@ -1,0 +1,32 @@
+"""A drive gain that is periodic in the position of the motor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+
+
+@dataclass(frozen=True)
+class TorqueRipple(JointEffect):
+    """τ = g i (1 + a · cos(2π q / period) + b · sin(2π q / period)): windings that are not alike.
+
+    q: of the motor, where a spring or play stands between motor and joint.
+
+    a, b: shares of the torque.  period: rad or m.
+    """
+
+    name: ClassVar[str] = "torque_ripple"
+    positive: ClassVar[tuple[str, ...]] = ("period",)
+    a: float
+    b: float
+    period: float
+
+    @staticmethod
+    def gain(p: Parameters, s: Signals) -> Law:
+        wave_number = 2 * np.pi / p["period"]
+        return lambda: 1.0 + harmonic(p, s.motor_position, wave_number)

@@ -1,0 +1,41 @@
+"""A spring that gives way with time; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class ViscoelasticCable(JointEffect):
+    """k z, dz/dt = q̇ - z / T: a cable harness or hose with hysteresis (a Maxwell element).
+
+    Exact for a joint that moves evenly during each step of the simulation.
+
+    k: N·m/rad or N/m, at least 0.  T: relaxation time, s.
+    """
+
+    name: ClassVar[str] = "viscoelastic_cable"
+    positive: ClassVar[tuple[str, ...]] = ("T",)
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    in_catalogue: ClassVar[bool] = False
+    k: float
+    T: float
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        left = np.exp(-s.step / p["T"])  # of z after a step
+        share = (1 - left) * p["T"] / s.step
+        z, before = np.zeros_like(s.position), s.position.copy()
+
+        def law() -> np.ndarray:
+            z[:] = left * z + share * (s.position - before)
+            before[:] = s.position
+            return p["k"] * z
+
+        return law

@@ -1,0 +1,146 @@
+"""The closed loop one step at a time, for machines with effects that MuJoCo does not have itself."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.truth.hidden import Clock, Signals
+from bench.truth.indices import live_columns
+from bench.truth.laws import joint_laws
+from bench.truth.machine import Machine
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """Samples of all runs, (R, samples, …); all of one instant."""
+
+    qpos: Array
+    qvel: Array
+    qacc: Array
+    torque: Array
+    current: Array
+    """As it is logged."""
+
+
+class Stepper:
+    """A batch of R runs of a machine with laws; the laws keep their states from call to call.
+
+    At every step: the controller commands a current reference from the state, as a drive without hidden
+    effects would. The laws make of it what is logged, what flows, and what torque the motors give; then
+    follow the opposing torques, and the sizes of dry frictions, which MuJoCo's friction constraints apply.
+    """
+
+    def __init__(self, batch: Batch, machine: Machine, runs: Sequence[tuple[str, str | None]]) -> None:
+        """runs: (R,) names of the recordings and of their payloads."""
+        self._batch, self._machine = batch, machine
+        self._names = tuple(name for name, _ in runs)
+        # copies, since two runs with one payload may have different frictions
+        self._models = [copy.copy(machine.models[payload]) for _, payload in runs]
+        batch.set_models(self._models)
+        qpos, qvel, self._applied = (batch.bind(name) for name in ("qpos", "qvel", "qfrc_applied"))
+        self._qacc = batch.bind("qacc")
+        self._qpos, self._qvel = qpos, qvel
+        joints = len(machine.dofs)
+        self._control = batch.bind("ctrl")[:, :joints]
+        self._refresh: list[Callable[[], object]] = []
+        self._clock = Clock()
+        self._reference, self._current, self._torque = (np.zeros((len(runs), joints)) for _ in range(3))
+        self._position = self._live(qpos, machine.motor_addresses)
+        self._velocity = self._live(qvel, machine.motor_dofs)
+        self._signals = Signals(
+            step=float(machine.models[None].opt.timestep),
+            recordings=self._names,
+            joints=machine.robot.joints,
+            clock=self._clock,
+            position=self._live(qpos, machine.addresses),
+            velocity=self._live(qvel, machine.dofs),
+            acceleration=self._live(self._qacc, machine.dofs),
+            motor_position=self._position,
+            current=self._current,
+            torque=self._torque,
+            all_torques=self._torque,
+        )
+        self._log, self._flow, self._gain, torque, dry_friction = (
+            joint_laws(machine.hidden, name, self._signals, machine.dofs)
+            for name in ("log", "current", "gain", "torque", "dry_friction")
+        )
+        self._opposing = [
+            (live_columns(self._applied, machine.dofs[law.columns])[0], law.value) for law in torque
+        ]
+        self._dry = dry_friction
+        self._own_friction = np.stack([model.dof_frictionloss[machine.dofs] for model in self._models])
+
+    def advance(self, time: Array, command: Array, every: int) -> States:
+        """Take steps at the times (steps,) with command (R, steps, n), and keep one in `every`.
+
+        Raises BenchError if dry friction would be negative.
+        """
+        drive = self._machine.drive
+        reference, current, torque = self._reference, self._current, self._torque
+        references = np.moveaxis(command / drive.nominal_gains, 1, 0).copy()
+        kp, kv = drive.kp / drive.nominal_gains, drive.kv / drive.nominal_gains
+        scratch = np.zeros_like(reference)
+        kept: list[tuple[Array, ...]] = []
+        for k, now in enumerate(time.tolist()):
+            self._clock.time = now
+            for refresh in self._refresh:
+                refresh()
+            np.subtract(references[k], np.multiply(kp, self._position, out=scratch), out=reference)
+            np.subtract(reference, np.multiply(kv, self._velocity, out=scratch), out=reference)
+            current[:] = reference
+            for law in self._log:
+                reference[:, law.columns] = law.value()
+            for law in self._flow:
+                current[:, law.columns] = law.value()
+            np.multiply(current, drive.true_gains, out=torque)
+            for law in self._gain:
+                torque[:, law.columns] *= law.value()
+            self._control[:] = torque
+            self._oppose()
+            keep = k % every == 0
+            if self._dry:
+                self._set_friction(keep)
+            before = (self._qpos.copy(), self._qvel.copy()) if keep else ()
+            self._batch.step()
+            if keep:
+                kept.append((*before, self._qacc.copy(), torque.copy(), reference.copy()))
+        return States(*(np.stack(values, axis=1) for values in zip(*kept, strict=True)))
+
+    def _live(self, source: Array, indices: NDArray[np.signedinteger]) -> Array:
+        """Columns of source, brought up to date at every step."""
+        columns, refresh = live_columns(source, indices)
+        if refresh is not None:
+            self._refresh.append(refresh)
+        return columns
+
+    def _oppose(self) -> None:
+        if not self._opposing:
+            return
+        self._applied[:] = 0.0
+        for forces, law in self._opposing:
+            np.subtract(forces, law(), out=forces)
+
+    def _set_friction(self, check: bool) -> None:
+        """Give the friction constraints of each run their size at this step."""
+        size = self._own_friction.copy()
+        for law in self._dry:
+            size[:, law.columns] += law.value()
+        if check and size.min() < 0:
+            run, joint = np.unravel_index(int(size.argmin()), size.shape)
+            raise BenchError(
+                f"recording {self._names[run]!r}: the dry friction of joint"
+                f" {self._machine.robot.joints[joint]} would be {size.min():.3g} at {self._clock.time:.3f} s:"
+                " it needs a coulomb_friction of at least this size as well"
+            )
+        for model, values in zip(self._models, size, strict=True):
+            model.dof_frictionloss[self._machine.dofs] = values
+        self._batch.set_models(self._models)
