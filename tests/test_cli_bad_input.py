@@ -20,16 +20,6 @@ OF_THE_ROBOT = [
     if name.startswith("robot_") and name not in ("robot_key_missing", "robot_unknown")
 ]
 
-# Identification reads geometry alone, and closes a home pose that is nearly closed.
-LEFT_TO_THE_CHECK = {
-    "gravity_switched_off",
-    "home_not_assembled",
-    "loops_switched_off",
-    "mocap_body",
-    "rod_without_weight",
-    "tendon_with_a_spring",
-}
-
 
 @pytest.fixture
 def refused(tmp_path, capsys, monkeypatch):
@@ -80,7 +70,7 @@ def test_robot_check_refuses_a_broken_robot(name, tmp_path, refused):
     refused(expected, "robot", "check", folder)
 
 
-@pytest.mark.parametrize("name", sorted(set(BROKEN_ROBOTS) - LEFT_TO_THE_CHECK))
+@pytest.mark.parametrize("name", sorted(BROKEN_ROBOTS))
 def test_identify_refuses_a_broken_robot(name, tmp_path, refused):
     spoil, _ = BROKEN_ROBOTS[name]
     folder = write_five_bar(tmp_path / "robot")

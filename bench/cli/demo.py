@@ -46,12 +46,11 @@ def demo(output: Path, scenario: str) -> None:
     dataset = load_dataset(output / "dataset")
     prepared = prepare(dataset)
     result = fit(prepared)
-    identification_report(result, console, truth=true_values(prepared.model, truth(simulation)))
+    true = true_values(prepared.model, truth(simulation))
+    identification_report(result, console, truth=true)
     save_model(result, output / "model.json")
     write_current_figure(output / "currents.png", result)
-    write_rrd(output / "demo.rrd", result, dataset)
-    console.print(f"Measurements: {output / 'dataset'}   the truth: {output / 'dataset.truth.json'}")
-    console.print(f"Model:        {output / 'model.json'}")
-    console.print(
-        f"Open {output / 'currents.png'}, and the robot in motion with: rerun {output / 'demo.rrd'}"
-    )
+    write_rrd(output / "demo.rrd", result, dataset, truth=true)
+    click.echo(f"Measurements: {output / 'dataset'}, the truth: {output / 'dataset.truth.json'}")
+    click.echo(f"Model:        {output / 'model.json'}")
+    click.echo(f"Open {output / 'currents.png'}, and the robot in motion with: rerun {output / 'demo.rrd'}")

@@ -8,6 +8,9 @@ import numpy as np
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack
 
+FEWEST_LAGS = 6  # of the autocovariance; what the low-pass of the fit makes of white noise dies out sooner
+ALIKE = 3.0  # deviations of a correlation that is none
+
 Deviations = Literal["autocorrelated", "independent"]
 
 
@@ -95,20 +98,26 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
 
 
 def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
-    """Tapered autocovariances (L + 1,) of one motor's residual (M,), zero where not moving, over all recordings."""
+    """Tapered autocovariances (L + 1,) of one motor's residual (M,), zero where not moving, over all recordings.
+
+    Lags beyond FEWEST_LAGS are taken as long as the errors are still alike there: a longer window than needed
+    would see the lack of error at the few frequencies of the movement, which the fit takes up.
+    """
     ends = (*starts[1:], len(residual))
-    lags = min(
-        int(np.ceil(1.5 * len(residual) ** (1 / 3))),
-        min(b - a for a, b in zip(starts, ends, strict=True)) - 1,
-    )
-    values = np.zeros(lags + 1)
-    for lag in range(lags + 1):
+    shortest = min(b - a for a, b in zip(starts, ends, strict=True))
+    most = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), shortest - 1)
+    values, counts = np.zeros(most + 1), np.ones(most + 1)
+    for lag in range(most + 1):
         pairs = count = 0.0
         for a, b in zip(starts, ends, strict=True):
             pairs += float(residual[a : b - lag] @ residual[a + lag : b])
             count += float(moving[a : b - lag] @ moving[a + lag : b].astype(float))
-        values[lag] = pairs / max(count, 1.0)
-    return values * (1.0 - np.arange(lags + 1) / (lags + 1.0))
+        values[lag], counts[lag] = pairs / max(count, 1.0), max(count, 1.0)
+    alike = np.abs(values) > ALIKE * values[0] / np.sqrt(counts)
+    lags = min(FEWEST_LAGS, most)
+    while lags < most and alike[lags + 1 : lags + 4].any():
+        lags += 1
+    return values[: lags + 1] * (1.0 - np.arange(lags + 1) / (lags + 1.0))
 
 
 def _autocorrelated(jacobian: np.ndarray, residual: np.ndarray, covariances: np.ndarray) -> np.ndarray:

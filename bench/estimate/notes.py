@@ -47,10 +47,10 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
             notes.append(
                 f"Joint {joint} never reverses: move it through zero velocity to tell friction apart."
             )
-    loose = [p.name for p in result.parameters if p.relative_std > LOOSE]
+    loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
     if loose:
         notes.append(
-            f"Poorly determined (deviation above {LOOSE:.0%} of the value): {', '.join(loose)}; "
-            "the essential parameters leave out what does not matter."
+            f"{loose} of {len(result.parameters)} parameters are poorly determined (deviation above {LOOSE:.0%} of the "
+            "value); essential parameters (--essential) leave out what does not matter."
         )
     return replace(result, notes=tuple(notes))

@@ -17,6 +17,8 @@ CLOSED = 1e-6  # m or rad: after a smaller correction, Newton has closed the loo
 NEARLY_CLOSED = 1e-3  # m or rad: after a smaller correction, to about its square
 OPEN = 100.0  # times a correction: what is open by more, the correction does not close (no solution there)
 LARGEST_CORRECTION = 0.05  # m or rad: what a Newton correction may move after a prediction
+LARGEST_STEP = 0.3  # m or rad: of any joint
+LARGEST_TURN = 0.2  # m or rad: how far apart predictions from both ends of a step may be, see _turned
 SMALLEST_STEP = 2.0**-12  # share of the way to a target below which it counts as out of reach
 MOST_ITERATIONS = 5
 
@@ -107,11 +109,11 @@ def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = 
     done, share = 0.0, 1.0
     step = np.zeros(geometry.nv)
     while done < 1.0:
-        share = min(share, 1.0 - done)
-        step[geometry.active] = share * way
-        step[follower.passive] = pose.amplification @ (share * way)
-        moved = close(follower, pin.integrate(follower.model, pose.q, step), enough)
-        if moved is None:
+        step[geometry.active] = way
+        step[follower.passive] = pose.amplification @ way
+        share = min(share, 1.0 - done, LARGEST_STEP / max(np.abs(step).max(), LARGEST_STEP))
+        moved = close(follower, pin.integrate(follower.model, pose.q, share * step), enough)
+        if moved is None or _turned(pose, moved, share * way) > LARGEST_TURN:
             share /= 2.0
             if share < SMALLEST_STEP:
                 return pose, done
@@ -120,3 +122,13 @@ def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = 
         done = 1.0 if share >= 1.0 - done else done + share
         share *= 2.0
     return pose, 1.0
+
+
+def _turned(before: Pose, after: Pose, part: np.ndarray) -> float:
+    """How far apart the passive joints' steps are by the amplifications before and after.
+
+    On a smooth way that is twice the correction. It is far more where a step has leapt over a singular pose
+    into another assembly mode, which the correction alone does not show.
+    """
+    apart = (after.amplification - before.amplification) @ part
+    return float(np.abs(apart).max(initial=0.0))

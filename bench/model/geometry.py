@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from bench.errors import BenchError
+from bench.model.supported import unsupported_features
 from bench.robot import Robot
 
 JointKind = Literal["hinge", "slide", "ball", "free"]
@@ -152,10 +153,12 @@ def read_geometry(robot: Robot) -> Geometry:
         compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
     except ValueError as error:
         raise BenchError(f"{robot.model_path}: {str(error).splitlines()[0]}") from None
+    for fault in unsupported_features(compiled):
+        raise BenchError(f"robot {robot.name}: {fault}")
     joints, frames = _joints(compiled)
     if not joints:
         raise BenchError(f"{robot.model_path}: the model has no joint")
-    loops = _loops(robot, compiled, frames)
+    loops = _loops(compiled, frames)
     names = {joint.name: joint for joint in joints}
     for actuator in robot.actuators:
         if actuator.joint not in names:
@@ -223,21 +226,13 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
     return tuple(joints), frames
 
 
-def _loops(
-    robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]
-) -> tuple[Loop, ...]:
+def _loops(compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]) -> tuple[Loop, ...]:
     loops = []
     for index in range(compiled.neq):
         name = _name(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index, f"equality_{index}")
         if not compiled.eq_active0[index]:
             continue
         kind = int(compiled.eq_type[index])
-        if kind not in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
-            label = mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower()
-            raise BenchError(
-                f"robot {robot.name}: equality {name!r} is of type {label};"
-                " loops are closed by connect or weld"
-            )
         connect = kind == int(mujoco.mjtEq.mjEQ_CONNECT)
         ids = int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])
         if int(compiled.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):

@@ -12,8 +12,24 @@ DEPENDENT = 1e-6  # of the largest singular value: smaller ones are zero
 TAKES_PART = 0.05  # of the largest entry of a motion: joints with less do not take part in it
 NEARBY = 0.05  # rad, or of the robot's length: how far the pose lies from home that shows the general case
 CLOSED = 1e-9  # m or rad
+ASSEMBLED = 1e-6  # m or rad: a wider gap at home is a mistake
 MOST_ITERATIONS = 20
 SEED = 20120602  # of that pose
+
+
+def check_assembled(geometry: Geometry) -> None:
+    """Raise BenchError naming the loop that is open by more than 1e-6 m or rad in the home pose."""
+    if not geometry.loops:
+        return
+    residual = np.abs(loop_residual(geometry, geometry.home[:, None])[:, 0])
+    widest = int(np.argmax(residual))
+    if residual[widest] <= ASSEMBLED:
+        return
+    owner = [loop for loop in geometry.loops for _ in range(loop.size)][widest]
+    raise BenchError(
+        f"robot {geometry.robot.name}: loop {owner.name!r} is open by {residual[widest]:.3g} (m or rad) in the "
+        "home pose; bench robot check tells the assembled one"
+    )
 
 
 def check_mobility(geometry: Geometry) -> None:

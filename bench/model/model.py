@@ -7,7 +7,7 @@ import numpy as np
 from bench.errors import BenchError
 from bench.model.base import BaseParameters, base_parameters
 from bench.model.geometry import Geometry, read_geometry
-from bench.model.mobility import check_mobility
+from bench.model.mobility import check_assembled, check_mobility
 from bench.model.regressor import payload_transform
 from bench.robot import Robot
 
@@ -29,8 +29,9 @@ class IdentificationModel:
 
 
 def build_model(robot: Robot) -> IdentificationModel:
-    """Read the geometry, check that the loops determine every passive joint, find the base parameters."""
+    """Read the geometry, check home and that the loops determine every passive joint, find the base parameters."""
     geometry = read_geometry(robot)
+    check_assembled(geometry)
     check_mobility(geometry)
     payload = None if geometry.tool is None else payload_transform(geometry.tool)
     return IdentificationModel(geometry, base_parameters(geometry), payload)

@@ -8,7 +8,8 @@ import pinocchio as pin
 
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
-from bench.robot_check.machine import Machine, body_label, label_of, set_pose
+from bench.model.supported import label_of
+from bench.robot_check.machine import Machine, body_label, set_pose
 from bench.robot_check.report import Check, count
 
 TOLERANCE = 1e-10  # of the quantity's own size (at least 1, in its SI unit): two libraries, rounding only

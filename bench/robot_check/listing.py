@@ -4,9 +4,10 @@ import mujoco
 import numpy as np
 
 from bench.model.geometry import Geometry
+from bench.model.supported import label_of
 from bench.robot import Robot
 from bench.robot_check.loops import gaps, loop_bodies
-from bench.robot_check.machine import Machine, body_label, label_of
+from bench.robot_check.machine import Machine, body_label
 from bench.robot_check.report import Check, JointLine, LoopLine
 
 SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of its range

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from bench.model.geometry import Geometry, Placement
+from bench.model.supported import label_of
 from bench.model.tree import build_tree
 
 OPEN_TRAVEL = 0.5  # m: how far slides and free bodies are put from zero in a random open pose
@@ -117,12 +118,6 @@ def random_open_poses(geometry: Geometry, count: int, seed: int) -> np.ndarray:
             quaternion /= np.linalg.norm(quaternion, axis=1)[:, None]
             q[:, joint.q.stop - 4 : joint.q.stop] = quaternion
     return q
-
-
-def label_of(compiled: mujoco.MjModel, kind: mujoco.mjtObj, index: int) -> str:
-    """The name of a part of the MJCF, or one made of its kind and number, such as joint_3."""
-    word = mujoco.mjtObj(kind).name.removeprefix("mjOBJ_").lower()
-    return mujoco.mj_id2name(compiled, kind, index) or f"{word}_{index}"
 
 
 def body_label(compiled: mujoco.MjModel, body: int) -> str:

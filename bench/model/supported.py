@@ -1,0 +1,68 @@
+"""What an MJCF may hold and the model cannot represent: refused by name."""
+
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+
+SUPPORTED = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+COUPLING = ("stiffness", "damping", "frictionloss", "armature", "limited")
+SWITCHES = {
+    mujoco.mjtDisableBit.mjDSBL_GRAVITY: "gravity",
+    mujoco.mjtDisableBit.mjDSBL_EQUALITY: "equality",
+    mujoco.mjtDisableBit.mjDSBL_CONSTRAINT: "constraint",
+}
+
+
+def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
+    """What would bend the answer unseen, one line each: switches, equalities, mocap bodies, flexes, tendons."""
+    for flag, what in SWITCHES.items():
+        if compiled.opt.disableflags & flag:
+            yield f'<flag {what}="disable"/>: the model always counts on {what}'
+    yield from _equalities(compiled)
+    for body in range(1, compiled.nbody):
+        label = repr(label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, body))
+        if compiled.body_mocapid[body] >= 0:
+            yield f"body {label} is a mocap body, which no joint moves; fix it to its parent"
+        if compiled.body_gravcomp[body]:
+            yield f"body {label} has gravcomp {compiled.body_gravcomp[body]:g}: the model gives bodies weight"
+    for flex in range(compiled.nflex):
+        label = label_of(compiled, mujoco.mjtObj.mjOBJ_FLEX, flex)
+        yield f"flex {label!r}: deformable bodies are not supported"
+    for tendon in range(compiled.ntendon):
+        acting = [what for what in COUPLING if np.any(getattr(compiled, f"tendon_{what}")[tendon])]
+        if acting:
+            label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+            yield f"tendon {label!r} has {', '.join(acting)}: it couples joints, unknown to the model"
+
+
+def label_of(compiled: mujoco.MjModel, kind: mujoco.mjtObj, index: int) -> str:
+    """The name of a part of the MJCF, or one made of its kind and number, such as joint_3."""
+    word = mujoco.mjtObj(kind).name.removeprefix("mjOBJ_").lower()
+    return mujoco.mj_id2name(compiled, kind, index) or f"{word}_{index}"
+
+
+def _equalities(compiled: mujoco.MjModel) -> Iterator[str]:
+    for index in range(compiled.neq):
+        if not compiled.eq_active0[index]:
+            continue
+        kind = mujoco.mjtEq(int(compiled.eq_type[index]))
+        label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
+        if kind not in SUPPORTED:
+            word = str(kind.name).removeprefix("mjEQ_").lower()
+            yield (
+                f"equality {label!r} of type {word}{_coupled(compiled, index)}: "
+                "only connect and weld close a loop"
+            )
+        elif kind == mujoco.mjtEq.mjEQ_WELD and compiled.eq_data[index, 10] <= 0:
+            yield f"weld {label!r} has torquescale 0 and holds no rotation; use a connect"
+
+
+def _coupled(compiled: mujoco.MjModel, index: int) -> str:
+    if compiled.eq_type[index] != mujoco.mjtEq.mjEQ_JOINT:
+        return ""
+    ids = (int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index]))
+    names = [repr(label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)) for joint in ids if joint >= 0]
+    if len(names) > 1:
+        return f", which couples joints {' and '.join(names)}"
+    return f", which holds joint {names[0]}"
