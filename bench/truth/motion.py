@@ -125,9 +125,10 @@ def _winding(machine: Machine, model: mujoco.MjModel, torque: Array) -> Array:
     winding = np.zeros(len(torque))
     for i, joint in enumerate(machine.robot.joints):
         if machine.motor_addresses[i] != machine.addresses[i]:
-            tendon = model.tendon(MOTOR_SIDE + joint)
-            play = tendon.lengthspring[1] - tendon.lengthspring[0]
-            winding[i] = torque[i] / np.ravel(tendon.stiffness)[0] + np.sign(torque[i]) * play / 2
+            spring = model.tendon(MOTOR_SIDE + joint).id
+            low, high = model.tendon_lengthspring[spring]
+            slack = (high - low) / 2
+            winding[i] = torque[i] / model.tendon_stiffness[spring] + np.sign(torque[i]) * slack
     return winding
 
 
