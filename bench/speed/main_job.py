@@ -1,0 +1,111 @@
+"""Cost of the main job: simulating beside `mujoco.rollout`, and identifying two recordings of 20 s at 1 kHz.
+
+Run as `python -m bench.speed.main_job`. Simulation and rollout run the same models over the same steps,
+alternately and on one thread, so that what else the machine does falls out of their ratio.
+"""
+
+import json
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+from rich.console import Console
+from rich.table import Table
+
+from bench.estimate.identify import identify
+from bench.excite.scenario import designer
+from bench.files import atomic_path
+from bench.scenario import load_scenario, resolve_trajectories
+from bench.sweep.versions import versions
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import Simulation, simulate
+
+SIMULATION_LIMIT = 2.0  # times mujoco.rollout
+IDENTIFICATION_LIMITS = {"five_bar": 1.0, "delta": 4.0}  # s
+RESULT = Path("results/speed/main_job.json")
+
+
+@dataclass(frozen=True)
+class MainJobSpeed:
+    """Medians over the repeats: microseconds a step, their ratio, and seconds to identify two recordings."""
+
+    robot: str
+    steps: int
+    simulation: float
+    rollout: float
+    ratio: float
+    identification: float
+
+
+def measure(name: str, repeats: int = 5) -> MainJobSpeed:
+    """Time one scenario."""
+    scenario = load_scenario(name)
+    trajectories = resolve_trajectories(scenario, designer)
+    times = np.empty((repeats, 3))
+    for repeat in range(repeats):
+        start = perf_counter()
+        simulation = simulate(scenario, trajectories, threads=1)
+        times[repeat, 0] = perf_counter() - start
+        times[repeat, 1] = _plain_rollout(simulation)
+        dataset = as_dataset(simulation)
+        fitted = replace(
+            dataset, recordings=tuple(one for one in dataset.recordings if one.use == "identify")
+        )
+        start = perf_counter()
+        identify(fitted)
+        times[repeat, 2] = perf_counter() - start
+    simulated, plain, identification = np.median(times, axis=0)
+    ratio = float(np.median(times[:, 0] / times[:, 1]))
+    microseconds = 1e6 / simulation.steps
+    return MainJobSpeed(
+        name, simulation.steps, simulated * microseconds, plain * microseconds, ratio, identification
+    )
+
+
+def _plain_rollout(simulation: Simulation) -> float:
+    """Seconds that mujoco.rollout takes for the same models, controls and steps."""
+    machine, settings = simulation.machine, simulation.scenario.settings
+    models = [machine.models[one.table.payload] for one in simulation.recordings]
+    time = np.arange(simulation.steps // len(models)) * settings.step - settings.settle
+    control = np.stack(
+        [machine.drive.command(*one.trajectory.evaluate(time)) for one in simulation.recordings]
+    )
+    size = mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    state = np.zeros((len(models), size))
+    state[:, 1 : 1 + models[0].nq] = [one.motion.qpos[0] for one in simulation.recordings]
+    data = mujoco.MjData(models[0])
+    start = perf_counter()
+    rollout.rollout(models, [data], state, control)
+    return perf_counter() - start
+
+
+def main() -> None:
+    """Measure the robots that have a limit, show the table, and keep it in results/speed."""
+    speeds = [measure(name) for name in IDENTIFICATION_LIMITS]
+    table = Table(title="Simulation, µs a step, and identification of two recordings of 20 s at 1 kHz, s")
+    for heading in ("robot", "simulate", "rollout", "ratio", "at most", "identify", "at most"):
+        table.add_column(heading, justify="left" if heading == "robot" else "right")
+    for one in speeds:
+        limit = IDENTIFICATION_LIMITS[one.robot]
+        parts = (f"{value:.2f}" for value in (one.simulation, one.rollout, one.ratio, SIMULATION_LIMIT))
+        table.add_row(one.robot, *parts, f"{one.identification:.2f}", f"{limit:g}")
+    Console().print(table)
+    limits = {"ratio_limit": SIMULATION_LIMIT}
+    rows = [
+        {
+            **asdict(one),
+            **limits,
+            "identification_limit": IDENTIFICATION_LIMITS[one.robot],
+            **versions().columns(),
+        }
+        for one in speeds
+    ]
+    with atomic_path(RESULT) as path:
+        path.write_text(json.dumps(rows, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()
