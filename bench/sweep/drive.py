@@ -110,6 +110,8 @@ class Driver:
         while True:
             while len(self._window) < self._limit and (following := next(self._sets, None)) is not None:
                 self._window.append(following)
+            if not self._window and not self._jobs:
+                return
             for known, needed in (
                 (self._designs, {one.design for one in self._window}),
                 (self._motions, {one.motion for one in self._window}),
@@ -120,9 +122,7 @@ class Driver:
             if self._jobs:
                 for outcome in self._pool.outcomes():
                     self._take(outcome)
-                report(self._journal)
-            elif not self._window:
-                return
+            report(self._journal)
 
     def _hand_out(self, one: _Set) -> bool:
         """Take the next step towards the runs of a set; whether they are under way, or have failed."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from bench.sweep.table import read_table
 BINS = 12  # a drawn axis, which has a value of its own in every run, is cut into as many parts of equal count
 MOST_VALUES = 40
 WIDE = 20.0  # ratio of largest to smallest value from which an axis is logarithmic
+MOST_BANDS = 2  # more than these hide each other
+DODGE = 0.009  # of the axis
 COVERAGE = 0.95
 COLORS = ("#1f6fb4", "#d1600c", "#2b8a3e", "#a8328e", "#7a5b00", "#00808a", "#c22a2a", "#5a5a5a")
 
@@ -36,13 +39,17 @@ def plot_sweep(
     figure = Figure(figsize=(7.0, 4.4), layout="constrained")
     axes = figure.add_subplot()
     positions, labels = _positions([value for _, values, _ in found for value in values])
-    for i, (name, values, spreads) in enumerate(found):
-        at = np.array([positions[value] for value in values], dtype=float)
-        _draw(axes, at, spreads, name, COLORS[i % len(COLORS)], share=is_share(y), joined=labels is None)
+    wide = labels is None and _is_wide(list(positions.values()))
     if labels is not None:
         axes.set_xticks(range(len(labels)), labels, rotation=0 if len(labels) < 6 else 30)
-    elif _is_wide(list(positions.values())):
+    elif wide:
         axes.set_xscale("log")
+    style = _Style(share=is_share(y), joined=labels is None, bands=len(found) <= MOST_BANDS)
+    for i, (name, values, spreads) in enumerate(found):
+        at = np.array([positions[value] for value in values], dtype=float)
+        if not style.bands or not style.joined:  # side by side, or their bars would hide each other
+            at = _moved(at, list(positions.values()), DODGE * (i - (len(found) - 1) / 2), wide=wide)
+        _draw(axes, at, spreads, name, COLORS[i % len(COLORS)], style)
     middles = [one.median for _, _, spreads in found for one in spreads]
     if is_share(y):
         axes.axhline(COVERAGE, color="#888888", linewidth=0.8, linestyle="--")
@@ -50,13 +57,22 @@ def plot_sweep(
         axes.set_yscale("log")
     axes.set_xlabel(x)
     axes.set_ylabel(y)
-    axes.set_title(METRICS.get(y.split(".", maxsplit=1)[0], y), fontsize=9, color="#555555")
+    axes.set_title(METRICS.get(y.split(".", maxsplit=1)[0], y).split(";")[0], fontsize=9, color="#555555")
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     if lines is not None:
         axes.legend(title=lines, frameon=False, fontsize=8, title_fontsize=8)
     with atomic_path(path) as partial, mpl.rc_context({"svg.hashsalt": "bench", "svg.fonttype": "none"}):
         figure.savefig(partial, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+@dataclass(frozen=True)
+class _Style:
+    """share: draw the mean; joined: the values of x are numbers; bands: spreads as areas, otherwise as bars."""
+
+    share: bool
+    joined: bool
+    bands: bool
 
 
 Found = list[tuple[Any, list[Any], list[Spread]]]
@@ -113,18 +129,38 @@ def _positions(values: Sequence[Any]) -> tuple[dict[Any, float], list[str] | Non
     return {value: float(i) for i, value in enumerate(distinct)}, [str(value) for value in distinct]
 
 
+def _moved(at: np.ndarray, all_values: Sequence[float], share: float, *, wide: bool) -> np.ndarray:
+    """Values moved sideways by a share of the axis."""
+    low, high = min(all_values), max(all_values)
+    moved = at * (high / low) ** share if wide else at + share * (high - low or 1.0)
+    return np.asarray(moved)
+
+
 def _draw(
-    axes: Axes, at: np.ndarray, spreads: Sequence[Spread], name: Any, color: str, *, share: bool, joined: bool
+    axes: Axes, at: np.ndarray, spreads: Sequence[Spread], name: Any, color: str, style: _Style
 ) -> None:
-    middle = np.array([one.mean if share else one.median for one in spreads])
+    middle = np.array([one.mean if style.share else one.median for one in spreads])
     low, high = (np.array([getattr(one, end) for one in spreads]) for end in ("low", "high"))
     label = None if name is None else str(name)
-    if joined and len(at) > 1:
+    if style.bands and style.joined and len(at) > 1:
         axes.fill_between(at, low, high, color=color, alpha=0.13, linewidth=0)
         axes.plot(at, middle, color=color, marker="o", markersize=3.5, linewidth=1.4, label=label)
     else:
         errors = np.maximum(np.stack([middle - low, high - middle]), 0.0)
-        axes.errorbar(at, middle, errors, color=color, marker="o", linestyle="none", capsize=3, label=label)
+        line = "-" if style.joined else "none"
+        axes.errorbar(
+            at,
+            middle,
+            errors,
+            color=color,
+            marker="o",
+            markersize=3.5,
+            linestyle=line,
+            linewidth=1.0,
+            elinewidth=0.8,
+            capsize=2,
+            label=label,
+        )
 
 
 def _is_wide(values: Sequence[float]) -> bool:

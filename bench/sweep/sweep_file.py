@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -80,10 +80,10 @@ class Sweep:
     axes: tuple[Axis, ...]
 
     @property
-    def seeds(self) -> tuple[int, ...]:
+    def seeds(self) -> Sequence[int]:
         """Every seed, in order."""
         seeds = self.table.seeds
-        return tuple(range(1, seeds + 1)) if isinstance(seeds, int) else seeds
+        return range(1, seeds + 1) if isinstance(seeds, int) else seeds
 
     @property
     def grid(self) -> tuple[GridAxis, ...]:
