@@ -83,13 +83,13 @@ CARRIED = """
   <equality><weld name="held" body1="load" body2="arm"/></equality>
 """
 
-# No loop at all: a branched tree, every joint driven.
+# No loop at all: a branched tree, every joint driven, one axis all but aligned.
 SERIAL = """
   <worldbody>
     <body name="base" pos="0.1 0.2 0.3" euler="0.2 0 0.4"><joint name="a" axis="1 2 3" ref="-0.4"/>
       <geom pos="0.1 0 0.1" euler="0.4 0.4 0.1"/>
       <body name="wrist" pos="0.2 0.1 0"><joint name="b" axis="0 1 0" pos="0.02 0 0"/>
-        <joint name="c" axis="0 0 -1" pos="0 0.03 0" ref="0.1"/><geom pos="0.05 0.02 0"/></body>
+        <joint name="c" axis="0 3e-8 -1" pos="0 0.03 0" ref="0.1"/><geom pos="0.05 0.02 0"/></body>
       <body name="finger" pos="0 0 0.2"><joint name="d" type="slide" axis="0 -1 0.5" ref="0.02"/>
         <geom pos="0.03 0.02 0.05"/><site name="tool" pos="0.1 0 0.05" euler="0.1 0.2 0.3"/></body></body>
   </worldbody>

@@ -96,7 +96,7 @@ def test_singular_home(tmp_path):
 
 def test_open_home(tmp_path):
     body = BALL.replace('name="grip" pos="-0.1 0 0"', 'name="grip" pos="-0.18 0.05 0"')
-    assert "not closed at home" in refusal(tmp_path, body, ("crank",))
+    assert "loop 'grip' is open by 0.08" in refusal(tmp_path, body, ("crank",))
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_open_home(tmp_path):
 )
 def test_equalities_that_close_no_loop(tmp_path, kind, equality):
     message = refusal(tmp_path, COUPLED + equality, ("a", "b"))
-    assert f"equality 'gear' is of type {kind}" in message
+    assert f"equality 'gear' of type {kind}" in message
 
 
 def test_equality_that_is_switched_off_is_none(tmp_path):

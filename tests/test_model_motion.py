@@ -7,7 +7,7 @@ import pytest
 from bench.errors import BenchError
 from bench.model import motion as motion_module
 from bench.model.closure import loop_residual
-from bench.model.follow import make_follower
+from bench.model.follow import advance, home_pose, make_follower
 from bench.model.geometry import read_geometry
 from bench.model.motion import motion_of
 from tests.mechanisms import LOOPED, movement, robot_named, write_robot
@@ -133,6 +133,17 @@ def test_one_assembly_mode_where_separate_closing_jumps(tmp_path):
     closed = np.abs(loop_residual(geometry, alone.T)).max(axis=0) < 1e-9
     jumped = np.mean(mode(alone[closed]) != home)
     assert jumped > 0.01
+
+
+def test_far_targets_are_reached_in_the_same_mode(tmp_path):
+    """In one call, from home past the joint ranges and past singular poses: steps that would leap are cut."""
+    geometry = read_geometry(robot_named("five_bar", tmp_path))
+    follower = make_follower(geometry)
+    home = home_pose(follower)
+    ways = np.random.default_rng(1).uniform(-2.2, 2.2, size=(1000, 2))
+    reached = [advance(follower, home, home.q[geometry.active_configuration] + way) for way in ways]
+    assert np.mean([share == 1.0 for _, share in reached]) > 0.95
+    assert np.all(mode(np.array([pose.q for pose, _ in reached])) == mode(home.q[None]))
 
 
 @pytest.mark.parametrize("name", LOOPED)

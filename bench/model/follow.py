@@ -18,7 +18,7 @@ NEARLY_CLOSED = 1e-3  # m or rad: after a smaller correction, to about its squar
 OPEN = 100.0  # times a correction: what is open by more, the correction does not close (no solution there)
 LARGEST_CORRECTION = 0.05  # m or rad: what a Newton correction may move after a prediction
 LARGEST_STEP = 0.3  # m or rad: of any joint
-LARGEST_TURN = 0.2  # m or rad: how far apart predictions from both ends of a step may be, see _turned
+LARGEST_TURN = 0.2  # m or rad: change of the amplification over a step, see _turned
 SMALLEST_STEP = 2.0**-12  # share of the way to a target below which it counts as out of reach
 MOST_ITERATIONS = 5
 
@@ -125,10 +125,11 @@ def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = 
 
 
 def _turned(before: Pose, after: Pose, part: np.ndarray) -> float:
-    """How far apart the passive joints' steps are by the amplifications before and after.
+    """By how much the amplification has changed over a step of the active joints, times that step [m or rad].
 
-    On a smooth way that is twice the correction. It is far more where a step has leapt over a singular pose
-    into another assembly mode, which the correction alone does not show.
+    On a smooth way that is about twice the correction. It is far more where the step has leapt over a
+    singular pose into another assembly mode: the amplification then has the other sign across the step's
+    direction, and the correction may have been small.
     """
-    apart = (after.amplification - before.amplification) @ part
-    return float(np.abs(apart).max(initial=0.0))
+    change = np.abs(after.amplification - before.amplification) @ np.abs(part)
+    return float(change.max(initial=0.0))

@@ -15,6 +15,7 @@ from bench.model.kinematics import Frames, frames_of
 from bench.model.scalars import Scalar, dot, minus, plus
 
 CLOSED = 1e-8  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
+NODE_CLOSED = 1e-6  # m or rad: the same at nodes, which are only interpolated
 TRAVEL = 0.3  # active travel between followed nodes, rad, or in units of the robot's length for a slide
 MIDDLE_TRAVEL = 0.1  # the same between the nodes of the middle level
 STRIDE = 16  # samples between the nodes of the middle level
@@ -57,9 +58,9 @@ def motion_of(
         return _solved(geometry, closures, track, lambda block: np.zeros((geometry.nq, len(time[block]))))
     nodes = _nodes(geometry, track.position, TRAVEL, len(time))
     followed = _followed(geometry, track, nodes).T
-    coarse = _solved(geometry, closures, track.at(nodes), lambda block: followed[:, block])
+    coarse = _solved(geometry, closures, track.at(nodes), lambda block: followed[:, block], NODE_CLOSED)
     finer = track.at(_nodes(geometry, track.position, MIDDLE_TRAVEL, STRIDE))
-    middle = _solved(geometry, closures, finer, _between(geometry, coarse, finer))
+    middle = _solved(geometry, closures, finer, _between(geometry, coarse, finer), NODE_CLOSED)
     return _solved(geometry, closures, track, _between(geometry, middle, track))
 
 
@@ -86,7 +87,9 @@ class _Track:
         )
 
 
-def _solved(geometry: Geometry, closures: Closures, track: _Track, guess: _Guess) -> Motion:
+def _solved(
+    geometry: Geometry, closures: Closures, track: _Track, guess: _Guess, enough: float = CLOSED
+) -> Motion:
     """Poses closed from the guess, velocities and accelerations, block by block."""
     samples, n = track.position.shape
     q = np.empty((samples, geometry.nq))
@@ -98,7 +101,9 @@ def _solved(geometry: Geometry, closures: Closures, track: _Track, guess: _Guess
         time = track.time[block]
         pose = np.ascontiguousarray(guess(block))
         pose[geometry.active_configuration] = track.position[block].T
-        pose, frames, elimination, motors = _closed(geometry, closures, time, normalised(geometry, pose))
+        pose, frames, elimination, motors = _closed(
+            geometry, closures, time, normalised(geometry, pose), enough
+        )
         amplification = [elimination.solve(right) for right in motors]
         _check(geometry, time, amplification)
         speeds = _tree_rates(closures, amplification, track.velocity[block])
@@ -128,12 +133,12 @@ def _tree_rates(
 
 
 def _closed(
-    geometry: Geometry, closures: Closures, time: np.ndarray, q: np.ndarray
+    geometry: Geometry, closures: Closures, time: np.ndarray, q: np.ndarray, enough: float
 ) -> tuple[np.ndarray, Frames, Elimination, list[list[Scalar]]]:
     """Newton on all samples together, from poses q (nq, K) that are nearly closed.
 
-    Returns the closed poses and what the last, small, correction was found with: frames, reduced equations,
-    and their right sides for every motor.
+    Returns the closed poses and what the last correction, smaller than `enough`, was found with: frames,
+    reduced equations, and their right sides for every motor.
     """
     moved = np.zeros(q.shape[1])
     step = np.zeros((geometry.nv, q.shape[1]))
@@ -151,7 +156,7 @@ def _closed(
         if not moved.max() < LARGEST_CORRECTION:
             raise _singular(geometry, time, int(np.argmax(moved)))
         q = integrate(geometry, q, step)
-        if size.max() < CLOSED and max(np.abs(value).max() for value in (0.0, *residual)) < OPEN * CLOSED:
+        if size.max() < enough and max(np.abs(value).max() for value in (0.0, *residual)) < OPEN * enough:
             motors = [[minus(0.0, row.get(index, 0.0)) for row in rows] for index in closures.active]
             return q, frames, elimination, motors
     raise _singular(geometry, time, int(np.argmax(size)))
