@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from bench.recording import Recording as Recording
     from bench.robot import Robot as Robot
     from bench.robot import load_robot as load_robot
+    from bench.show.tables import identification_report as identification_report
 
 _HOME_OF = {
     "BenchError": "bench.errors",
@@ -22,6 +23,7 @@ _HOME_OF = {
     "Identification": "bench.estimate.result",
     "Recording": "bench.recording",
     "Robot": "bench.robot",
+    "identification_report": "bench.show.tables",
     "identify": "bench.estimate.identify",
     "load_dataset": "bench.dataset",
     "load_robot": "bench.robot",
@@ -34,6 +36,7 @@ __all__ = [
     "Identification",
     "Recording",
     "Robot",
+    "identification_report",
     "identify",
     "load_dataset",
     "load_robot",

@@ -104,6 +104,20 @@ class Identification:
     left_out: tuple[str, ...]
     notes: tuple[str, ...]
 
+    def rows(self) -> list[dict[str, str | float]]:
+        """Gains, parameters and effect parameters as a table: one row with kind, name, value, std and unit each."""
+        named: list[tuple[str, str, Quantity]] = [
+            ("drive gain", joint, gain) for joint, gain in self.drive_gains.items()
+        ]
+        named += [("parameter", one.name, one) for one in self.parameters]
+        for effect, joints in self.effect_parameters.items():
+            for joint, values in joints.items():
+                named += [(effect, f"{name}({joint})", value) for name, value in values.items()]
+        return [
+            {"kind": kind, "name": name, "value": one.value, "std": one.std, "unit": one.unit}
+            for kind, name, one in named
+        ]
+
 
 def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) -> float | None:
     """RMS(measured - modelled) / RMS(measured) over recordings, for one motor or all; None without any."""

@@ -1,0 +1,36 @@
+"""What the README shows is run."""
+
+import re
+
+import pytest
+
+from bench.cli import main
+
+
+@pytest.fixture(scope="module")
+def blocks(project_root):
+    text = (project_root / "README.md").read_text(encoding="utf-8")
+    return re.findall(r"```(\w+)\n(.*?)```", text, flags=re.DOTALL)
+
+
+def test_the_python_example_runs_on_what_the_demo_leaves(blocks, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["demo"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.rstrip().splitlines()[-1].startswith("Open results/demo/")
+    (example,) = [code for language, code in blocks if language == "python"]
+    assert len(example.strip().splitlines()) <= 10 + 1  # ten lines, one of them blank
+    names: dict[str, object] = {}
+    exec(compile(example, "README.md", "exec"), names)  # noqa: S102 - our own text
+    printed = capsys.readouterr().out
+    assert "left: 3.30" in printed
+    assert "right: 2.76" in printed
+    assert names["error"].shape[1] == 2
+    assert {row["kind"] for row in names["table"]} == {"drive gain", "parameter"}
+
+
+def test_pictures_and_links_of_the_readme_are_there(project_root):
+    text = (project_root / "README.md").read_text(encoding="utf-8")
+    targets = [t for t in re.findall(r"\]\(([^)#]+)\)", text) if not t.startswith("http")]
+    assert targets
+    assert [t for t in targets if not (project_root / t).exists()] == []
