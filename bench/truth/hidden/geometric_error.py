@@ -54,9 +54,11 @@ class GeometricError(JointEffect):
             sites = sorted({*sites, tool})
         for i in sites:
             model.site_pos[i] += move
+        data = model.eq_data.copy()
         for i, part in anchors:
-            model.eq_data[i, part] += move
+            data[i, part] += move
         mujoco.mj_setConst(model, mujoco.MjData(model))
+        model.eq_data[:] = data  # MuJoCo has closed the loops anew in the reference pose
 
 
 def _ends_of_loops(model: mujoco.MjModel, body: int) -> tuple[list[int], list[tuple[int, slice]]]:
