@@ -1,25 +1,39 @@
 """The catalogue of physical effects, model side: one file an effect, one literal, sorted mapping."""
 
-from bench.effects.catalogue import CATALOGUE, EffectInstance, select_effects
+from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import (
     ActuatorEffect,
+    Bracket,
     Effect,
     EffectParameter,
-    JointSignals,
-    RobotSignals,
+    Place,
     ShapeParameter,
-    TorqueModel,
 )
+from bench.effects.evaluate import effect_columns
+from bench.effects.places import Places, passive_joints, places_in
+from bench.effects.samples import JointSamples
+from bench.effects.select import EffectInstance, select_effects
+from bench.effects.signals import JointSignals, RobotSignals, TorqueModel
+from bench.effects.user_file import catalogue_for, load_effects
 
 __all__ = [
     "CATALOGUE",
     "ActuatorEffect",
+    "Bracket",
     "Effect",
     "EffectInstance",
     "EffectParameter",
+    "JointSamples",
     "JointSignals",
+    "Place",
+    "Places",
     "RobotSignals",
     "ShapeParameter",
     "TorqueModel",
+    "catalogue_for",
+    "effect_columns",
+    "load_effects",
+    "passive_joints",
+    "places_in",
     "select_effects",
 ]

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import ActuatorEffect, EffectParameter, JointSignals
+from bench.effects.effect import ActuatorEffect, EffectParameter
+from bench.effects.signals import JointSignals
 
 
 @dataclass(frozen=True)

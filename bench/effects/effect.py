@@ -1,27 +1,35 @@
 """What an effect is: columns that the model lacks, beside those of the rigid bodies."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
-from typing import ClassVar, Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 
-from bench.model.geometry import Geometry
-from bench.model.motion import Motion
+from bench.effects.samples import JointSamples
+from bench.effects.signals import JointSignals, RobotSignals
+from bench.errors import BenchError
 
-Place = Literal["actuator", "passive", "robot"]
+Place = Literal["actuator", "passive", "body", "payload", "robot"]
+Bracket = tuple[float, float, float]
+"""Where a shape parameter is searched: lower bound, first value, upper bound; all equal: no further search."""
 
 
-def unit_at(unit: str, rotates: bool) -> str:
-    """A unit with `{effort}` and `{angle}` filled in for a hinge (True) or a slide (False)."""
-    return unit.format(effort="N*m" if rotates else "N", angle="rad" if rotates else "m")
+def unit_at(unit: str, rotates: bool, drive: str = "A") -> str:
+    """A unit with `{effort}`, `{angle}` and `{turn}` filled in for a hinge (True) or a slide (False).
+
+    drive: the unit of the current, for `{drive}`.
+    """
+    effort, angle, turn = ("N*m", "rad", "turn") if rotates else ("N", "m", "m")
+    return unit.format(effort=effort, angle=angle, turn=turn, drive=drive)
 
 
 @dataclass(frozen=True)
 class EffectParameter:
-    """A parameter of an effect; in its unit `{effort}` is N*m or N and `{angle}` is rad or m.
+    """A parameter of an effect.
 
+    In its unit `{effort}` is N*m or N, `{angle}` rad or m, `{turn}` turn or m, `{drive}` that of the current.
     positive: a negative value would be physically impossible, such as a friction that drives.
     """
 
@@ -29,67 +37,29 @@ class EffectParameter:
     unit: str
     positive: bool = False
 
-    def unit_at(self, rotates: bool) -> str:
+    def unit_at(self, rotates: bool, drive: str = "A") -> str:
         """The unit at a hinge (True) or at a slide (False)."""
-        return unit_at(self.unit, rotates)
+        return unit_at(self.unit, rotates, drive)
 
 
 @dataclass(frozen=True)
 class ShapeParameter:
     """A parameter that enters non-linearly, a field of the effect's class of the same name.
 
-    `candidates` span its range; the best of them starts the search, which stays between the first and the last.
+    `candidates`, in rising order, span its range; the best of them starts the search, which stays between its
+    neighbours. They are in units of the joint's RMS speed or of the longest recording's duration where `scale`
+    says so. discrete: nothing between the candidates makes sense.
     """
 
     name: str
     unit: str
     candidates: tuple[float, ...]
+    scale: Literal["", "speed", "duration"] = ""
+    discrete: bool = False
 
-    def unit_at(self, rotates: bool) -> str:
+    def unit_at(self, rotates: bool, drive: str = "A") -> str:
         """The unit at a hinge (True) or at a slide (False)."""
-        return unit_at(self.unit, rotates)
-
-
-@dataclass(frozen=True)
-class JointSignals:
-    """What is known of one actuated joint at every sample, each (N,), before decimation.
-
-    time s, from the start of the recording; position, velocity, acceleration in rad or m and their rates,
-    filtered; current in drive units, as logged; gain: the drive gain, N*m or N per drive unit, as the present
-    model has it (nominal at first). `speed` is the joint's RMS speed over all fitted recordings.
-    """
-
-    time: np.ndarray
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    current: np.ndarray
-    gain: float
-    speed: float
-    rate: float
-
-
-@dataclass(frozen=True)
-class RobotSignals:
-    """One recording of a whole robot before decimation: N samples, n motors.
-
-    joints: the actuated ones by name, in actuator order. tree: the motion of all joints of the opened tree.
-    payload: the name of what it carries, None without; payload_torque (N, n): of its declared parameters.
-    torque: the rigid-body torque (N, n) of the present model at other active positions, velocities and
-    accelerations (N, n each) and, where given, another gravity (3,) m/s2 or geometry, payload included. An
-    effect that depends on it is linearised about the present model, and the fit repeats until it is settled.
-    """
-
-    joints: Mapping[str, JointSignals]
-    geometry: Geometry
-    tree: Motion
-    payload: str | None
-    payload_torque: np.ndarray
-    torque: "TorqueModel"
-
-
-TorqueModel = Callable[..., np.ndarray]
-"""torque(position, velocity, acceleration, *, gravity=None, geometry=None) -> (N, n)."""
+        return unit_at(self.unit, rotates, drive)
 
 
 @dataclass(frozen=True)
@@ -98,9 +68,13 @@ class Effect(ABC):
 
     The motors have to overcome `columns(...) @ parameters`, N*m or N, beside the rigid-body torque.
 
-    place: "actuator" (one set of parameters for each actuated joint), "passive" (for each joint without a
-    motor) or "robot" (one set). contains: effects that are special cases of this one; it must earn its
-    extra parameters against them. depends_on_model: its columns use the present model's torque or gain.
+    place: where it sits, with a set of parameters for each: "actuator" (joint with a motor), "passive" (joint
+    without), "body" (with a length), "payload", or once for the "robot". contains: effects that are special
+    cases of this one; it must earn its extra parameters against them. depends_on_model: its columns use the
+    present model's torque or gain.
+
+    A field named like a linear parameter is the value about which the columns are linearised (see `about`):
+    columns times parameter is then exact where the parameter has that value.
     """
 
     name: ClassVar[str]
@@ -114,13 +88,33 @@ class Effect(ABC):
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """Torque at every motor for a value of one of each parameter, (N, n, p).
 
-        joint: where the effect sits; empty for an effect of the whole robot.
+        joint: where the effect sits (a joint, a body or a payload); empty for an effect of the whole robot.
         """
 
     def shape_values(self) -> dict[str, float]:
         """The values of the shape parameters of this instance."""
-        names = {parameter.name for parameter in self.shape}
-        return {field.name: getattr(self, field.name) for field in fields(self) if field.name in names}
+        return {parameter.name: getattr(self, parameter.name) for parameter in self.shape}
+
+    def about(self, values: Mapping[str, float]) -> Self:
+        """The effect linearised about these values of its linear parameters; itself where it is linear."""
+        own = {field.name for field in fields(self)} - {parameter.name for parameter in self.shape}
+        known = {name: value for name, value in values.items() if name in own}
+        return replace(self, **known) if known else self
+
+    def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+        """Where to search a shape parameter at a joint; samples: of every fitted recording, none elsewhere."""
+        unit = 1.0
+        if parameter.scale == "speed" and samples:
+            unit = samples[0].speed
+        elif parameter.scale == "duration" and samples:
+            unit = max(one.duration for one in samples)
+        values = [unit * value for value in parameter.candidates]
+        if parameter.discrete:
+            return tuple((value, value, value) for value in values)
+        return tuple(
+            (values[max(i - 1, 0)], value, values[min(i + 1, len(values) - 1)])
+            for i, value in enumerate(values)
+        )
 
 
 @dataclass(frozen=True)
@@ -135,6 +129,17 @@ class ActuatorEffect(Effect):
         """Columns (N, n, p) with `torque` in the joint's own row and zero elsewhere."""
         torque = self.torque(robot.joints[joint])
         names = list(robot.joints)
-        columns = np.zeros((len(torque), len(names), torque.shape[1]))
+        columns = np.zeros((len(robot.time), len(names), len(self.parameters)))
+        if torque.shape != (len(columns), len(self.parameters)):
+            raise BenchError(
+                f"effect {self.name!r}: torque has the shape {torque.shape} instead of "
+                f"{(len(columns), len(self.parameters))}, a column for each parameter"
+            )
         columns[:, names.index(joint)] = torque
         return columns
+
+
+def step_about(value: float, least: float, most: float) -> float:
+    """A finite step with the sign of a value, its size between the bounds: for secants through zero."""
+    size = min(max(abs(value), least), most)
+    return -size if value < 0 else size

@@ -10,8 +10,8 @@ from bench.estimate.measured import Measured
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import motion_of
-from bench.model.regressor import projected_regressor
+from bench.model.motion import Motion, motion_of
+from bench.model.regressor import payload_transform, projected_regressor
 from bench.payload import Payload
 
 
@@ -38,8 +38,9 @@ def declared_parameters(payloads: Mapping[str, Payload]) -> dict[str, np.ndarray
 
 def robot_signals(model: IdentificationModel, measured: Measured, present: PresentModel) -> RobotSignals:
     """One recording as effects see it."""
-    geometry = model.geometry
     payload = measured.recording.payload
+    rate = measured.recording.rate
+    kinds = {joint.name: joint.kind for joint in model.geometry.joints}
     joints = {
         actuator.joint: JointSignals(
             time=measured.time - measured.time[0],
@@ -49,32 +50,56 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             current=measured.current[:, j],
             gain=float(present.gains[j]),
             speed=float(present.speeds[j]),
-            rate=measured.recording.rate,
+            rate=rate,
+            band=measured.settings.band(rate),
+            rotates=kinds[actuator.joint] != "slide",
         )
-        for j, actuator in enumerate(geometry.robot.actuators)
+        for j, actuator in enumerate(model.geometry.robot.actuators)
     }
 
     def torque(
-        position: np.ndarray,
-        velocity: np.ndarray,
-        acceleration: np.ndarray,
+        position: np.ndarray | None = None,
+        velocity: np.ndarray | None = None,
+        acceleration: np.ndarray | None = None,
         *,
         gravity: np.ndarray | None = None,
         geometry: Geometry | None = None,
+        every: int = 1,
     ) -> np.ndarray:
+        step = slice(None, None, every)
         changed = model.geometry if geometry is None else geometry
         if gravity is not None:
             changed = replace(changed, gravity=gravity)
-        tree = motion_of(changed, measured.time, position, velocity, acceleration)
+        given = (position, velocity, acceleration)
+        if geometry is None and all(one is None for one in given):
+            tree = _every(measured.tree, step)
+        else:
+            logged = (measured.position, measured.velocity, measured.acceleration)
+            active = [x[step] if y is None else y for x, y in zip(logged, given, strict=True)]
+            tree = motion_of(changed, measured.time[step], *active)
         rows = projected_regressor(changed, tree, model.base.columns) @ present.base
         if payload is not None:
-            loads = projected_regressor(changed, tree, model.payload_columns)
-            rows = rows + loads @ (model.payload @ present.payloads[payload])
+            rows = rows + _carried(model, changed, tree, present.payloads[payload])
         return np.asarray(rows)
 
-    if payload is None:
-        carried = np.zeros_like(measured.current)
-    else:
-        loads = projected_regressor(geometry, measured.tree, model.payload_columns)
-        carried = loads @ (model.payload @ present.declared[payload])
-    return RobotSignals(joints, geometry, measured.tree, payload, carried, torque)
+    def carried() -> np.ndarray:
+        if payload is None:
+            return np.zeros_like(measured.current)
+        return _carried(model, model.geometry, measured.tree, present.declared[payload])
+
+    mass = 0.0 if payload is None else float(present.declared[payload][0])
+    return RobotSignals(joints, model.geometry, measured.tree, payload, mass, carried, torque)
+
+
+def _carried(
+    model: IdentificationModel, geometry: Geometry, tree: Motion, parameters: np.ndarray
+) -> np.ndarray:
+    """Torque (N, n) of a payload's standard parameters (10,) in the tool frame; none without a tool."""
+    if geometry.tool is None:
+        return np.zeros((len(tree.time), len(geometry.active)))
+    loads = projected_regressor(geometry, tree, model.payload_columns)
+    return np.asarray(loads @ (payload_transform(geometry.tool) @ parameters))
+
+
+def _every(motion: Motion, step: slice) -> Motion:
+    return Motion(motion.time[step], motion.q[step], motion.v[step], motion.a[step], motion.jacobian[step])

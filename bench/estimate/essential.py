@@ -56,14 +56,20 @@ def expanded(
     The covariance, of [kept parameters, shape parameters, gains], is put in the order [all parameters, gains,
     shape parameters].
     """
-    theta = np.zeros(size)
-    theta[kept] = solution.theta
+    theta = with_zeros(solution.theta, kept, size)
     n, k = len(solution.gains), len(kept)
     shapes = len(spread.covariance) - k - n
     index = np.concatenate((kept, size + n + np.arange(shapes), size + np.arange(n)))
     covariance = np.zeros((size + n + shapes,) * 2)
     covariance[np.ix_(index, index)] = spread.covariance
     return replace(solution, theta=theta), replace(spread, covariance=covariance)
+
+
+def with_zeros(values: np.ndarray, kept: np.ndarray, size: int) -> np.ndarray:
+    """Values (k,) at the indices kept (k,) of an array (size,) of zeros."""
+    every = np.zeros(size)
+    every[kept] = values
+    return every
 
 
 def _current_error(stack: Stack, solution: Solution) -> float:

@@ -9,8 +9,10 @@ import numpy as np
 from bench.dataset import Dataset
 from bench.effects import CATALOGUE, Effect
 from bench.errors import BenchError
+from bench.estimate.absorbed import identifiable_columns
 from bench.estimate.column_errors import column_errors
 from bench.estimate.deviations import Deviations, uncertainty
+from bench.estimate.effect_columns import robot_signals
 from bench.estimate.essential import essential_columns, expanded, reduced
 from bench.estimate.estimators import DEFAULT_METHOD, Request, solve
 from bench.estimate.identifiability import check_gains_identifiable
@@ -64,7 +66,8 @@ def fit(
     prepared = settled(prepared, fit_gains)
     dataset, layout = prepared.dataset, prepared.layout
     stack = stack_observations(prepared.fitted, layout, dataset.payloads)
-    unknowns = layout.size + (stack.current.shape[1] if fit_gains else 0)
+    kept = identifiable_columns(stack, layout, fit_gains)
+    unknowns = len(kept) + (stack.current.shape[1] if fit_gains else 0)
     equations = int(stack.moving.sum())
     if equations < 2 * unknowns:
         raise BenchError(
@@ -82,12 +85,15 @@ def fit(
             ),
         )
 
-    kept = np.arange(layout.size)
-    if essential:
-        kept = essential_columns(stack, layout.base, solved, deviations)
+    if len(kept) < layout.size:
         stack = reduced(stack, kept)
+    if essential:
+        needed = essential_columns(
+            stack, layout.base, lambda system, columns: solved(system, kept[columns]), deviations
+        )
+        stack, kept = reduced(stack, needed), kept[needed]
     solution = solved(stack, kept)
-    shaped, extended = with_shape_columns(prepared, stack, solution)
+    shaped, extended = with_shape_columns(prepared, stack, solution, kept)
     spread = uncertainty(shaped, extended, deviations)
     solution, spread = expanded(solution, spread, kept, layout.size)
     return summarise(prepared, method, solution, spread, deviations, kept)
@@ -117,7 +123,8 @@ def _column_errors(prepared: Prepared) -> np.ndarray:
 
     def columns(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
         measured = measure(model, recording, prepared.settings)
-        effects = effect_rows(model, measured, prepared.effects, prepared.present)
+        signals = robot_signals(model, measured, prepared.present)
+        effects = effect_rows(signals, prepared.settings.decimation, prepared.effects)
         rows = replace(observe(model, measured), effects=effects)
         return regressor_rows(rows, layout), known_rows(rows, payloads)
 

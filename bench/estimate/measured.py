@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.errors import BenchError
-from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
 from bench.recording import Recording
@@ -51,14 +50,4 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
         acceleration=motion.acceleration,
         current=trim(recording.current, settings),
         tree=tree,
-    )
-
-
-def passive_joints(geometry: Geometry) -> tuple[str, ...]:
-    """Hinges and slides without a motor, by name."""
-    active = {int(index) for index in geometry.active}
-    return tuple(
-        joint.name
-        for joint in geometry.joints
-        if joint.kind in ("hinge", "slide") and joint.v.start not in active
     )

@@ -191,8 +191,10 @@ def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
 
 
 def _shaped(instance: EffectInstance, saved: SavedModel) -> EffectInstance:
-    values = {shape.name: _effect_value(instance, shape.name, saved) for shape in instance.effect.shape}
-    return replace(instance, effect=replace(instance.effect, **values))
+    effect = instance.effect
+    values = {shape.name: _effect_value(instance, shape.name, saved) for shape in effect.shape}
+    linear = {one.name: _effect_value(instance, one.name, saved) for one in effect.parameters}
+    return replace(instance, effect=replace(effect, **values).about(linear))
 
 
 def _effect_value(instance: EffectInstance, name: str, saved: SavedModel) -> float:

@@ -34,6 +34,18 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
             f"The scaled observation matrix has a condition number of {result.scaled_condition:.0f}: some "
             "parameters cannot be told apart well; a more exciting trajectory helps."
         )
+    absorbed = [
+        f"{name} of {effect}" + ("" if place == "robot" else f" at {place}")
+        for effect, places in result.effect_parameters.items()
+        for place, values in places.items()
+        for name, one in values.items()
+        if not np.isfinite(one.std)
+    ]
+    if absorbed:
+        notes.append(
+            f"These data cannot show {', '.join(absorbed)}: other parameters of the model do the same, and take "
+            "up the effect."
+        )
     for joint, gain in result.drive_gains.items():
         if result.gains_fitted and abs(gain.value / gain.nominal - 1.0) > SUSPICIOUS_GAIN:
             notes.append(

@@ -6,8 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.effects import EffectInstance
-from bench.estimate.effect_columns import PresentModel, robot_signals
+from bench.effects import EffectInstance, RobotSignals, effect_columns
 from bench.estimate.measured import Measured
 from bench.estimate.standstill import moving_rows
 from bench.model.model import IdentificationModel
@@ -82,16 +81,14 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     )
 
 
-def effect_rows(
-    model: IdentificationModel,
-    measured: Measured,
-    effects: Sequence[EffectInstance],
-    present: PresentModel,
-) -> np.ndarray:
-    """The columns of effects, filtered and decimated like the currents, (M, n, ne)."""
-    samples, n = measured.current.shape
+def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
+    """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne)."""
+    samples, n = len(signals.time), len(signals.joints)
     if not effects:
-        return np.zeros((len(decimated_indices(samples, measured.settings.decimation)), n, 0))
-    signals = robot_signals(model, measured, present)
-    columns = np.concatenate([one.effect.columns(signals, one.joint) for one in effects], axis=2)
-    return decimate(columns, measured.settings.decimation)
+        return np.zeros((len(decimated_indices(samples, decimation)), n, 0))
+    columns = np.concatenate([effect_columns(one, signals) for one in effects], axis=2)
+    flat = columns.reshape(samples, -1)
+    filled = np.flatnonzero(flat.any(axis=0))
+    rows = np.zeros((len(decimated_indices(samples, decimation)), flat.shape[1]))
+    rows[:, filled] = decimate(flat[:, filled], decimation)
+    return rows.reshape(len(rows), n, -1)

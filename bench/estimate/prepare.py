@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.effects import CATALOGUE, Effect, EffectInstance, select_effects
+from bench.effects import CATALOGUE, Effect, EffectInstance, RobotSignals, places_in, select_effects
 from bench.errors import BenchError
-from bench.estimate.effect_columns import PresentModel, declared_parameters
+from bench.estimate.effect_columns import PresentModel, declared_parameters, robot_signals
 from bench.estimate.layout import ParameterLayout, parameter_layout
-from bench.estimate.measured import Measured, measure, passive_joints
+from bench.estimate.measured import Measured, measure
 from bench.estimate.observation import Observation, effect_rows, observe
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.guess import guessed_parameters
@@ -24,7 +24,7 @@ class Prepared:
     """A dataset made ready to be fitted: the model, the filters, and every recording as equations.
 
     measured and observations go together, one for each recording that can be used. present: the model that
-    effects are linearised about.
+    effects are linearised about; signals: what they see of each recording.
     """
 
     dataset: Dataset
@@ -35,6 +35,7 @@ class Prepared:
     observations: tuple[Observation, ...]
     layout: ParameterLayout
     present: PresentModel
+    signals: tuple[RobotSignals, ...]
 
     @property
     def left_aside(self) -> tuple[str, ...]:
@@ -66,8 +67,8 @@ def prepare(
     if not fitted:
         raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
     model = build_model(dataset.robot)
-    joints = [actuator.joint for actuator in dataset.robot.actuators]
-    instances = select_effects(effects, joints, passive_joints(model.geometry), catalogue)
+    weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
+    instances = select_effects(effects, places_in(model.geometry, weighed), catalogue)
     if isinstance(filters, FilterSettings):
         settings = filters
     else:
@@ -80,6 +81,7 @@ def prepare(
     layout = parameter_layout(model, dataset.payloads, [*carried, *declared], 0)
     usable = [one for one in dataset.recordings if one.payload is None or one.payload in layout.payloads]
     measured = tuple(measure(model, recording, settings) for recording in usable)
+    present = _first_model(dataset, model, measured)
     prepared = Prepared(
         dataset=dataset,
         model=model,
@@ -88,7 +90,8 @@ def prepare(
         measured=measured,
         observations=tuple(observe(model, one) for one in measured),
         layout=layout,
-        present=_first_model(dataset, model, measured),
+        present=present,
+        signals=tuple(robot_signals(model, one, present) for one in measured),
     )
     return with_effects(prepared, instances)
 
@@ -97,15 +100,24 @@ def with_effects(
     prepared: Prepared, effects: Sequence[EffectInstance], present: PresentModel | None = None
 ) -> Prepared:
     """The same recordings with the columns of these effects, linearised about another model where given."""
-    present = prepared.present if present is None else present
+    signals = prepared.signals
+    if present is None or present is prepared.present:
+        present = prepared.present
+    else:
+        signals = tuple(robot_signals(prepared.model, one, present) for one in prepared.measured)
     observations = tuple(
-        replace(observation, effects=effect_rows(prepared.model, measured, effects, present))
-        for measured, observation in zip(prepared.measured, prepared.observations, strict=True)
+        replace(observation, effects=effect_rows(seen, prepared.settings.decimation, effects))
+        for seen, observation in zip(signals, prepared.observations, strict=True)
     )
     count = sum(len(one.effect.parameters) for one in effects)
     layout = replace(prepared.layout, effects=count)
     return replace(
-        prepared, effects=tuple(effects), observations=observations, layout=layout, present=present
+        prepared,
+        effects=tuple(effects),
+        observations=observations,
+        layout=layout,
+        present=present,
+        signals=signals,
     )
 
 

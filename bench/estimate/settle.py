@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from bench.effects import EffectInstance
+from bench.effects import EffectInstance, JointSamples
+from bench.estimate.absorbed import identifiable_columns
 from bench.estimate.current_error import current_error
 from bench.estimate.effect_columns import PresentModel
+from bench.estimate.essential import reduced, with_zeros
 from bench.estimate.least_squares import weighted_least_squares
 from bench.estimate.observation import effect_rows
 from bench.estimate.partial import PartialRegression, partial_regression
@@ -22,10 +24,13 @@ SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
 
 
 def solved_quickly(prepared: Prepared, fit_gains: bool) -> tuple[Stack, Solution]:
-    """The current-domain solution of prepared equations, without deviations."""
+    """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
     stack = stack_observations(prepared.fitted, prepared.layout, prepared.dataset.payloads)
-    start = weighted_least_squares(stack, prepared.dataset.robot.nominal_gains, fit_gains)
-    return stack, current_error(stack, start)
+    kept = identifiable_columns(stack, prepared.layout, fit_gains)
+    smaller = stack if len(kept) == prepared.layout.size else reduced(stack, kept)
+    start = weighted_least_squares(smaller, prepared.dataset.robot.nominal_gains, fit_gains)
+    solution = current_error(smaller, start)
+    return stack, replace(solution, theta=with_zeros(solution.theta, kept, prepared.layout.size))
 
 
 def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
@@ -39,6 +44,18 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
         payloads[name] = values
     base = solution.theta[: layout.base]
     return replace(prepared.present, gains=solution.gains, base=base, payloads=payloads)
+
+
+def linearised(instances: Sequence[EffectInstance], solution: Solution) -> tuple[EffectInstance, ...]:
+    """The effects linearised about their parameters in the solution, where these stand last in theta."""
+    at = len(solution.theta) - sum(len(one.effect.parameters) for one in instances)
+    found = []
+    for one in instances:
+        names = [parameter.name for parameter in one.effect.parameters]
+        values = dict(zip(names, solution.theta[at : at + len(names)].tolist(), strict=True))
+        found.append(replace(one, effect=one.effect.about(values)))
+        at += len(names)
+    return tuple(found)
 
 
 def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
@@ -55,9 +72,9 @@ def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
         prepared = with_effects(prepared, instances, present)
         _, solution = solved_quickly(prepared, fit_gains)
         present = present_model(prepared, solution)
-        now = np.array(
-            [*solution.gains, *(v for one in instances for v in one.effect.shape_values().values())]
-        )
+        instances = linearised(instances, solution)
+        shapes = [value for one in instances for value in one.effect.shape_values().values()]
+        now = np.array([*solution.gains, *shapes])
         if before is not None and np.all(np.abs(now - before) <= SETTLED * np.abs(now)):
             break
         before = now
@@ -81,6 +98,7 @@ def best_shape(
     prepared: Prepared, instance: EffectInstance, partial: PartialRegression, refine: bool = True
 ) -> EffectInstance:
     """The instance with the shape values that explain most of what is left, one parameter after the other."""
+    samples = joint_samples(prepared, instance, partial)
     for parameter in instance.effect.shape:
 
         def unexplained(
@@ -89,43 +107,80 @@ def best_shape(
             changed = replace(instance, effect=replace(instance.effect, **{name: float(value)}))
             return -partial.explained(candidate_columns(prepared, [changed]))[1]
 
-        values = parameter.candidates
-        costs = [unexplained(value) for value in values]
+        brackets = instance.effect.brackets(parameter, samples)
+        costs = [unexplained(value) for _, value, _ in brackets]
         best = int(np.argmin(costs))
-        found = values[best]
-        if refine and len(values) > 1:
-            low, high = values[max(best - 1, 0)], values[min(best + 1, len(values) - 1)]
+        low, found, high = brackets[best]
+        if refine and low < high:
+            tolerance = 1e-4 * max(abs(low), abs(high))
             result = minimize_scalar(
-                unexplained, bounds=(low, high), method="bounded", options={"xatol": 1e-4 * high}
+                unexplained, bounds=(low, high), method="bounded", options={"xatol": tolerance}
             )
             found = float(result.x) if result.fun < costs[best] else found
         instance = replace(instance, effect=replace(instance.effect, **{parameter.name: found}))
     return instance
 
 
+def joint_samples(
+    prepared: Prepared, instance: EffectInstance, partial: PartialRegression
+) -> tuple[JointSamples, ...]:
+    """What an effect at an actuated joint may look at when it looks for its shape; nothing for the others."""
+    names = list(prepared.dataset.robot.joints)
+    if instance.joint not in names:
+        return ()
+    j, n = names.index(instance.joint), len(names)
+    error = -partial.remainder.reshape(-1, n)[:, j] / partial.weights[j]
+    travel = np.ptp(np.concatenate([one.position[:, j] for one in prepared.fitted]))
+    found, start = [], 0
+    for one in prepared.fitted:
+        own = next(seen for seen in prepared.measured if seen.recording.name == one.name)
+        found.append(
+            JointSamples(
+                position=one.position[:, j],
+                velocity=one.velocity[:, j],
+                motor_torque=one.current[:, j] * prepared.present.gains[j],
+                error=error[start : start + len(one.time)] * one.moving[:, j],
+                duration=float(own.time[-1] - own.time[0]),
+                speed=float(prepared.present.speeds[j]),
+                travel=float(travel),
+                band=prepared.settings.band(own.recording.rate),
+                rotates=prepared.signals[0].joints[instance.joint].rotates,
+            )
+        )
+        start += len(one.time)
+    return tuple(found)
+
+
 def candidate_columns(prepared: Prepared, effects: Sequence[EffectInstance]) -> np.ndarray:
     """Columns (M, n, k) of effects over all fitted recordings, in the order of the stack."""
     return np.concatenate(
         [
-            effect_rows(prepared.model, one, effects, prepared.present)
-            for one in prepared.measured
-            if one.recording.use == "identify"
+            effect_rows(signals, prepared.settings.decimation, effects)
+            for signals, measured in zip(prepared.signals, prepared.measured, strict=True)
+            if measured.recording.use == "identify"
         ]
     )
 
 
-def with_shape_columns(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Stack, Solution]:
-    """The system with one more column for every shape parameter: the torque's derivative by it.
+def with_shape_columns(
+    prepared: Prepared, stack: Stack, solution: Solution, kept: np.ndarray
+) -> tuple[Stack, Solution]:
+    """The system with one more column for every continuous shape parameter: the torque's derivative by it.
 
-    Only for deviations: the new parameters are zero, and stand after all others.
+    Only for deviations: the new parameters are zero, and stand after all others. kept: which of the layout's
+    columns the stack has.
     """
     columns = []
-    at = stack.phi.shape[2] - prepared.layout.effects
+    theta = with_zeros(solution.theta, kept, prepared.layout.size)
+    at = prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
         size = len(instance.effect.parameters)
-        values = solution.theta[at : at + size]
+        values = theta[at : at + size]
         at += size
-        for name, value in instance.effect.shape_values().items():
+        for parameter in instance.effect.shape:
+            if parameter.discrete:
+                continue
+            name, value = parameter.name, instance.effect.shape_values()[parameter.name]
             step = SHAPE_STEP * (abs(value) or 1.0)
             ends = [
                 candidate_columns(
@@ -140,6 +195,6 @@ def with_shape_columns(prepared: Prepared, stack: Stack, solution: Solution) -> 
         return stack, solution
     added = np.stack(columns, axis=2) * stack.moving[:, :, None]
     phi = np.concatenate((stack.phi, added), axis=2)
-    theta = np.concatenate((solution.theta, np.zeros(len(columns))))
+    extended = np.concatenate((solution.theta, np.zeros(len(columns))))
     factors = compress(phi, stack.kappa, stack.current)
-    return replace(stack, phi=phi, factors=factors), replace(solution, theta=theta)
+    return replace(stack, phi=phi, factors=factors), replace(solution, theta=extended)

@@ -59,7 +59,7 @@ def summarise(
             drive_gains=gains,
             gains_fitted=solution.gains_fitted,
             parameters=parameters,
-            effect_parameters=_effects(prepared, solution, std, len(names), p + n),
+            effect_parameters=_effects(prepared, solution, std, kept, p + n),
             covariance=spread.covariance,
             rank=spread.rank,
             unknowns=spread.unknowns,
@@ -95,20 +95,24 @@ def modelled_series(prepared: Prepared, observation: Observation, solution: Solu
 
 
 def _effects(
-    prepared: Prepared, solution: Solution, std: np.ndarray, at: int, shape_at: int
+    prepared: Prepared, solution: Solution, std: np.ndarray, kept: np.ndarray, shape_at: int
 ) -> dict[str, dict[str, dict[str, Quantity]]]:
     rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
+    drives = {one.joint: one.gain_unit.partition("/")[2] for one in prepared.dataset.robot.actuators}
     found: dict[str, dict[str, dict[str, Quantity]]] = {}
+    at = prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
         values = {}
-        turning = rotates.get(instance.joint, True)
+        turning, drive = rotates.get(instance.joint, True), drives.get(instance.joint, "A")
         for parameter in instance.effect.parameters:
-            unit = parameter.unit_at(turning)
-            values[parameter.name] = Quantity(float(solution.theta[at]), float(std[at]), unit)
+            unit = parameter.unit_at(turning, drive)
+            spread = float(std[at]) if at in kept else float("inf")
+            values[parameter.name] = Quantity(float(solution.theta[at]), spread, unit)
             at += 1
         for shape in instance.effect.shape:
             value = instance.effect.shape_values()[shape.name]
-            values[shape.name] = Quantity(float(value), float(std[shape_at]), shape.unit_at(turning))
-            shape_at += 1
+            spread = 0.0 if shape.discrete else float(std[shape_at]) or float("inf")
+            values[shape.name] = Quantity(float(value), spread, shape.unit_at(turning, drive))
+            shape_at += not shape.discrete
         found.setdefault(instance.effect.name, {})[instance.joint or ROBOT] = values
     return found

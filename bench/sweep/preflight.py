@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydantic import ValidationError
 
-from bench.effects import select_effects
+from bench.effects import places_in, select_effects
 from bench.errors import BenchError
 from bench.estimate.estimators import ESTIMATORS
-from bench.estimate.measured import passive_joints
 from bench.model.model import build_model
 from bench.robot import Robot, load_robot
 from bench.scenario import Scenario, scenario_from_dict
@@ -78,10 +77,11 @@ def _checked(run: Run, seen: _Seen) -> Scenario:
         raise BenchError(first_mistake(error)) from error
     if identify.method not in ESTIMATORS:
         raise BenchError(f"method: {identify.method!r} is not one of {', '.join(ESTIMATORS)}")
-    key = digest([name, identify.effects])
+    key = digest([name, identify.effects, sorted(scenario.settings.payloads)])
     if key not in seen.effects:
-        passive = passive_joints(build_model(scenario.robot).geometry) if identify.effects else ()
-        select_effects(identify.effects, scenario.robot.joints, passive)
+        if identify.effects:
+            places = places_in(build_model(scenario.robot).geometry, scenario.settings.payloads)
+            select_effects(identify.effects, places)
         seen.effects.add(key)
     return scenario
 

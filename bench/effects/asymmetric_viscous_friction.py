@@ -1,0 +1,28 @@
+"""Viscous friction that differs with the direction of motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import ActuatorEffect, EffectParameter
+from bench.effects.signals import JointSignals
+
+
+@dataclass(frozen=True)
+class AsymmetricViscousFriction(ActuatorEffect):
+    """tau = Fv+ qd for qd > 0 and Fv- qd for qd < 0: viscous friction with a coefficient for each direction.
+
+    Fv+, Fv-: positive, N*m*s/rad or N*s/m; equal, they are plain viscous friction. Valid away from standstill,
+    at constant temperature. Source: Armstrong-Helouvry, Dupont and Canudas de Wit, "A survey of models, analysis
+    tools and compensation methods for the control of machines with friction", Automatica 30(7), 1994.
+    """
+
+    name = "asymmetric_viscous_friction"
+    parameters = (
+        EffectParameter("Fv+", "{effort}*s/{angle}", positive=True),
+        EffectParameter("Fv-", "{effort}*s/{angle}", positive=True),
+    )
+    contains = ("viscous_friction",)
+
+    def torque(self, joint: JointSignals) -> np.ndarray:
+        return np.column_stack((np.maximum(joint.velocity, 0.0), np.minimum(joint.velocity, 0.0)))

@@ -1,0 +1,37 @@
+"""Cogging torque."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, ShapeParameter
+from bench.effects.periods import PERIODS, strongest_periods, wave
+from bench.effects.samples import JointSamples
+from bench.effects.signals import JointSignals
+
+
+@dataclass(frozen=True)
+class CoggingTorque(ActuatorEffect):
+    """tau = a cos(N q) + b sin(N q): magnets drawn to the teeth of the stator, whatever the current.
+
+    a, b: N*m or N, of either sign; N: periods in a turn of the joint, gear included (of a slide: in a metre, and
+    the phase is 2 pi N q), found from the data. Valid for periods within the joint's travel that the motion
+    does not sweep faster than the fit's band. Source: Islam, Mir and Sebastian, "Issues in reducing the cogging
+    torque of mass-produced permanent-magnet brushless DC motor", IEEE Transactions on Industry Applications
+    40(3), 2004.
+    """
+
+    name = "cogging_torque"
+    parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
+    shape = (PERIODS,)
+
+    periods: float = 12.0
+
+    def torque(self, joint: JointSignals) -> np.ndarray:
+        return wave(joint.position, self.periods, joint.rotates)
+
+    def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+        if not samples:
+            return super().brackets(parameter, samples)
+        return strongest_periods(samples, [np.ones(len(one.position)) for one in samples])

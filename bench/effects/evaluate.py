@@ -1,0 +1,34 @@
+"""The columns of an effect, checked before they reach a fit."""
+
+import numpy as np
+
+from bench.effects.select import EffectInstance
+from bench.effects.signals import RobotSignals
+from bench.effects.user_file import MISTAKES, described, user_file_of
+from bench.errors import BenchError
+
+
+def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:
+    """Columns (N, n, p) of an effect at its place.
+
+    Raises BenchError where they have another shape or are not finite, or where a user's own code fails.
+    """
+    effect = instance.effect
+    file = user_file_of(effect)
+    what = f"effect {instance.request!r}" if file is None else f"{file}: effect {instance.request!r}"
+    try:
+        columns = np.asarray(effect.columns(robot, instance.joint))
+    except MISTAKES as error:
+        if file is None:
+            raise
+        raise BenchError(described(error, file)) from None
+    shape = len(robot.time), len(robot.joints), len(effect.parameters)
+    if columns.shape != shape or columns.dtype.kind not in "fiub":
+        raise BenchError(f"{what}: its columns have the shape {columns.shape} instead of {shape}")
+    if not np.isfinite(columns).all():
+        sample, _, parameter = np.argwhere(~np.isfinite(columns))[0]
+        raise BenchError(
+            f"{what}: its column of {effect.parameters[parameter].name} is not finite at "
+            f"t = {robot.time[sample]:.4f} s"
+        )
+    return columns

@@ -1,0 +1,41 @@
+"""A length in the kinematic model that is wrong."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.body_length import lengths, with_length
+from bench.effects.effect import Effect, EffectParameter, step_about
+from bench.effects.signals import RobotSignals
+from bench.errors import BenchError
+
+SMALLEST, LARGEST = 1e-3, 0.05  # of the length: step of the difference
+
+
+@dataclass(frozen=True)
+class GeometricError(Effect):
+    """A body longer by dl than the model says: tau = tau(L + dl) - tau(L), through the loop closures.
+
+    dl: m, of either sign. L: distance from the body's joint to the farthest joint, loop anchor or tool on it;
+    these move along the body, or away from its middle where they stand around it (a platform; the base, by the
+    name "world"). The column is a difference quotient of the present model's torque. Valid for small errors of one
+    length; joint axes stay parallel to what they were. Source: Khalil and Dombre, "Modeling, Identification and
+    Control of Robots", 2002, chapter 11 (geometric calibration); Merlet, "Parallel Robots", 2006.
+    """
+
+    name = "geometric_error"
+    parameters = (EffectParameter("dl", "m"),)
+    place = "body"
+    depends_on_model = True
+
+    dl: float = 0.0
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        body = lengths(robot.geometry)[joint]
+        step = step_about(self.dl, SMALLEST * body.length, LARGEST * body.length)
+        try:
+            change = robot.torque_change(geometry=with_length(robot.geometry, body, step))
+        except BenchError:  # out of reach with this length
+            step = -np.sign(step) * SMALLEST * body.length
+            change = robot.torque_change(geometry=with_length(robot.geometry, body, step))
+        return (change / step)[:, :, None]

@@ -1,0 +1,27 @@
+"""Coulomb friction in a joint without a motor."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Effect, EffectParameter
+from bench.effects.passive_joint import passive_velocity, seen_by_motors
+from bench.effects.signals import RobotSignals
+
+
+@dataclass(frozen=True)
+class PassiveCoulombFriction(Effect):
+    """tau = J_p' Fc sign(qd_p): coulomb friction in a passive joint p, carried to the motors by the loops.
+
+    Fc: Coulomb friction, positive, N*m or N; qd_p: velocity of the passive joint; J_p (1, n): its velocity for the
+    motors' velocities. Valid while the joint turns; a bearing under load has more. Source: Briot and Khalil,
+    "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
+    """
+
+    name = "passive_coulomb_friction"
+    parameters = (EffectParameter("Fc", "{effort}", positive=True),)
+    place = "passive"
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        speed = passive_velocity(robot, joint)
+        return seen_by_motors(robot, joint, np.sign(speed))[:, :, None]

@@ -1,0 +1,27 @@
+"""A payload that does not weigh what was declared."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Effect, EffectParameter
+from bench.effects.signals import RobotSignals
+
+
+@dataclass(frozen=True)
+class PayloadMassError(Effect):
+    """tau = dm tau_L / m: a payload of mass m + dm, all its declared parameters larger by the same share.
+
+    dm: kg, of either sign; tau_L: torque of the payload as it was declared, with mass m. Where the drive gains are
+    fitted and this is the only payload of known mass, the gains take it up. Source: Khalil, Gautier and
+    Lemoine, "Identification of the payload inertial parameters of industrial manipulators", ICRA 2007.
+    """
+
+    name = "payload_mass_error"
+    parameters = (EffectParameter("dm", "kg"),)
+    place = "payload"
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        if robot.payload != joint:
+            return np.zeros((len(robot.time), len(robot.joints), 1))
+        return (robot.payload_torque / robot.payload_mass)[:, :, None]

@@ -1,0 +1,68 @@
+"""Disturbances that repeat with the position: their phase, and how many periods there are."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.effects.effect import Bracket, ShapeParameter
+from bench.effects.samples import JointSamples
+
+PERIODS = ShapeParameter("periods", "1/{turn}", (4.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0))
+FEWEST = 0.75  # periods within the travel; slower changes look like gravity
+FINENESS = 5.0  # steps of the search in what one more period within the travel is
+MOST_STEPS = 4000
+SLOW = 0.2  # of the RMS speed: a joint spends enough time below it
+PEAKS = 3
+
+
+def phase(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
+    """Angle (N,) in rad of a disturbance with so many periods a turn (hinge) or a metre (slide)."""
+    return position * periods * (1.0 if rotates else 2.0 * np.pi)
+
+
+def wave(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
+    """Cosine and sine of the phase (N, 2)."""
+    angle = phase(position, periods, rotates)
+    return np.column_stack((np.cos(angle), np.sin(angle)))
+
+
+def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.ndarray]) -> tuple[Bracket, ...]:
+    """The periods that stand out of a joint's error: peaks of its least-squares periodogram over position.
+
+    carriers: for every recording what multiplies the wave, (M,). A sample counts where the low-pass of the fit
+    lets the wave through, |rate of the phase| below 2 pi band. Source: Lomb, "Least-squares frequency analysis
+    of unequally spaced data", Astrophysics and Space Science 39, 1976.
+    """
+    joint = samples[0]
+    one = (2.0 * np.pi if joint.rotates else 1.0) / max(
+        joint.travel, np.finfo(float).tiny
+    )  # period in the travel
+    rate = (1.0 if joint.rotates else 2.0 * np.pi) * max(SLOW * joint.speed, np.finfo(float).tiny)
+    last = max(2.0 * np.pi * joint.band / rate, 4.0 * FEWEST * one)
+    step = one / FINENESS
+    grid = np.arange(FEWEST * one, last, step)
+    grid = grid[:MOST_STEPS]
+    explained = np.zeros(len(grid))
+    moments = np.zeros((len(grid), 5))
+    for sample, carrier in zip(samples, carriers, strict=True):
+        angle = grid[:, None] * phase(sample.position, 1.0, sample.rotates)
+        pace = grid[:, None] * np.abs(phase(sample.velocity, 1.0, sample.rotates))
+        passed = carrier * (pace < 2.0 * np.pi * sample.band)
+        cosine, sine = passed * np.cos(angle), passed * np.sin(angle)
+        moments += np.column_stack(
+            (
+                (cosine * cosine).sum(axis=1),
+                (cosine * sine).sum(axis=1),
+                (sine * sine).sum(axis=1),
+                cosine @ sample.error,
+                sine @ sample.error,
+            )
+        )
+    cc, cs, ss, ce, se = moments.T
+    determinant = cc * ss - cs * cs
+    usable = determinant > 1e-6 * cc * ss
+    explained[usable] = ((ss * ce * ce - 2.0 * cs * ce * se + cc * se * se)[usable]) / determinant[usable]
+    padded = np.concatenate(([-1.0], explained, [-1.0]))
+    peaks = np.flatnonzero((explained >= padded[:-2]) & (explained >= padded[2:]))
+    best = peaks[np.argsort(explained[peaks])[::-1][:PEAKS]]
+    return tuple((float(grid[i] - step), float(grid[i]), float(grid[i] + step)) for i in sorted(best))

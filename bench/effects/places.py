@@ -1,0 +1,49 @@
+"""Where in a robot effects can sit."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from bench.effects.body_length import lengths
+from bench.effects.effect import Place
+from bench.model.geometry import Geometry
+
+
+@dataclass(frozen=True)
+class Places:
+    """Names of all that can have an effect: joints with and without a motor, bodies with a length, payloads."""
+
+    actuator: tuple[str, ...]
+    passive: tuple[str, ...]
+    body: tuple[str, ...]
+    payload: tuple[str, ...]
+
+    def of(self, place: Place) -> tuple[str, ...]:
+        """Where effects of that kind can sit; one empty name for the whole robot."""
+        everywhere: dict[Place, tuple[str, ...]] = {
+            "actuator": self.actuator,
+            "passive": self.passive,
+            "body": self.body,
+            "payload": self.payload,
+            "robot": ("",),
+        }
+        return everywhere[place]
+
+
+def places_in(geometry: Geometry, payloads: Iterable[str]) -> Places:
+    """The places of a robot; payloads: those of known mass, by name."""
+    return Places(
+        actuator=tuple(actuator.joint for actuator in geometry.robot.actuators),
+        passive=passive_joints(geometry),
+        body=tuple(lengths(geometry)),
+        payload=tuple(payloads),
+    )
+
+
+def passive_joints(geometry: Geometry) -> tuple[str, ...]:
+    """Hinges and slides without a motor, by name."""
+    active = {int(index) for index in geometry.active}
+    return tuple(
+        joint.name
+        for joint in geometry.joints
+        if joint.kind in ("hinge", "slide") and joint.v.start not in active
+    )

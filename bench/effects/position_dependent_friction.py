@@ -1,0 +1,38 @@
+"""Dry friction that depends on the position."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, ShapeParameter
+from bench.effects.periods import wave
+from bench.effects.samples import JointSamples
+from bench.effects.signals import JointSignals
+
+
+@dataclass(frozen=True)
+class PositionDependentFriction(ActuatorEffect):
+    """tau = (a cos(h q) + b sin(h q)) sign(qd): dry friction that varies around the turn, as of a bent shaft.
+
+    a, b: N*m or N, of either sign, added to the Coulomb friction, which is an effect of its own; h: harmonic, a
+    whole number of periods in a turn, found from the data (a slide: periods in a metre, whole halves of the
+    travel, and the angle is 2 pi h q). Valid while the joint slides. Source: Armstrong-Helouvry, "Control of
+    Machines with Friction", 1991; Popovic and Goldenberg, "Modeling of friction using spectral analysis", IEEE
+    Transactions on Robotics and Automation 14(1), 1998.
+    """
+
+    name = "position_dependent_friction"
+    parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
+    shape = (ShapeParameter("harmonic", "1/{turn}", (1.0, 2.0, 3.0, 4.0, 6.0, 8.0), discrete=True),)
+
+    harmonic: float = 1.0
+
+    def torque(self, joint: JointSignals) -> np.ndarray:
+        return np.sign(joint.velocity)[:, None] * wave(joint.position, self.harmonic, joint.rotates)
+
+    def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+        if not samples or samples[0].rotates:
+            return super().brackets(parameter, samples)
+        half = 0.5 / samples[0].travel
+        return tuple((half * value, half * value, half * value) for value in parameter.candidates)

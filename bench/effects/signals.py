@@ -1,0 +1,171 @@
+"""What an effect may know of a recording and of the model as it is at present."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from bench.model.geometry import Geometry
+from bench.model.motion import Motion
+from bench.signals.filtering import low_pass
+
+OVERSAMPLING = 8.0  # coarse samples in one period of the highest frequency that the fit sees
+WIDER = 2.0  # cut-off of the motor torque in units of that frequency: the filter takes 0.4 % off there
+
+
+@dataclass(frozen=True)
+class JointSignals:
+    """What is known of one actuated joint at every sample, each (N,), before decimation.
+
+    time s, from the start of the recording; position, velocity, acceleration in rad or m and their rates,
+    filtered; current in drive units, as logged; gain: the drive gain, N*m or N per drive unit, as the present
+    model has it (nominal at first). `speed` is the joint's RMS speed over all fitted recordings, `rate` the
+    sampling rate in Hz, `band` the highest frequency in Hz that the fit sees; rotates: a hinge, not a slide.
+    """
+
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    current: np.ndarray
+    gain: float
+    speed: float
+    rate: float
+    band: float
+    rotates: bool
+
+    @cached_property
+    def motor_torque(self) -> np.ndarray:
+        """Gain times current (N,), N*m or N, without the noise above the fit's band."""
+        cutoff = WIDER * self.band
+        if cutoff >= 0.45 * self.rate:
+            return self.gain * self.current
+        return self.gain * low_pass(self.current, self.rate, cutoff)
+
+
+class TorqueModel(Protocol):
+    """The rigid-body torque of the present model, payload included, for every `every`-th sample.
+
+    At the measured motion where neither motion nor geometry is given; otherwise at active positions,
+    velocities and accelerations (K, n) each, K = ceil(N / every). gravity: another one (3,) m/s2. Returns
+    (K, n), N*m or N. Raises BenchError where the loops cannot be closed.
+    """
+
+    def __call__(
+        self,
+        position: np.ndarray | None = None,
+        velocity: np.ndarray | None = None,
+        acceleration: np.ndarray | None = None,
+        *,
+        gravity: np.ndarray | None = None,
+        geometry: Geometry | None = None,
+        every: int = 1,
+    ) -> np.ndarray: ...
+
+
+@dataclass(frozen=True)
+class Coarse:
+    """Every so many-th sample of a recording, enough for what is smooth: time (K,) s, interval s; of the active
+    joints position, velocity and acceleration, and the present model's rigid-body torque, (K, n) each.
+    """
+
+    time: np.ndarray
+    interval: float
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+
+
+@dataclass(frozen=True)
+class RobotSignals:
+    """One recording of a whole robot before decimation: N samples, n motors.
+
+    joints: the actuated ones by name, in actuator order. tree: the motion of all joints of the opened tree.
+    payload: the name of what it carries, None without; payload_mass kg, as declared, zero where unknown;
+    `carried` computes `payload_torque`. torque: the rigid-body torque of the present model. An effect that
+    depends on it is linearised about the present model, and the fit repeats until it is settled.
+    """
+
+    joints: Mapping[str, JointSignals]
+    geometry: Geometry
+    tree: Motion
+    payload: str | None
+    payload_mass: float
+    carried: Callable[[], np.ndarray]
+    torque: TorqueModel
+
+    @cached_property
+    def payload_torque(self) -> np.ndarray:
+        """Torque or force (N, n) of the payload's declared parameters; zero without a payload."""
+        return self.carried()
+
+    @cached_property
+    def time(self) -> np.ndarray:
+        """From the start of the recording (N,), s."""
+        return next(iter(self.joints.values())).time
+
+    @cached_property
+    def position(self) -> np.ndarray:
+        """Of the active joints (N, n), rad or m, as logged."""
+        return np.column_stack([joint.position for joint in self.joints.values()])
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        """Of the active joints (N, n), rad/s or m/s."""
+        return np.column_stack([joint.velocity for joint in self.joints.values()])
+
+    @cached_property
+    def acceleration(self) -> np.ndarray:
+        """Of the active joints (N, n), rad/s2 or m/s2."""
+        return np.column_stack([joint.acceleration for joint in self.joints.values()])
+
+    @cached_property
+    def every(self) -> int:
+        """How many samples apart the coarse ones lie."""
+        joint = next(iter(self.joints.values()))
+        return max(1, int(joint.rate / (OVERSAMPLING * joint.band)))
+
+    @cached_property
+    def coarse(self) -> Coarse:
+        """The recording at few samples, with the torque of the present model."""
+        step = slice(None, None, self.every)
+        joint = next(iter(self.joints.values()))
+        return Coarse(
+            time=self.time[step],
+            interval=self.every / joint.rate,
+            position=self.position[step],
+            velocity=self.velocity[step],
+            acceleration=self.acceleration[step],
+            torque=self.torque(every=self.every),
+        )
+
+    def refined(self, values: np.ndarray) -> np.ndarray:
+        """Smooth values (K, ...) at the coarse samples, at every sample (N, ...): a cubic spline."""
+        if self.every == 1:
+            return values
+        return np.asarray(CubicSpline(self.time[:: self.every], values, axis=0)(self.time))
+
+    def torque_change(
+        self,
+        shift: np.ndarray | None = None,
+        *,
+        gravity: np.ndarray | None = None,
+        geometry: Geometry | None = None,
+    ) -> np.ndarray:
+        """How the present model's torque changes with its motion, gravity or geometry, (N, n), N*m or N.
+
+        shift (3, K, n): what is added to the coarse positions, velocities and accelerations. Evaluated at the
+        coarse samples. Raises BenchError where the loops cannot be closed after the change.
+        """
+        here = self.coarse
+        moved: tuple[np.ndarray | None, ...] = (None, None, None)
+        if shift is not None:
+            moved = tuple(
+                x + dx for x, dx in zip((here.position, here.velocity, here.acceleration), shift, strict=True)
+            )
+        changed = self.torque(*moved, gravity=gravity, geometry=geometry, every=self.every)
+        return self.refined(changed - here.torque)

@@ -1,0 +1,147 @@
+"""A user's own effects: classes in a Python file, treated like built-in ones."""
+
+import hashlib
+import inspect
+import sys
+import traceback
+import types
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import get_args
+
+from bench.effects.catalogue import CATALOGUE
+from bench.effects.effect import Effect, EffectParameter, Place, ShapeParameter, unit_at
+from bench.errors import BenchError
+
+PREFIX = "bench_user_effects_"
+MISTAKES = (
+    ArithmeticError,
+    AttributeError,
+    ImportError,
+    LookupError,
+    NameError,
+    OSError,
+    TypeError,
+    ValueError,
+)
+
+
+def catalogue_for(*files: Iterable[Path]) -> Mapping[str, Effect]:
+    """The built-in effects and those of the user's files, by name in alphabetical order.
+
+    Raises BenchError that names a file and what is wrong with it, or two effects of the same name.
+    """
+    found = dict(CATALOGUE)
+    origin = dict.fromkeys(CATALOGUE, "a built-in one")
+    for file in dict.fromkeys(path.resolve() for group in files for path in group):
+        for name, effect in load_effects(file).items():
+            if name in found:
+                raise BenchError(f"{file}: effect {name!r} has the name of {origin[name]}")
+            found[name] = effect
+            origin[name] = f"one in {file}"
+    return dict(sorted(found.items()))
+
+
+def load_effects(path: str | Path) -> dict[str, Effect]:
+    """The effects that a Python file defines, by name: its subclasses of Effect or ActuatorEffect.
+
+    The file is run. Raises BenchError that names the file, and the line where it can.
+    """
+    path = Path(path)
+    try:
+        source = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+    module = types.ModuleType(PREFIX + hashlib.sha256(str(path).encode()).hexdigest()[:16])
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # dataclasses look their module up
+    try:
+        exec(compile(source, str(path), "exec"), module.__dict__)
+    except SyntaxError as error:
+        raise BenchError(f"{path}, line {error.lineno}: {error.msg}") from None
+    except MISTAKES as error:
+        raise BenchError(described(error, path)) from None
+    classes = [
+        one
+        for one in vars(module).values()
+        if isinstance(one, type) and issubclass(one, Effect) and one.__module__ == module.__name__
+    ]
+    effects = [_instance(one, path) for one in classes if not inspect.isabstract(one)]
+    if not effects:
+        unfinished = ", ".join(
+            f"{one.__name__} lacks {', '.join(sorted(one.__abstractmethods__))}" for one in classes
+        )
+        raise BenchError(
+            f"{path}: no subclass of Effect or ActuatorEffect{unfinished and f' ({unfinished})'}"
+        )
+    names = [effect.name for effect in effects]
+    if len(set(names)) < len(names):
+        raise BenchError(f"{path}: two effects have the same name: {', '.join(names)}")
+    return dict(zip(names, effects, strict=True))
+
+
+def described(error: Exception, path: Path) -> str:
+    """An error that a user's file raised, in one line with the file and the line."""
+    lines = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
+    ]
+    at = f", line {lines[-1]}" if lines else ""
+    return f"{path}{at}: {type(error).__name__}: {' '.join(str(error).split())}"
+
+
+def user_file_of(effect: Effect) -> Path | None:
+    """The user's file that defines an effect; None for a built-in one."""
+    module = type(effect).__module__
+    return Path(str(sys.modules[module].__file__)) if module.startswith(PREFIX) else None
+
+
+def _instance(kind: type[Effect], path: Path) -> Effect:
+    try:
+        effect = kind()
+    except TypeError as error:
+        raise BenchError(f"{path}: class {kind.__name__} cannot be made without arguments: {error}") from None
+    fault = effect_fault(effect)
+    if fault is not None:
+        raise BenchError(f"{path}: class {kind.__name__}: {fault}")
+    return effect
+
+
+def effect_fault(effect: Effect) -> str | None:
+    """What is wrong with the class of an effect, in words; None where nothing is."""
+    name = getattr(effect, "name", None)
+    parameters = getattr(effect, "parameters", ())
+    if not isinstance(name, str) or not name.isidentifier():
+        return f"name must be a word such as 'my_friction', not {name!r}"
+    if not _all_of(parameters, EffectParameter) or not parameters:
+        return "parameters must be a tuple of EffectParameter, at least one"
+    if not _all_of(effect.shape, ShapeParameter):
+        return "shape must be a tuple of ShapeParameter"
+    if effect.place not in get_args(Place):
+        return f"place {effect.place!r} is none of {', '.join(get_args(Place))}"
+    return _parameter_fault(effect)
+
+
+def _parameter_fault(effect: Effect) -> str | None:
+    every: list[EffectParameter | ShapeParameter] = [*effect.parameters, *effect.shape]
+    symbols = [one.name for one in every]
+    if len(set(symbols)) < len(symbols):
+        return f"two parameters have the same name: {', '.join(symbols)}"
+    own = {field.name for field in fields(effect)}
+    for one in effect.shape:
+        if one.name not in own or not one.candidates:
+            return (
+                f"shape parameter {one.name!r} needs candidates and a field of the same name in a dataclass"
+            )
+    for parameter in every:
+        try:
+            unit_at(parameter.unit, rotates=True)
+        except (KeyError, IndexError, ValueError):
+            return (
+                f"unit {parameter.unit!r}: only {{effort}}, {{angle}}, {{turn}} and {{drive}} are filled in"
+            )
+    return None
+
+
+def _all_of(values: object, kind: type) -> bool:
+    return isinstance(values, tuple) and all(isinstance(one, kind) for one in values)
