@@ -21,58 +21,59 @@ def current_error(stack: Stack, start: Solution) -> Solution:
     The weights are one over each motor's current error. Without a known payload (start.gains_fitted is
     False) the gains stay as they are and the problem is linear.
     """
-    theta, gains = start.theta, start.gains
-    weights = 1.0 / _floor(stack, _current_rms(stack, theta, gains))
+    theta, gains, rows = start.theta, start.gains, len(stack.current)
+    weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
     for _ in range(REWEIGHTINGS):
-        theta, gains = _minimise(stack, theta, gains, weights, start.gains_fitted)
-        weights = 1.0 / _floor(stack, _current_rms(stack, theta, gains))
+        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted)
+        weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 
 
-def _minimise(
-    stack: Stack, theta: np.ndarray, gains: np.ndarray, weights: np.ndarray, fit_gains: bool
+def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:
+    """Sum of squares of every motor's current error, (n,), from factors (n, r, p + 2) of [phi, kappa, current]."""
+    p = len(theta)
+    modelled = (factors[:, :, :p] @ theta + factors[:, :, p]) / gains[:, None]
+    return np.asarray(((factors[:, :, p + 1] - modelled) ** 2).sum(axis=1))
+
+
+def minimised(
+    factors: np.ndarray,
+    theta: np.ndarray,
+    gains: np.ndarray,
+    weights: np.ndarray,
+    fit_gains: bool,
+    converged: float = CONVERGED,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Newton with step halving."""
-    p, n = len(theta), len(gains)
-    cost = _cost(stack, theta, gains, weights)
+    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share."""
+    n, r, p = factors.shape[0], factors.shape[1], len(theta)
+    squares = weights**2
+    cost = float(squared_errors(factors, theta, gains) @ squares)
     for _ in range(MOST_STEPS):
-        scaled = stack.factors * (weights / gains)[:, None, None]
+        scaled = factors * (weights / gains)[:, None, None]
         phi = scaled[:, :, :p]
         modelled = phi @ theta + scaled[:, :, p]
-        residual = stack.factors[:, :, p + 1] * weights[:, None] - modelled
-        jacobian = np.zeros((n, p + 2, p + (n if fit_gains else 0)))
+        residual = factors[:, :, p + 1] * weights[:, None] - modelled
+        jacobian = np.zeros((n, r, p + (n if fit_gains else 0)))
         jacobian[:, :, :p] = phi
         if fit_gains:
             jacobian[np.arange(n), :, p + np.arange(n)] = -modelled / gains[:, None]
-        step = scaled_lstsq(jacobian.reshape(n * (p + 2), -1), residual.reshape(-1))
+        step = scaled_lstsq(jacobian.reshape(n * r, -1), residual.reshape(-1))
         change = np.append(step[p:] / gains, 0.0) if fit_gains else np.zeros(1)
         share = 1.0 / max(1.0, 2.0 * float(np.abs(change).max()))
         while share > 1e-6:
             new_theta = theta + share * step[:p]
             new_gains = gains + share * step[p:] if fit_gains else gains
-            new_cost = _cost(stack, new_theta, new_gains, weights)
+            new_cost = float(squared_errors(factors, new_theta, new_gains) @ squares)
             if new_cost <= cost * (1 + 1e-12):
                 break
             share /= 2.0
         else:
             return theta, gains
-        settled = cost - new_cost <= CONVERGED * cost and share == 1.0
+        settled = cost - new_cost <= converged * cost and share == 1.0
         theta, gains, cost = new_theta, new_gains, new_cost
         if settled:
             break
     return theta, gains
-
-
-def _cost(stack: Stack, theta: np.ndarray, gains: np.ndarray, weights: np.ndarray) -> float:
-    return float(((_current_rms(stack, theta, gains) * weights) ** 2).sum())
-
-
-def _current_rms(stack: Stack, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:
-    """RMS of every motor's current error, (n,), drive unit."""
-    p = len(theta)
-    modelled = (stack.factors[:, :, :p] @ theta + stack.factors[:, :, p]) / gains[:, None]
-    residual = stack.factors[:, :, p + 1] - modelled
-    return np.asarray(np.sqrt((residual**2).sum(axis=1) / len(stack.current)))
 
 
 def _floor(stack: Stack, rms: np.ndarray) -> np.ndarray:

@@ -10,10 +10,10 @@ from bench.estimate.stack import Stack
 
 @dataclass(frozen=True)
 class PartialRegression:
-    """The linear system of the torque equations with all its columns taken out of everything else.
+    """The linearised system of the currents' errors with all its columns taken out of everything else.
 
-    The unknowns are [theta, g], or theta alone where the gains are fixed; rows are weighted by one over each
-    motor's error. basis (R, f): orthonormal, of the columns; remainder (R,): of the right side; weights (n,);
+    The unknowns are [theta, g], or theta alone where the gains are fixed. basis (R, f): orthonormal, of the
+    columns; remainder (R,): minus the weighted error; weights (n,): one over each motor's error in torque;
     moving (M, n).
     """
 
@@ -43,33 +43,26 @@ class PartialRegression:
 
 
 def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
-    """Prepare the questions about a solved system; `solution` gives the weights and, where fixed, the gains.
+    """Prepare the questions about a solved system, linearised about its current-domain `solution`.
 
-    The residual is phi theta + kappa - diag(v) g: a further column of torque enters with a plus sign.
+    The residual is current - (phi theta + kappa) / g. A further column of torque enters divided by -g; one that
+    only scales everything, as a known payload does, is in the span of phi and the gains' columns.
     """
-    rms = torque_rms(stack, solution)
-    weights = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
     samples, n, p = stack.phi.shape
-    gains = n if solution.gains_fitted else 0
-    rows = np.zeros((samples, n, p + gains))
-    rows[:, :, :p] = stack.phi
-    right = stack.kappa
-    if gains:
-        rows[:, np.arange(n), p + np.arange(n)] = -stack.current
-    else:
-        right = right - stack.current * solution.gains
-    flat = (rows * weights[:, None]).reshape(samples * n, -1)
+    modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains
+    error = (stack.current - modelled) * stack.moving
+    rms = np.sqrt((error**2).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
+    own = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
+    weights = own / solution.gains
+    rows = np.zeros((samples, n, p + (n if solution.gains_fitted else 0)))
+    rows[:, :, :p] = stack.phi * weights[:, None]
+    if solution.gains_fitted:
+        rows[:, np.arange(n), p + np.arange(n)] = -modelled * weights
+    flat = (rows * stack.moving[:, :, None]).reshape(samples * n, -1)
     norms = np.linalg.norm(flat, axis=0)
     norms[norms == 0.0] = 1.0
     left, singular, _ = np.linalg.svd(flat / norms, full_matrices=False)
     basis = left[:, singular > 1e-10 * singular[0]]
-    target = (right * weights).reshape(-1)
+    target = -(error * own).reshape(-1)
     remainder = target - basis @ (basis.T @ target)
     return PartialRegression(basis, remainder, weights, stack.moving)
-
-
-def torque_rms(stack: Stack, solution: Solution) -> np.ndarray:
-    """RMS torque error of every motor over the rows that are judged, (n,)."""
-    error = stack.current * solution.gains - stack.phi @ solution.theta - stack.kappa
-    count = np.maximum(stack.moving.sum(axis=0), 1)
-    return np.asarray(np.sqrt((error**2 * stack.moving).sum(axis=0) / count))

@@ -1,0 +1,195 @@
+"""Which effects a model lacks, judged on recordings that were not fitted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.diagnose.candidates import Proposal, propose
+from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
+from bench.diagnose.search import Found, search
+from bench.diagnose.split import with_judged_parts
+from bench.diagnose.system import System, build_system
+from bench.diagnose.unexplained import unexplained
+from bench.diagnose.verdicts import verdicts
+from bench.effects import CATALOGUE, Effect, EffectInstance
+from bench.estimate.identify import fit, gains_can_be_fitted
+from bench.estimate.prepare import Prepared, prepare, with_effects
+from bench.estimate.result import Identification, relative_error
+from bench.estimate.settle import present_model, settled, solved_quickly
+from bench.estimate.summary import ROBOT
+from bench.signals.settings import FilterSettings
+
+ROUNDS = 3  # of searching, each about the model that the last one found
+SHOWS = 3.0  # deviations by which a parameter must differ from zero for its effect to show at a joint
+
+
+def diagnose(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    *,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+) -> Diagnosis:
+    """Compare the model that has these effects with the data, and find the effects that it lacks.
+
+    Evidence is a likelihood ratio on recordings that were not fitted (or, where there are none, on the last
+    part of each), with as many samples as are independent of each other. All sets of up to three effects
+    compete; each must earn its place.
+    """
+    dataset, split = with_judged_parts(dataset)
+    start = prepare(dataset, effects, filters, catalogue=catalogue)
+    fit_gains = gains_can_be_fitted(start, None)
+    start = settled(start, fit_gains)
+    before = fit(start, fit_gains=fit_gains)
+    model, proposals, system, found = _searched(start, catalogue, fit_gains)
+    model, after = _where_it_shows(start, model, fit_gains)
+    added = model.effects[len(start.effects) :]
+    places: dict[str, tuple[str, ...]] = {}
+    for one in added:
+        places[one.effect.name] = (*places.get(one.effect.name, ()), one.joint)
+    scale = _relative(after, system, found)
+    ranking = verdicts(system, proposals, found, _shown_places(proposals, found, places), scale)
+    ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
+    ladder = _ladder(start, added, before, after, fit_gains)
+    missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
+    return Diagnosis(
+        robot=dataset.robot.name,
+        split=split,
+        missing=missing,
+        ladder=ladder,
+        ranking=ranking,
+        unexplained=unexplained(after, dataset.recordings),
+        before=before,
+        after=after,
+    )
+
+
+def _searched(
+    start: Prepared, catalogue: Mapping[str, Effect], fit_gains: bool
+) -> tuple[Prepared, list[Proposal], System, Found]:
+    """Search, linearise about what was found, and search again until the same is found."""
+    model, chosen = start, frozenset[str]()
+    for _ in range(ROUNDS):
+        own = len(start.effects)
+        proposals = _about(start, model, model.effects[own:], catalogue, fit_gains)
+        system = _system(start, model, proposals, fit_gains)
+        found = search(system, [i for i, one in enumerate(proposals) if not one.absorbed])
+        instances = [one for i in found.best.fit.chosen for one in proposals[i].instances]
+        names = frozenset(one.effect.name for one in instances)
+        model = settled(with_effects(start, (*start.effects, *instances)), fit_gains)
+        if names == chosen:
+            break
+        chosen = names
+    return model, proposals, system, found
+
+
+def _about(
+    start: Prepared,
+    model: Prepared,
+    chosen: Sequence[EffectInstance],
+    catalogue: Mapping[str, Effect],
+    fit_gains: bool,
+) -> list[Proposal]:
+    """All proposals, those of effects found before in the shape that the model gave them."""
+    proposals = propose(model, start, catalogue, fit_gains)
+    known = {(one.effect.name, one.joint): one for one in chosen}
+    return [
+        replace(one, instances=tuple(known.get((i.effect.name, i.joint), i) for i in one.instances))
+        for one in proposals
+    ]
+
+
+def _system(start: Prepared, model: Prepared, proposals: Sequence[Proposal], fit_gains: bool) -> System:
+    """The equations of the starting model with every proposal's columns, linearised about the present one."""
+    _, solution = solved_quickly(model, fit_gains)
+    about = with_effects(start, start.effects, present_model(model, solution))
+    own = replace(solved_quickly(about, fit_gains)[1], weights=solution.weights)
+    return build_system(about, [one.instances for one in proposals], own)
+
+
+def _where_it_shows(start: Prepared, model: Prepared, fit_gains: bool) -> tuple[Prepared, Identification]:
+    """The found effects without the joints at which they are nothing or have an impossible sign."""
+    result = fit(model, fit_gains=fit_gains)
+    own, added = model.effects[: len(start.effects)], model.effects[len(start.effects) :]
+    kept = [one for one in added if _shows(result, one)]
+    for one in added:
+        if not any(other.effect.name == one.effect.name for other in kept):
+            kept.append(one)
+    if len(kept) == len(added):
+        return model, result
+    ordered = [one for one in added if one in kept]
+    model = settled(with_effects(start, (*own, *ordered)), fit_gains)
+    return model, fit(model, fit_gains=fit_gains)
+
+
+def _shows(result: Identification, instance: EffectInstance) -> bool:
+    values = result.effect_parameters[instance.effect.name][instance.joint or ROBOT]
+    linear = [(values[parameter.name], parameter.positive) for parameter in instance.effect.parameters]
+    if any(positive and value.value < -SHOWS * value.std for value, positive in linear):
+        return False
+    return any(abs(value.value) > SHOWS * value.std for value, _ in linear)
+
+
+def _relative(after: Identification, system: System, found: Found) -> float:
+    """Relative error of the current for a weighted error of one, so that errors of sets can be told in percent."""
+    judged = relative_error([one for one in after.recordings if one.use == "validate"]) or 0.0
+    weighted = np.sqrt(found.best.fit.checked / max(system.checked.rows, 1))
+    return float(judged / weighted) if weighted > 0 else 0.0
+
+
+def _shown_places(
+    proposals: Sequence[Proposal], found: Found, places: Mapping[str, tuple[str, ...]]
+) -> dict[str, tuple[str, ...]]:
+    return {proposals[i].name: places.get(proposals[i].name, ()) for i in found.best.fit.chosen}
+
+
+def _by_strength(ranking: Sequence[EffectVerdict]) -> list[EffectVerdict]:
+    return sorted(ranking, key=lambda one: -one.evidence)
+
+
+def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, float]:
+    """RMS torque of an effect at each motor over the fitted recordings, N*m or N; nothing where it is not there."""
+    at = 0
+    joints = list(model.dataset.robot.joints)
+    total = None
+    for one in model.effects:
+        size = len(one.effect.parameters)
+        if one.effect.name == effect:
+            found = result.effect_parameters[effect][one.joint or ROBOT]
+            values = np.array([found[parameter.name].value for parameter in one.effect.parameters])
+            torque = np.concatenate([seen.effects[:, :, at : at + size] @ values for seen in model.fitted])
+            total = torque if total is None else total + torque
+        at += size
+    if total is None:
+        return {}
+    rms = np.sqrt((total**2).mean(axis=0))
+    return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}
+
+
+def _ladder(
+    start: Prepared,
+    added: Sequence[EffectInstance],
+    before: Identification,
+    after: Identification,
+    fit_gains: bool,
+) -> tuple[LadderStep, ...]:
+    """Errors after each added effect, the one that helps most first."""
+    steps = [LadderStep((), before.error.identify, before.error.validate)]
+    left = list(dict.fromkeys(one.effect.name for one in added))
+    taken: list[str] = []
+    while left:
+        tried = []
+        for name in left:
+            if len(left) == 1:
+                tried.append((after, name))
+                continue
+            instances = [one for one in added if one.effect.name in (*taken, name)]
+            tried.append((fit(with_effects(start, (*start.effects, *instances)), fit_gains=fit_gains), name))
+        result, name = min(tried, key=lambda pair: pair[0].error.validate or pair[0].error.identify or 0.0)
+        taken.append(name)
+        left.remove(name)
+        steps.append(LadderStep(tuple(taken), result.error.identify, result.error.validate))
+    return tuple(steps)

@@ -1,0 +1,63 @@
+"""What a diagnosis says."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from bench.estimate.result import Identification
+
+Verdict = Literal["missing", "not supported", "indistinguishable", "absorbed"]
+
+
+@dataclass(frozen=True)
+class LadderStep:
+    """Errors of the model with these effects, as in `ErrorSummary`."""
+
+    effects: tuple[str, ...]
+    identify: float | None
+    validate: float | None
+
+
+@dataclass(frozen=True)
+class EffectVerdict:
+    """What the data say of one effect.
+
+    error_before, error_after: relative error on recordings that were not fitted, without and with it. evidence:
+    log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
+    cannot tell from it. size: RMS of its torque at each actuator, N*m or N.
+    """
+
+    effect: str
+    verdict: Verdict
+    error_before: float
+    error_after: float
+    evidence: float
+    actuators: tuple[str, ...]
+    alternatives: tuple[str, ...]
+    size: Mapping[str, float]
+    why: str
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """What no effect of the catalogue accounts for. error and noise_floor: relative, on recordings not fitted."""
+
+    significant: bool
+    error: float
+    noise_floor: float
+    depends_on: tuple[str, ...]
+    why: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with them."""
+
+    robot: str
+    split: str
+    missing: tuple[str, ...]
+    ladder: tuple[LadderStep, ...]
+    ranking: tuple[EffectVerdict, ...]
+    unexplained: Unexplained
+    before: Identification
+    after: Identification

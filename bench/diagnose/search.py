@@ -1,0 +1,133 @@
+"""Search all small sets of effects for the one that the data support."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnose.system import Candidate, SetFit, System, solve_set
+
+LARGEST_SET = 3
+SHORTLIST = 14  # candidates that sets of two and three are made of, best first
+NEEDED = 8.0  # nats that an effect must bring (odds of some 3000 to 1)
+MATERIAL = 0.01  # share of the error on checked recordings that an effect must take away
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A set with its evidence against the present model, in nats: on checked recordings, and in all."""
+
+    fit: SetFit
+    checked: float
+    total: float
+
+
+def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
+    """Log-likelihood ratios against `reference`, with as many samples as are independent.
+
+    On checked recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
+    of their number is taken off for each parameter (Schwarz 1978).
+    """
+    tiny = np.finfo(float).tiny
+    samples = system.checked.rows / system.memory
+    checked = 0.5 * samples * np.log((reference.checked + tiny) / (fit.checked + tiny))
+    samples = system.fitted.rows / system.memory
+    fitted = 0.5 * samples * np.log((reference.fitted + tiny) / (fit.fitted + tiny))
+    extra = len(fit.columns) - len(reference.columns)
+    return Scored(fit, float(checked), float(checked + fitted - 0.5 * extra * np.log(samples)))
+
+
+@dataclass(frozen=True)
+class Found:
+    """The supported set, every single effect scored alone, and the model without any."""
+
+    best: Scored
+    singles: dict[int, Scored]
+    empty: SetFit
+
+
+def search(system: System, usable: Sequence[int]) -> Found:
+    """The supported set among the usable candidates (indices).
+
+    A larger set wins only if each of its effects earns NEEDED nats and MATERIAL of the error on recordings that
+    were not fitted, and if none of its effects has an impossible sign. All pairs and triples of the shortlist
+    compete, so that a first choice that a better pair makes superfluous does not stay.
+    """
+    empty = solve_set(system, ())
+    singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
+    order = sorted(usable, key=lambda i: -singles[i].total)[:SHORTLIST]
+    best = score(system, empty, empty)
+    for size in range(1, LARGEST_SET + 1):
+        sets = [score(system, solve_set(system, chosen), empty) for chosen in combinations(order, size)]
+        possible = [one for one in sorted(sets, key=lambda one: -one.total) if _possible(system, one.fit)]
+        for one in possible[:20]:
+            if one.total > best.total + NEEDED and earned(system, one, empty):
+                best = _simplest(system, one, possible)
+                break
+    return Found(best, singles, empty)
+
+
+def earned(system: System, one: Scored, empty: SetFit) -> bool:
+    """Whether the set is clearly poorer without any one of its effects, on recordings that were not fitted."""
+    chosen = one.fit.chosen
+    for i in range(len(chosen)):
+        fewer = solve_set(system, chosen[:i] + chosen[i + 1 :])
+        without = score(system, fewer, empty)
+        if one.checked - without.checked < NEEDED or one.total - without.total < NEEDED:
+            return False
+        if not material(fewer, one.fit):
+            return False
+    return True
+
+
+def material(before: SetFit, after: SetFit) -> bool:
+    """Whether the error on recordings that were not fitted falls by more than MATERIAL."""
+    return bool(np.sqrt(after.checked) < (1.0 - MATERIAL) * np.sqrt(before.checked))
+
+
+def close(one: Scored, other: Scored) -> bool:
+    """Whether the data cannot tell two sets apart: the second is hardly worse than the first."""
+    return one.checked - other.checked < NEEDED or not material(other.fit, one.fit)
+
+
+def _simplest(system: System, one: Scored, rivals: Sequence[Scored]) -> Scored:
+    """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest columns."""
+    simpler = [
+        rival
+        for rival in rivals
+        if len(rival.fit.columns) < len(one.fit.columns)
+        and _special_case(system, rival.fit.chosen, one.fit.chosen)
+        and close(one, rival)
+    ]
+    return min(simpler, key=lambda rival: (len(rival.fit.columns), -rival.total), default=one)
+
+
+def _special_case(system: System, simple: Sequence[int], general: Sequence[int]) -> bool:
+    """Whether the first set is the second with effects replaced by special cases of theirs."""
+    out = [system.candidates[i] for i in general if i not in simple]
+    into = [system.candidates[i] for i in simple if i not in general]
+    return len(out) == len(into) and all(any(contains(whole, part) for whole in out) for part in into)
+
+
+def contains(whole: Candidate, part: Candidate) -> bool:
+    """Whether the second effect is declared a special case of the first."""
+    return part.name in whole.instances[0].effect.contains
+
+
+def _possible(system: System, fit: SetFit) -> bool:
+    """Whether the largest share of every effect that has a sign has the right one: no friction that drives."""
+    at = system.base
+    for i in fit.chosen:
+        candidate = system.candidates[i]
+        signs = [parameter.positive for one in candidate.instances for parameter in one.effect.parameters]
+        values = fit.values[at : at + len(signs)]
+        at += len(signs)
+        signed = np.flatnonzero(signs)
+        if not len(signed):
+            continue
+        sizes = np.linalg.norm(system.fitted.factors[:, :, candidate.columns], axis=(0, 1))
+        share = (values * sizes)[signed]
+        if share[np.argmax(np.abs(share))] < 0:
+            return False
+    return True

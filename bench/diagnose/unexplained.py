@@ -1,0 +1,120 @@
+"""Is anything left that no known effect explains, and what does it vary with?"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import chi2
+
+from bench.diagnose.result import Unexplained
+from bench.estimate.result import CurrentSeries, Identification, relative_error
+from bench.recording import Recording
+from bench.signals.decimation import noise_bandwidth
+from bench.signals.settings import FilterSettings
+from bench.signals.spectrum import noise_floor
+
+BINS = 12
+SURPRISING = 1e-4  # probability of so strong a dependence by chance, all tests together
+MATERIAL = 1.15  # times the noise floor: less is not worth a word
+SHUFFLES = 400
+SEED = 20120606
+BLOCK = 12  # rows that are shuffled together, since neighbouring errors are alike
+
+
+def relative_noise_floor(
+    recordings: Sequence[Recording], series: Sequence[CurrentSeries], settings: FilterSettings
+) -> float:
+    """RMS of the currents' noise after the fit's filters over the RMS of the currents, all series together.
+
+    The noise is read off the spectra above the band of the motion and taken as white.
+    """
+    by_name = {recording.name: recording for recording in recordings}
+    noise = measured = 0.0
+    for one in series:
+        recording = by_name[one.name]
+        band = noise_bandwidth(settings.decimation) * recording.rate / 2
+        variance = noise_floor(recording.current, recording.rate, band) ** 2
+        noise += float((variance * one.moving.sum(axis=0)).sum())
+        measured += float(((one.measured * one.moving) ** 2).sum())
+    return float(np.sqrt(noise / measured)) if measured else 0.0
+
+
+def unexplained(result: Identification, recordings: Sequence[Recording]) -> Unexplained:
+    """Test the errors of the final model for any dependence, on recordings that were not fitted."""
+    judged = [one for one in result.recordings if one.use == "validate"] or list(result.recordings)
+    error = relative_error(judged) or 0.0
+    floor = relative_noise_floor(recordings, judged, result.settings)
+    found: dict[str, float] = {}
+    random = np.random.default_rng(SEED)
+    joints = list(result.drive_gains)
+    for j in range(len(joints)):
+        errors = np.concatenate([one.error[:, j][one.moving[:, j]] for one in judged])
+        scale = errors.std() or 1.0
+        for name, values in _variables(judged, j).items():
+            ratio = _dependence(errors / scale, values, random)
+            found[name] = max(found.get(name, 0.0), ratio)
+    depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio > 1.0)
+    significant = error > MATERIAL * floor and bool(depends)
+    if not significant:
+        why = f"the error left ({error:.3%}) is what the noise of the currents leaves ({floor:.3%})"
+        return Unexplained(False, error, floor, (), why)
+    why = (
+        f"{error:.3%} of the current is left where noise leaves {floor:.3%}, and it varies with "
+        f"{', '.join(depends)}: no effect of the catalogue accounts for it"
+    )
+    return Unexplained(True, error, floor, depends, why)
+
+
+def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:
+    """What the error of a motor may vary with, one value a row."""
+
+    def stacked(name: str) -> np.ndarray:
+        return np.concatenate([getattr(one, name)[:, j][one.moving[:, j]] for one in series])
+
+    variables = {
+        "position": stacked("position"),
+        "velocity": stacked("velocity"),
+        "acceleration": stacked("acceleration"),
+        "current": stacked("measured"),
+        "time": np.concatenate([(one.time - one.time[0])[one.moving[:, j]] for one in series]),
+    }
+    loads = np.concatenate(
+        [np.full(int(one.moving[:, j].sum()), float(one.payload is not None)) for one in series]
+    )
+    if np.ptp(loads) > 0:
+        variables["payload"] = loads
+    return variables
+
+
+def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Generator) -> float:
+    """How far the variation between bins is beyond chance: over one is beyond SURPRISING.
+
+    Chance is what shuffled blocks of the same errors give, so that their autocorrelation counts.
+    """
+    edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)))
+    if len(edges) < 2:
+        return 0.0
+    index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    count = np.maximum(np.bincount(index, minlength=len(edges) - 1), 1)
+
+    def between(errors: np.ndarray) -> float:
+        sums = np.bincount(index, weights=errors, minlength=len(edges) - 1)
+        return float((sums**2 / count).sum())
+
+    blocks = len(errors) // BLOCK
+    if blocks < 4:
+        return 0.0
+    trimmed = errors[: blocks * BLOCK].reshape(blocks, BLOCK)
+    rest = errors[blocks * BLOCK :]
+    chance = np.array(
+        [
+            between(
+                np.concatenate(((trimmed * random.choice((-1.0, 1.0), size=(blocks, 1))).reshape(-1), rest))
+            )
+            for _ in range(SHUFFLES)
+        ]
+    )
+    # the sum of squares of bin means is close to a scaled chi-squared; its tail is carried on from its moments
+    mean, variance = chance.mean(), chance.var()
+    freedom = 2.0 * mean**2 / max(variance, 1e-300)
+    limit = mean / freedom * float(chi2.isf(SURPRISING, freedom))
+    return between(errors) / limit

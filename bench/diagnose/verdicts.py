@@ -1,0 +1,139 @@
+"""A verdict on every effect of the catalogue, with its reason in a mechanical engineer's words."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.diagnose.candidates import Proposal
+from bench.diagnose.result import EffectVerdict, Verdict
+from bench.diagnose.search import Found, Scored, close, contains, material, score
+from bench.diagnose.system import System, solve_set
+
+
+def verdicts(
+    system: System,
+    proposals: Sequence[Proposal],
+    found: Found,
+    places: dict[str, tuple[str, ...]],
+    scale: float,
+) -> tuple[EffectVerdict, ...]:
+    """Every effect, the found ones first, then by evidence.
+
+    places: joints at which each found effect shows. scale: relative error for a weighted error of one.
+    """
+    best = found.best
+    chosen = set(best.fit.chosen)
+    rows: list[EffectVerdict] = []
+    for i, proposal in enumerate(proposals):
+        if proposal.absorbed:
+            rows.append(_absorbed(proposal, _error(system, best, scale)))
+        elif i in chosen:
+            rows.append(_found(system, proposals, found, i, places[proposal.name], scale))
+        else:
+            rows.append(_other(system, proposals, found, i, scale))
+    order: dict[Verdict, int] = {"missing": 0, "indistinguishable": 1, "not supported": 2, "absorbed": 3}
+    names = {proposals[i].name for i in chosen}
+    return tuple(
+        sorted(rows, key=lambda one: (one.effect not in names, order[one.verdict], -one.evidence, one.effect))
+    )
+
+
+def spoken(name: str) -> str:
+    """An effect's name as it is said."""
+    return name.replace("_", " ")
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names as a list in a sentence."""
+    spoken_names = [spoken(name) for name in names]
+    return spoken_names[0] if len(names) == 1 else f"{', '.join(spoken_names[:-1])} or {spoken_names[-1]}"
+
+
+def _error(system: System, one: Scored, scale: float) -> float:
+    return float(np.sqrt(one.fit.checked / max(system.checked.rows, 1)) * scale)
+
+
+def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
+    by = f", above all {proposal.taken_up_by}" if proposal.taken_up_by else ""
+    why = (
+        f"The model's own parameters{by} take {spoken(proposal.name)} up completely: no data of this robot with "
+        "these payloads can show it."
+    )
+    return EffectVerdict(proposal.name, "absorbed", error, error, 0.0, (), (), {}, why)
+
+
+def _found(
+    system: System,
+    proposals: Sequence[Proposal],
+    found: Found,
+    i: int,
+    places: tuple[str, ...],
+    scale: float,
+) -> EffectVerdict:
+    best, chosen = found.best, found.best.fit.chosen
+    others = tuple(k for k in chosen if k != i)
+    without = score(system, solve_set(system, others), found.empty)
+    alternatives = [
+        proposals[k].name
+        for k in found.singles
+        if k not in chosen
+        and not contains(system.candidates[k], system.candidates[i])
+        and close(best, score(system, solve_set(system, (*others, k)), found.empty))
+    ]
+    before, after = _error(system, without, scale), _error(system, best, scale)
+    where = f" at {', '.join(places)}" if places != ("",) else ""
+    why = (
+        f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from {before:.2%} to "
+        f"{after:.2%} of the current"
+    )
+    if alternatives:
+        why += f"; these data cannot tell it from {listed(alternatives)}"
+    verdict: Verdict = "indistinguishable" if alternatives else "missing"
+    return EffectVerdict(
+        proposals[i].name,
+        verdict,
+        before,
+        after,
+        best.checked - without.checked,
+        places,
+        tuple(alternatives),
+        {},
+        f"{why}.",
+    )
+
+
+def _other(
+    system: System, proposals: Sequence[Proposal], found: Found, i: int, scale: float
+) -> EffectVerdict:
+    best, chosen = found.best, found.best.fit.chosen
+    added = score(system, solve_set(system, (*chosen, i)), found.empty)
+    before, after = _error(system, best, scale), _error(system, added, scale)
+    rivals = [
+        proposals[k].name
+        for k in chosen
+        if not contains(system.candidates[i], system.candidates[k])
+        and close(best, score(system, solve_set(system, (*(c for c in chosen if c != k), i)), found.empty))
+    ]
+    name = spoken(proposals[i].name)
+    if rivals:
+        why = f"{name.capitalize()} would explain the data as well as {listed(rivals)}: these recordings cannot tell."
+        return EffectVerdict(
+            proposals[i].name,
+            "indistinguishable",
+            before,
+            after,
+            added.checked - best.checked,
+            (),
+            tuple(rivals),
+            {},
+            why,
+        )
+    gained = (
+        "gains nothing"
+        if after >= before or not material(best.fit, added.fit)
+        else "gains too little to be sure"
+    )
+    why = f"Adding {name} {gained} on recordings that were not fitted ({before:.3%} to {after:.3%} of the current)."
+    return EffectVerdict(
+        proposals[i].name, "not supported", before, after, added.checked - best.checked, (), (), {}, why
+    )
