@@ -8,6 +8,7 @@ import click
 from bench.cli.options import (
     METHODS,
     dataset_argument,
+    effect_file_option,
     filter_options,
     given_filters,
     json_option,
@@ -18,6 +19,7 @@ from bench.cli.options import (
 @click.command("identify")
 @dataset_argument
 @with_option
+@effect_file_option
 @click.option(
     "--method", type=click.Choice(METHODS), default="current", show_default=True, help="The estimator."
 )
@@ -42,9 +44,10 @@ from bench.cli.options import (
     "--rrd", "rrd_file", type=click.Path(path_type=Path), metavar="FILE", help="Write a Rerun recording."
 )
 @click.option("-v", "--verbose", is_flag=True, help="Print groupings in full.")
-def identify(
+def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,
     effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
     method: str,
     gains: str,
     essential: bool,
@@ -62,6 +65,7 @@ def identify(
     from rich.console import Console
 
     from bench.dataset import load_dataset
+    from bench.effects import catalogue_for
     from bench.estimate.identify import identify as run
     from bench.estimate.model_file import save_model
     from bench.show.tables import identification_report
@@ -75,6 +79,7 @@ def identify(
         deviations=deviations,
         fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
         essential=essential,
+        catalogue=catalogue_for(data.effect_files, effect_files),
     )
     identification_report(result, Console(), verbose=verbose)
     if json_file is not None:

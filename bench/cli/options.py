@@ -22,6 +22,15 @@ with_option = click.option(
     help="Add an effect to the model, on every actuator or on one. Repeat for each.",
 )
 
+effect_file_option = click.option(
+    "--effect-file",
+    "effect_files",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Python file with effects of your own. Repeat for each.",
+)
+
 json_option = click.option(
     "--json", "json_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the answer as JSON."
 )

@@ -10,17 +10,17 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class AsymmetricViscousFriction(ActuatorEffect):
-    """tau = Fv+ qd for qd > 0 and Fv- qd for qd < 0: viscous friction with a coefficient for each direction.
+    """tau = Fv_plus qd for qd > 0 and Fv_minus qd for qd < 0: viscous friction with a coefficient for each direction.
 
-    Fv+, Fv-: positive, N*m*s/rad or N*s/m; equal, they are plain viscous friction. Valid away from standstill,
+    Fv_plus, Fv_minus: positive, N*m*s/rad or N*s/m; equal, they are plain viscous friction. Valid away from standstill,
     at constant temperature. Source: Armstrong-Helouvry, Dupont and Canudas de Wit, "A survey of models, analysis
     tools and compensation methods for the control of machines with friction", Automatica 30(7), 1994.
     """
 
     name = "asymmetric_viscous_friction"
     parameters = (
-        EffectParameter("Fv+", "{effort}*s/{angle}", positive=True),
-        EffectParameter("Fv-", "{effort}*s/{angle}", positive=True),
+        EffectParameter("Fv_plus", "{effort}*s/{angle}", positive=True),
+        EffectParameter("Fv_minus", "{effort}*s/{angle}", positive=True),
     )
     contains = ("viscous_friction",)
 

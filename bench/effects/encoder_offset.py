@@ -14,30 +14,30 @@ SLIDE = 0.1
 
 @dataclass(frozen=True)
 class EncoderOffset(Effect):
-    """A joint that stands at q + dq where q was logged: tau = tau(q + dq) - tau(q), through the loop closures.
+    """A joint that stands at q - offset where q was logged: tau = tau(q - offset) - tau(q), loops closed.
 
-    dq: rad or m, of either sign, constant. The column is a difference quotient of the present model's torque.
+    offset: rad or m, of either sign, constant. The column is a difference quotient of the present model's torque.
     Valid for small offsets; that of the last joint of an open chain turns a body about its joint, which the
     body's own parameters take up. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
     2002, chapter 11 (geometric calibration).
     """
 
     name = "encoder_offset"
-    parameters = (EffectParameter("dq", "{angle}"),)
+    parameters = (EffectParameter("offset", "{angle}"),)
     depends_on_model = True
 
-    dq: float = 0.0
+    offset: float = 0.0
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         unit = 1.0 if robot.joints[joint].rotates else SLIDE
-        step = step_about(self.dq, SMALLEST * unit, LARGEST * unit)
+        step = step_about(self.offset, SMALLEST * unit, LARGEST * unit)
         shift = np.zeros((3, *robot.coarse.position.shape))
         at = list(robot.joints).index(joint)
         try:
-            shift[0, :, at] = step
+            shift[0, :, at] = -step
             change = robot.torque_change(shift)
         except BenchError:  # out of reach with this offset
             step = -np.sign(step) * SMALLEST * unit
-            shift[0, :, at] = step
+            shift[0, :, at] = -step
             change = robot.torque_change(shift)
         return (change / step)[:, :, None]

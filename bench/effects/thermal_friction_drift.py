@@ -10,22 +10,22 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class ThermalFrictionDrift(ActuatorEffect):
-    """tau = (1 - exp(-t/T)) (dFc sign(qd) + dFv qd): what warming up adds to dry and viscous friction.
+    """tau = (Fc sign(qd) + Fv qd) exp(-t/T): what a cold joint has in addition to its friction when warm.
 
-    t: time from the start of the recording, at which the joint is cold; dFc N*m or N, dFv N*m*s/rad or N*s/m: the
-    change until the joint is warm, mostly negative; T: time constant, s, found from the data. The friction of the
-    cold joint is an effect of its own. Valid for motion that heats evenly; a T far above the recording's duration
-    is a steady drift. Source: Bittencourt and Gunnarsson, "Static friction in a robot joint: modeling and
+    t: time from the start of the recording, at which the joint is cold; Fc N*m or N, Fv N*m*s/rad or N*s/m, mostly
+    positive, negative where friction grows; T: time constant, s, found from the data. The friction of the warm
+    joint is an effect of its own. Valid for motion that heats evenly; a T far above the recording's duration is a
+    steady drift. Source: Bittencourt and Gunnarsson, "Static friction in a robot joint: modeling and
     identification of load and temperature effects", Journal of Dynamic Systems, Measurement, and Control 134(5),
     2012.
     """
 
     name = "thermal_friction_drift"
-    parameters = (EffectParameter("dFc", "{effort}"), EffectParameter("dFv", "{effort}*s/{angle}"))
+    parameters = (EffectParameter("Fc", "{effort}"), EffectParameter("Fv", "{effort}*s/{angle}"))
     shape = (ShapeParameter("T", "s", (0.05, 0.1, 0.2, 0.4, 0.8, 2.0), scale="duration"),)
 
     T: float = 10.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
-        warmth = -np.expm1(-joint.time / self.T)
-        return warmth[:, None] * np.column_stack((np.sign(joint.velocity), joint.velocity))
+        cold = np.exp(-joint.time / self.T)
+        return cold[:, None] * np.column_stack((np.sign(joint.velocity), joint.velocity))

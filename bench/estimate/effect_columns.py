@@ -43,7 +43,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
     kinds = {joint.name: joint.kind for joint in model.geometry.joints}
     joints = {
         actuator.joint: JointSignals(
-            time=measured.time - measured.time[0],
+            time=measured.time - measured.recording.time[0],
             position=measured.position[:, j],
             velocity=measured.velocity[:, j],
             acceleration=measured.acceleration[:, j],

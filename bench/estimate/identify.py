@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.effects import CATALOGUE, Effect
+from bench.effects import Effect
 from bench.errors import BenchError
 from bench.estimate.absorbed import identifiable_columns
 from bench.estimate.column_errors import column_errors
@@ -39,15 +39,16 @@ def identify(
     deviations: Deviations = "autocorrelated",
     fit_gains: bool | None = None,
     essential: bool = False,
-    catalogue: Mapping[str, Effect] = CATALOGUE,
+    catalogue: Mapping[str, Effect] | None = None,
 ) -> Identification:
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
-    effects: names as EFFECT or EFFECT:JOINT, added to the rigid-body model. method: current, ls, wls, tls or
+    effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model. method: current, ls, wls, tls or
     wtls. filters: settings, or some of them by name; the others are chosen from the spectra. deviations: how
     standard deviations are computed. fit_gains: by default, where a fitted recording carries a payload of
     known mass; without one the gains stay nominal. essential: leave out base parameters that the data do not
-    need. Raises BenchError naming what in the data or the robot cannot be used.
+    need. catalogue: the effects by name, by default the built-in ones and the dataset's own. Raises BenchError
+    naming what in the data or the robot cannot be used.
     """
     prepared = prepare(dataset, effects, filters, catalogue=catalogue)
     return fit(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)

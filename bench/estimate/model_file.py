@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.effects import CATALOGUE, Effect, EffectInstance
+from bench.effects import Effect, EffectInstance
 from bench.errors import BenchError
 from bench.estimate.layout import payload_parameter_names
 from bench.estimate.payload_parameters import payload_columns
@@ -147,7 +147,7 @@ def _number(value: Any) -> float:
 
 
 def apply_model(
-    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] = CATALOGUE
+    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
 ) -> Comparison:
     """Model the currents of every recording of a dataset with a saved model; nothing is fitted.
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.effects import CATALOGUE, Effect, EffectInstance, RobotSignals, places_in, select_effects
+from bench.effects import Effect, EffectInstance, RobotSignals, catalogue_for, places_in, select_effects
 from bench.errors import BenchError
 from bench.estimate.effect_columns import PresentModel, declared_parameters, robot_signals
 from bench.estimate.layout import ParameterLayout, parameter_layout
@@ -55,20 +55,21 @@ def prepare(
     filters: FilterSettings | Mapping[str, Any] | None = None,
     *,
     fitted_only: bool = True,
-    catalogue: Mapping[str, Effect] = CATALOGUE,
+    catalogue: Mapping[str, Effect] | None = None,
 ) -> Prepared:
     """Build the model and turn every recording into equations, filtered and decimated alike.
 
     The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
     from all. A recording whose payload no such recording carries is left aside, unless all parameters of
-    the payload are declared.
+    the payload are declared. catalogue: the effects by name, the built-in ones and the dataset's own by default.
     """
     fitted = [one for one in dataset.recordings if one.use == "identify" or not fitted_only]
     if not fitted:
         raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
     model = build_model(dataset.robot)
     weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
-    instances = select_effects(effects, places_in(model.geometry, weighed), catalogue)
+    known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
+    instances = select_effects(effects, places_in(model.geometry, weighed), known)
     if isinstance(filters, FilterSettings):
         settings = filters
     else:
