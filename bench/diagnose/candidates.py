@@ -1,7 +1,7 @@
 """The effects that a model might lack, each with the shape that suits the data best."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from bench.estimate.prepare import Prepared
 from bench.estimate.settle import best_shape, candidate_columns, solved_quickly
 
 INVISIBLE = 1e-4  # of a column's length: less left beside the model's own columns cannot be told from them
+LINEARISATIONS = 3
 
 
 @dataclass(frozen=True)
@@ -26,52 +27,86 @@ class Proposal:
     taken_up_by: str
 
 
-def propose(
-    model: Prepared, start: Prepared, catalogue: Mapping[str, Effect], fit_gains: bool
-) -> list[Proposal]:
-    """Every effect of the catalogue that the starting model does not have, wherever it can sit.
+@dataclass(frozen=True)
+class Context:
+    """A model beside which effects are given their shape: its equations, and what it leaves."""
 
-    Shapes are those that explain most of what `model` (the starting model, or one with effects found since)
-    leaves; whether an effect is absorbed is asked beside the starting model's columns.
-    """
-    stack, solution = solved_quickly(model, fit_gains)
-    left = partial_regression(stack, solution)
-    own_stack, own_solution = (stack, solution) if model is start else solved_quickly(start, fit_gains)
-    own = left if model is start else partial_regression(own_stack, own_solution)
-    weighed = [name for name, one in start.dataset.payloads.items() if one.mass is not None]
-    places = places_in(start.model.geometry, weighed)
-    present = {(one.effect.name, one.joint) for one in start.effects}
+    prepared: Prepared
+    left: PartialRegression
+
+
+def context_of(prepared: Prepared, fit_gains: bool) -> Context:
+    """Solve the prepared equations and keep what they leave."""
+    return Context(prepared, partial_regression(*solved_quickly(prepared, fit_gains)))
+
+
+def propose(start: Context, catalogue: Mapping[str, Effect]) -> list[Proposal]:
+    """Every effect of the catalogue that the starting model does not have, wherever it can sit."""
+    prepared = start.prepared
+    weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
+    places = places_in(prepared.model.geometry, weighed)
+    present = {(one.effect.name, one.joint) for one in prepared.effects}
     proposals = []
     for name, effect in catalogue.items():
         at = [joint for joint in places.of(effect.place) if (name, joint) not in present]
         if not at:
             continue
         found = [EffectInstance(effect, joint, f"{name}:{joint}" if joint else name) for joint in at]
-        shaped = [best_shape(model, one, left, refine=False) if effect.shape else one for one in found]
-        visible = [one for one in shaped if _visible(model, one, own)]
-        taken = "" if visible else _taken_up_by(model, shaped[0], own, own_stack.phi)
-        proposals.append(Proposal(name, tuple(visible or shaped), not visible, taken))
+        visible = [one for one in found if effect.shape or _visible(start, one)]
+        if not visible:
+            proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
+            continue
+        proposals.append(Proposal(name, shaped(start, visible), False, ""))
     return proposals
 
 
-def _visible(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> bool:
+def shaped(context: Context, instances: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
+    """The instances of one effect with the shape, and about the values, that explain most of what is left."""
+    found = tuple(instances)
+    if found[0].effect.shape:
+        found = tuple(best_shape(context.prepared, one, context.left) for one in found)
+    for _ in range(LINEARISATIONS):
+        about = _about_their_values(context, found)
+        if about == found:
+            break
+        found = about
+    return found
+
+
+def _about_their_values(
+    context: Context, instances: tuple[EffectInstance, ...]
+) -> tuple[EffectInstance, ...]:
+    first = instances[0].effect
+    if first.about({parameter.name: 0.0 for parameter in first.parameters}) is first:
+        return instances  # linear: there is nothing to be linearised about
+    values, _ = context.left.explained(candidate_columns(context.prepared, instances))
+    found, at = [], 0
+    for one in instances:
+        names = [parameter.name for parameter in one.effect.parameters]
+        own = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
+        found.append(replace(one, effect=one.effect.about(own)))
+        at += len(names)
+    return tuple(found)
+
+
+def _visible(context: Context, instance: EffectInstance) -> bool:
     """Whether anything of an effect's columns is left beside those that the model has."""
-    columns = candidate_columns(prepared, [instance])
-    whole = np.linalg.norm((columns * partial.moving[:, :, None] * partial.weights[:, None]), axis=(0, 1))
-    left = np.linalg.norm(partial.left(columns), axis=0)
-    return bool(np.any(left > INVISIBLE * np.maximum(whole, np.finfo(float).tiny)))
+    left = context.left
+    columns = candidate_columns(context.prepared, [instance])
+    whole = np.linalg.norm(columns * (left.moving * left.weights)[:, :, None], axis=(0, 1))
+    remains = np.linalg.norm(left.left(columns), axis=0)
+    return bool(np.any(remains > INVISIBLE * np.maximum(whole, np.finfo(float).tiny)))
 
 
-def _taken_up_by(
-    prepared: Prepared, instance: EffectInstance, partial: PartialRegression, phi: np.ndarray
-) -> str:
-    """The model's parameter that takes up most of an effect's first column."""
-    column = candidate_columns(prepared, [instance])[:, :, 0] * partial.moving * partial.weights
+def _taken_up_by(context: Context, instance: EffectInstance) -> str:
+    """The base parameter whose column is most like an effect's first; empty where the effect does nothing."""
+    prepared, left = context.prepared, context.left
+    column = (candidate_columns(prepared, [instance])[:, :, 0] * left.moving * left.weights).reshape(-1)
     if not np.any(column):
         return ""
-    rows = (phi * (partial.moving * partial.weights)[:, :, None]).reshape(-1, phi.shape[2])
+    rigid = np.concatenate([one.rigid for one in prepared.fitted]) * (left.moving * left.weights)[:, :, None]
+    rows = rigid.reshape(-1, rigid.shape[2])
     norms = np.linalg.norm(rows, axis=0)
     norms[norms == 0.0] = 1.0
-    values = np.linalg.lstsq(rows / norms, column.reshape(-1))[0]
-    names = [*prepared.model.base.names]
-    return names[int(np.argmax(np.abs(values[: len(names)])))]
+    values = np.linalg.lstsq(rows / norms, column)[0]
+    return prepared.model.base.names[int(np.argmax(np.abs(values)))]

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.diagnose.candidates import Proposal, propose
+from bench.diagnose.candidates import Context, Proposal, context_of, propose, shaped
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
 from bench.diagnose.search import Found, search
 from bench.diagnose.split import with_judged_parts
-from bench.diagnose.system import System, build_system
+from bench.diagnose.system import System, build_system, solve_set
 from bench.diagnose.unexplained import unexplained
 from bench.diagnose.verdicts import verdicts
 from bench.effects import CATALOGUE, Effect, EffectInstance
@@ -49,9 +49,13 @@ def diagnose(
     added = model.effects[len(start.effects) :]
     places: dict[str, tuple[str, ...]] = {}
     for one in added:
-        places[one.effect.name] = (*places.get(one.effect.name, ()), one.joint)
+        at = (one.joint,) if one.joint else dataset.robot.joints
+        places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
     scale = _relative(after, system, found)
-    ranking = verdicts(system, proposals, found, _shown_places(proposals, found, places), scale)
+    left = unexplained(after, dataset.recordings)
+    ranking = verdicts(
+        system, proposals, found, _shown_places(proposals, found, places), scale, left.significant
+    )
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
     ladder = _ladder(start, added, before, after, fit_gains)
     missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
@@ -61,7 +65,7 @@ def diagnose(
         missing=missing,
         ladder=ladder,
         ranking=ranking,
-        unexplained=unexplained(after, dataset.recordings),
+        unexplained=left,
         before=before,
         after=after,
     )
@@ -71,43 +75,76 @@ def _searched(
     start: Prepared, catalogue: Mapping[str, Effect], fit_gains: bool
 ) -> tuple[Prepared, list[Proposal], System, Found]:
     """Search, linearise about what was found, and search again until the same is found."""
-    model, chosen = start, frozenset[str]()
-    for _ in range(ROUNDS):
-        own = len(start.effects)
-        proposals = _about(start, model, model.effects[own:], catalogue, fit_gains)
-        system = _system(start, model, proposals, fit_gains)
-        found = search(system, [i for i, one in enumerate(proposals) if not one.absorbed])
-        instances = [one for i in found.best.fit.chosen for one in proposals[i].instances]
-        names = frozenset(one.effect.name for one in instances)
-        model = settled(with_effects(start, (*start.effects, *instances)), fit_gains)
-        if names == chosen:
+    model = start
+    proposals = propose(context_of(start, fit_gains), catalogue)
+    system, found = _judged(start, start, proposals, fit_gains)
+    for _ in range(ROUNDS - 1):
+        chosen = [proposals[i] for i in found.best.fit.chosen]
+        if not chosen:
             break
-        chosen = names
-    return model, proposals, system, found
+        instances = [one for proposal in chosen for one in proposal.instances]
+        model = settled(with_effects(start, (*start.effects, *instances)), fit_gains)
+        proposals = _reshaped(start, model, proposals, system, found, fit_gains)
+        system, found = _judged(start, model, proposals, fit_gains)
+        if {proposals[i].name for i in found.best.fit.chosen} == {one.name for one in chosen}:
+            break
+    instances = [one for i in found.best.fit.chosen for one in proposals[i].instances]
+    return settled(with_effects(start, (*start.effects, *instances)), fit_gains), proposals, system, found
 
 
-def _about(
-    start: Prepared,
-    model: Prepared,
-    chosen: Sequence[EffectInstance],
-    catalogue: Mapping[str, Effect],
-    fit_gains: bool,
-) -> list[Proposal]:
-    """All proposals, those of effects found before in the shape that the model gave them."""
-    proposals = propose(model, start, catalogue, fit_gains)
-    known = {(one.effect.name, one.joint): one for one in chosen}
-    return [
-        replace(one, instances=tuple(known.get((i.effect.name, i.joint), i) for i in one.instances))
-        for one in proposals
-    ]
-
-
-def _system(start: Prepared, model: Prepared, proposals: Sequence[Proposal], fit_gains: bool) -> System:
-    """The equations of the starting model with every proposal's columns, linearised about the present one."""
+def _judged(
+    start: Prepared, model: Prepared, proposals: Sequence[Proposal], fit_gains: bool
+) -> tuple[System, Found]:
+    """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
     _, solution = solved_quickly(model, fit_gains)
     about = with_effects(start, start.effects, present_model(model, solution))
     own = replace(solved_quickly(about, fit_gains)[1], weights=solution.weights)
-    return build_system(about, [one.instances for one in proposals], own)
+    system = build_system(about, [one.instances for one in proposals], own)
+    return system, search(system, [i for i, one in enumerate(proposals) if not one.absorbed])
+
+
+def _reshaped(
+    start: Prepared,
+    model: Prepared,
+    proposals: Sequence[Proposal],
+    system: System,
+    found: Found,
+    fit_gains: bool,
+) -> list[Proposal]:
+    """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
+
+    An effect that could stand for a found one is given the shape that it would have without that one; the
+    others the shape that explains most of what the found set leaves.
+    """
+    own = len(start.effects)
+    added = model.effects[own:]
+    contexts: dict[int | None, Context] = {None: context_of(model, fit_gains)}
+    result = []
+    for i, proposal in enumerate(proposals):
+        if i in found.best.fit.chosen:
+            instances = tuple(one for one in added if one.effect.name == proposal.name)
+            result.append(replace(proposal, instances=instances))
+            continue
+        effect = proposal.instances[0].effect
+        if proposal.absorbed or not (effect.shape or effect.depends_on_model):
+            result.append(proposal)
+            continue
+        rival = _rival(system, found, i)
+        if rival not in contexts:
+            name = proposals[rival].name if rival is not None else ""
+            others = [one for one in added if one.effect.name != name]
+            contexts[rival] = context_of(with_effects(model, (*start.effects, *others)), fit_gains)
+        result.append(replace(proposal, instances=shaped(contexts[rival], proposal.instances)))
+    return result
+
+
+def _rival(system: System, found: Found, i: int) -> int | None:
+    """The found effect in whose place effect i does best, where that is better than most of what it explains."""
+    best = found.best.fit
+    swaps = {k: solve_set(system, (*(c for c in best.chosen if c != k), i)).fitted for k in best.chosen}
+    rival = min(swaps, key=lambda k: swaps[k])
+    without = solve_set(system, tuple(c for c in best.chosen if c != rival)).fitted
+    return rival if swaps[rival] < 0.5 * (without + best.fitted) else None
 
 
 def _where_it_shows(start: Prepared, model: Prepared, fit_gains: bool) -> tuple[Prepared, Identification]:

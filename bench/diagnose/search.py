@@ -10,8 +10,8 @@ from bench.diagnose.system import Candidate, SetFit, System, solve_set
 
 LARGEST_SET = 3
 SHORTLIST = 14  # candidates that sets of two and three are made of, best first
-NEEDED = 8.0  # nats that an effect must bring (odds of some 3000 to 1)
-MATERIAL = 0.01  # share of the error on checked recordings that an effect must take away
+NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
+MATERIAL = 0.03  # share of the error on checked recordings that an effect must take away
 
 
 @dataclass(frozen=True)

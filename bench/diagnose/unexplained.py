@@ -17,6 +17,8 @@ SURPRISING = 1e-4  # probability of so strong a dependence by chance, all tests 
 MATERIAL = 1.15  # times the noise floor: less is not worth a word
 SHUFFLES = 400
 SEED = 20120606
+FIRST_LAG, LAGS = 6, 12  # rows: beyond the memory of the fit's low-pass
+ALMOST = 1.0  # strength given to time where errors merely follow each other
 BLOCK = 12  # rows that are shuffled together, since neighbouring errors are alike
 
 
@@ -52,7 +54,9 @@ def unexplained(result: Identification, recordings: Sequence[Recording]) -> Unex
         for name, values in _variables(judged, j).items():
             ratio = _dependence(errors / scale, values, random)
             found[name] = max(found.get(name, 0.0), ratio)
-    depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio > 1.0)
+    if _lasting(judged):
+        found["time"] = max(found.get("time", 0.0), ALMOST)
+    depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
     significant = error > MATERIAL * floor and bool(depends)
     if not significant:
         why = f"the error left ({error:.3%}) is what the noise of the currents leaves ({floor:.3%})"
@@ -118,3 +122,22 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
     freedom = 2.0 * mean**2 / max(variance, 1e-300)
     limit = mean / freedom * float(chi2.isf(SURPRISING, freedom))
     return between(errors) / limit
+
+
+def _lasting(series: Sequence[CurrentSeries]) -> bool:
+    """Whether errors follow each other for longer than the low-pass of the fit makes white noise do.
+
+    The sum of squared correlations at lags beyond its reach is compared with its chi-squared law (Box and
+    Pierce 1970), over all recordings and motors.
+    """
+    squares = count = 0.0
+    for one in series:
+        errors = one.error * one.moving
+        scale = (errors**2).sum(axis=0)
+        for lag in range(FIRST_LAG, FIRST_LAG + LAGS):
+            if lag >= len(errors) // 2:
+                break
+            correlation = (errors[lag:] * errors[:-lag]).sum(axis=0) / np.where(scale > 0, scale, 1.0)
+            squares += float((correlation**2 * one.moving.sum(axis=0)).sum())
+            count += correlation.size
+    return count > 0 and squares > float(chi2.isf(SURPRISING, count))

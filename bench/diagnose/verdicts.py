@@ -9,6 +9,8 @@ from bench.diagnose.result import EffectVerdict, Verdict
 from bench.diagnose.search import Found, Scored, close, contains, material, score
 from bench.diagnose.system import System, solve_set
 
+DOMINANT = 3.0
+
 
 def verdicts(
     system: System,
@@ -16,10 +18,13 @@ def verdicts(
     found: Found,
     places: dict[str, tuple[str, ...]],
     scale: float,
+    unexplained: bool,
 ) -> tuple[EffectVerdict, ...]:
     """Every effect, the found ones first, then by evidence.
 
     places: joints at which each found effect shows. scale: relative error for a weighted error of one.
+    unexplained: whether something is left that no effect accounts for; a found effect is then only sure if
+    the error without it is DOMINANT times what is left with it.
     """
     best = found.best
     chosen = set(best.fit.chosen)
@@ -28,7 +33,7 @@ def verdicts(
         if proposal.absorbed:
             rows.append(_absorbed(proposal, _error(system, best, scale)))
         elif i in chosen:
-            rows.append(_found(system, proposals, found, i, places[proposal.name], scale))
+            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, unexplained))
         else:
             rows.append(_other(system, proposals, found, i, scale))
     order: dict[Verdict, int] = {"missing": 0, "indistinguishable": 1, "not supported": 2, "absorbed": 3}
@@ -69,6 +74,7 @@ def _found(
     i: int,
     places: tuple[str, ...],
     scale: float,
+    unexplained: bool,
 ) -> EffectVerdict:
     best, chosen = found.best, found.best.fit.chosen
     others = tuple(k for k in chosen if k != i)
@@ -81,14 +87,17 @@ def _found(
         and close(best, score(system, solve_set(system, (*others, k)), found.empty))
     ]
     before, after = _error(system, without, scale), _error(system, best, scale)
-    where = f" at {', '.join(places)}" if places != ("",) else ""
+    where = f" at {', '.join(places)}"
     why = (
         f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from {before:.2%} to "
         f"{after:.2%} of the current"
     )
     if alternatives:
         why += f"; these data cannot tell it from {listed(alternatives)}"
-    verdict: Verdict = "indistinguishable" if alternatives else "missing"
+    unsure = unexplained and before < DOMINANT * after
+    if unsure:
+        why += "; something that no effect of the catalogue explains is left, and may be what this stands for"
+    verdict: Verdict = "indistinguishable" if alternatives or unsure else "missing"
     return EffectVerdict(
         proposals[i].name,
         verdict,
