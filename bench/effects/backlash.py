@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter, step_about
+from bench.effects.effect import Effect, EffectParameter
 from bench.effects.play import torque_behind
+from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
 SOFT = 0.1  # of the RMS torque: within it the link is between the two flanks
@@ -35,5 +36,7 @@ class Backlash(Effect):
         soft = SOFT * float(np.sqrt((torque**2).mean()))
         if soft == 0.0:
             return np.zeros((len(robot.time), len(robot.joints), 1))
-        step = step_about(max(self.b, 0.0), SMALLEST, LARGEST)
-        return (torque_behind(robot, joint, 0.5 * step * np.tanh(torque / soft)) / step)[:, :, None]
+        side = 0.5 * np.tanh(torque / soft)
+        return secant(
+            robot, max(self.b, 0.0), SMALLEST, LARGEST, lambda b: torque_behind(robot, joint, b * side)
+        )

@@ -16,8 +16,8 @@ class BodyLength:
     """The length of a body: from its joint to the farthest joint, loop anchor or tool that is fixed to it, m.
 
     center (3,): where its joint is, or for the world the middle of what stands on it. direction (3,): towards
-    what is fixed to the body, where that lies to one side; None for a platform or the world, which grow in
-    all directions.
+    what is fixed to the body, where that lies to one side, at right angles to the axis of a hinge; None for a
+    platform or the world, which grow in all directions.
     """
 
     joint: int
@@ -55,6 +55,18 @@ def lengths(geometry: Geometry) -> dict[str, BodyLength]:
         direction = mean / np.linalg.norm(mean) if one_sided else None
         found[name] = BodyLength(index, length, center, direction)
     return found
+
+
+def _direction(geometry: Geometry, index: int, points: np.ndarray, length: float) -> np.ndarray | None:
+    """Unit vector (3,) along which a body reaches to what is fixed to it, where that lies to one side."""
+    if index < 0:
+        return None
+    mean = points[np.linalg.norm(points, axis=1) > NEGLIGIBLE].mean(axis=0)
+    if geometry.joints[index].kind == "hinge":
+        axis = geometry.joints[index].axis
+        mean = mean - axis * (axis @ mean)
+    size = float(np.linalg.norm(mean))
+    return mean / size if size > ONE_SIDED * length else None
 
 
 def with_length(geometry: Geometry, body: BodyLength, change: float) -> Geometry:

@@ -12,8 +12,8 @@ from bench.effects.signals import JointSignals
 class ConstantOffset(ActuatorEffect):
     """tau = c: an amplifier's offset, or Coulomb friction that differs with the direction of motion.
 
-    c: N*m or N, of either sign. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
-    2002, 9.3 (asymmetric Coulomb friction); Janot, Gautier and Brunot 2019 (EMPS).
+    c: N*m or N, of either sign. Valid while it does not drift. Source: Khalil and Dombre, "Modeling,
+    Identification and Control of Robots", 2002, 9.3 (asymmetric Coulomb friction).
     """
 
     name = "constant_offset"

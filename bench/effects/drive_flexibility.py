@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter, step_about
+from bench.effects.effect import Effect, EffectParameter
 from bench.effects.play import torque_behind
+from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
 SMALLEST, LARGEST = 1e-4, 2e-2  # rad or m: deflection that the step of the difference makes
@@ -33,5 +34,5 @@ class DriveFlexibility(Effect):
         largest = float(np.abs(torque).max())
         if largest == 0.0:
             return np.zeros((len(robot.time), len(robot.joints), 1))
-        step = step_about(max(self.C, 0.0), SMALLEST / largest, LARGEST / largest)
-        return (torque_behind(robot, joint, step * torque) / step)[:, :, None]
+        least, most = SMALLEST / largest, LARGEST / largest
+        return secant(robot, max(self.C, 0.0), least, most, lambda c: torque_behind(robot, joint, c * torque))

@@ -137,9 +137,3 @@ class ActuatorEffect(Effect):
             )
         columns[:, names.index(joint)] = torque
         return columns
-
-
-def step_about(value: float, least: float, most: float) -> float:
-    """A finite step with the sign of a value, its size between the bounds: for secants through zero."""
-    size = min(max(abs(value), least), most)
-    return -size if value < 0 else size

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter, step_about
+from bench.effects.effect import Effect, EffectParameter
+from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
-from bench.errors import BenchError
 
 SMALLEST, LARGEST = 1e-3, 0.2  # rad (m for a slide, a tenth of that): step of the difference
 SLIDE = 0.1
@@ -30,14 +30,10 @@ class EncoderOffset(Effect):
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         unit = 1.0 if robot.joints[joint].rotates else SLIDE
-        step = step_about(self.offset, SMALLEST * unit, LARGEST * unit)
         shift = np.zeros((3, *robot.coarse.position.shape))
-        at = list(robot.joints).index(joint)
-        try:
-            shift[0, :, at] = -step
-            change = robot.torque_change(shift)
-        except BenchError:  # out of reach with this offset
-            step = -np.sign(step) * SMALLEST * unit
-            shift[0, :, at] = -step
-            change = robot.torque_change(shift)
-        return (change / step)[:, :, None]
+
+        def change(offset: float) -> np.ndarray:
+            shift[0, :, list(robot.joints).index(joint)] = -offset
+            return robot.torque_change(shift)
+
+        return secant(robot, self.offset, SMALLEST * unit, LARGEST * unit, change)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.body_length import lengths, with_length
-from bench.effects.effect import Effect, EffectParameter, step_about
+from bench.effects.effect import Effect, EffectParameter
+from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
-from bench.errors import BenchError
 
 SMALLEST, LARGEST = 1e-3, 0.05  # of the length: step of the difference
 
@@ -19,8 +19,9 @@ class GeometricError(Effect):
     dl: m, of either sign. L: distance from the body's joint to the farthest joint, loop anchor or tool on it;
     these move along the body, or away from its middle where they stand around it (a platform; the base, by the
     name "world"). The column is a difference quotient of the present model's torque. Valid for small errors of one
-    length; joint axes stay parallel to what they were. Source: Khalil and Dombre, "Modeling, Identification and
-    Control of Robots", 2002, chapter 11 (geometric calibration); Merlet, "Parallel Robots", 2006.
+    length with which the loops can still be closed (otherwise there is no column), joint axes as they were.
+    Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric
+    calibration); Merlet, "Parallel Robots", 2006.
     """
 
     name = "geometric_error"
@@ -32,10 +33,8 @@ class GeometricError(Effect):
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         body = lengths(robot.geometry)[joint]
-        step = step_about(self.dl, SMALLEST * body.length, LARGEST * body.length)
-        try:
-            change = robot.torque_change(geometry=with_length(robot.geometry, body, step))
-        except BenchError:  # out of reach with this length
-            step = -np.sign(step) * SMALLEST * body.length
-            change = robot.torque_change(geometry=with_length(robot.geometry, body, step))
-        return (change / step)[:, :, None]
+
+        def change(error: float) -> np.ndarray:
+            return robot.torque_change(geometry=with_length(robot.geometry, body, error))
+
+        return secant(robot, self.dl, SMALLEST * body.length, LARGEST * body.length, change)

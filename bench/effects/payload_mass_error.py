@@ -12,8 +12,9 @@ from bench.effects.signals import RobotSignals
 class PayloadMassError(Effect):
     """tau = dm tau_L / m: a payload of mass m + dm, all its declared parameters larger by the same share.
 
-    dm: kg, of either sign; tau_L: torque of the payload as it was declared, with mass m. Where the drive gains are
-    fitted and this is the only payload of known mass, the gains take it up. Source: Khalil, Gautier and
+    dm: kg, of either sign; tau_L: torque of the payload as it was declared, with mass m. Valid for a
+    payload whose shape is as declared. Where the drive gains are fitted and this is the only payload of known mass,
+    the gains take it up. Source: Khalil, Gautier and
     Lemoine, "Identification of the payload inertial parameters of industrial manipulators", ICRA 2007.
     """
 

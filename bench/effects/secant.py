@@ -1,0 +1,26 @@
+"""Columns of effects that are not linear: difference quotients of the present model's torque."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bench.effects.signals import RobotSignals
+from bench.errors import BenchError
+
+
+def secant(
+    robot: RobotSignals, about: float, least: float, most: float, change: Callable[[float], np.ndarray]
+) -> np.ndarray:
+    """The change of torque (N, n) for a parameter, over the parameter: one column (N, n, 1).
+
+    The parameter's value is `about`, with its size between the bounds. Where the loops cannot be closed with it,
+    the least value of either sign is tried; where they cannot be closed at all, the column is zero.
+    """
+    size = min(max(abs(about), least), most)
+    for step in (-size if about < 0 else size, least, -least):
+        try:
+            changed = change(step)
+        except BenchError:  # out of reach, or singular
+            continue
+        return (changed / step)[:, :, None]
+    return np.zeros((len(robot.time), len(robot.joints), 1))

@@ -1,0 +1,252 @@
+"""Effects of a whole robot: their columns beside the same law computed in another way."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from bench.effects import CATALOGUE, EffectInstance, effect_columns, places_in, select_effects
+from bench.effects.body_length import lengths, with_length
+from bench.effects.signals import RobotSignals
+from bench.effects.tool_motion import tool_motion, tool_of
+from bench.errors import BenchError
+from bench.model.geometry import read_geometry
+from bench.model.model import IdentificationModel
+from bench.model.motion import Motion, motion_of
+from bench.model.tree import build_tree
+from tests.effects_kit import PAYLOAD, moving_robot, rigid_torque
+from tests.mechanisms import NAMES, robot_named
+
+INNER = slice(30, -30)
+LINEARISED = {"backlash": "b", "base_tilt": "tilt_y", "drive_flexibility": "C", "encoder_offset": "offset"}
+
+
+def instances_of(name: str, robot: RobotSignals) -> tuple[EffectInstance, ...]:
+    """The effect wherever it can sit in the robot; nowhere is an answer, too."""
+    payloads = [] if robot.payload is None else [robot.payload]
+    try:
+        return select_effects([name], places_in(robot.geometry, payloads))
+    except BenchError:
+        return ()
+
+
+def columns_at(robot: RobotSignals, name: str, place: str = "", **about: float) -> np.ndarray:
+    effect = replace(CATALOGUE[name], **about)
+    return effect_columns(EffectInstance(effect, place, name), robot)
+
+
+def close(found: np.ndarray, expected: np.ndarray, share: float) -> None:
+    scale = np.abs(expected[INNER]).max()
+    assert scale > 0
+    assert found[INNER] == pytest.approx(expected[INNER], abs=share * scale)
+
+
+@pytest.mark.parametrize("robot_name", NAMES)
+def test_columns_are_finite_of_the_right_shape_and_the_same_again(robot_name: str, tmp_path: Path) -> None:
+    payload = None if robot_name in ("ball", "welded", "emps") else "disc"
+    robot, _, measured, _ = moving_robot(robot_name, tmp_path, payload, samples=401)
+    seen = {}
+    for name, effect in CATALOGUE.items():
+        for instance in instances_of(name, robot):
+            columns = effect_columns(instance, robot)
+            assert columns.shape == (*measured.position.shape, len(effect.parameters))
+            seen[name, instance.joint] = columns
+    again, *_ = moving_robot(robot_name, tmp_path, payload, samples=401)
+    for (name, place), columns in seen.items():
+        assert np.array_equal(columns, columns_at(again, name, place)), name
+    motors = {place for name, place in seen if name == "viscous_friction"}
+    assert motors == set(robot.joints)
+
+
+@pytest.mark.parametrize("robot_name", ["five_bar", "delta", "tilted"])
+def test_what_passive_friction_takes_the_motors_deliver(robot_name: str, tmp_path: Path) -> None:
+    robot, *_ = moving_robot(robot_name, tmp_path)
+    for joint in places_in(robot.geometry, ()).passive:
+        index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
+        speed = np.gradient(robot.tree.q[:, _configuration(robot, joint)], robot.time, edge_order=2)
+        assert robot.tree.v[INNER, index] == pytest.approx(speed[INNER], abs=1e-4)
+        for name, power in (("viscous", speed**2), ("coulomb", np.abs(speed))):
+            columns = columns_at(robot, f"passive_{name}_friction", joint)[:, :, 0]
+            close((columns * robot.velocity).sum(axis=1), power, 1e-3)
+
+
+def _configuration(robot: RobotSignals, joint: str) -> int:
+    return robot.geometry.joints[robot.geometry.joint_index(joint)].q.start
+
+
+@pytest.mark.parametrize("robot_name", ["five_bar", "delta", "orthoglide", "two_link", "tilted", "carried"])
+def test_the_tool_moves_as_its_jacobian_says(robot_name: str, tmp_path: Path) -> None:
+    robot, *_ = moving_robot(robot_name, tmp_path)
+    position, jacobian = tool_motion(robot)
+    speed = CubicSpline(robot.coarse.time, position)(robot.coarse.time, 1)
+    by_motors = np.einsum("kxn,kn->kx", jacobian, robot.coarse.velocity)
+    close(by_motors, speed, 1e-3)
+    assert np.abs(position[0]).max() < 0.5 * np.abs(robot.geometry.home).max() + 0.5
+    assert tool_of(robot.geometry) == robot.geometry.tool
+
+
+def test_the_motors_feed_the_work_of_a_force_at_the_platform(tmp_path: Path) -> None:
+    robot, *_ = moving_robot("delta", tmp_path)
+    position, _ = tool_motion(robot)
+    way = robot.refined(position)
+    speed = CubicSpline(robot.time, way)(robot.time, 1)
+    columns = columns_at(robot, "platform_force")
+    force = np.array([1.0, -2.0, 0.5])
+    stiffness = np.array([30.0, 20.0, 10.0])
+    power = np.einsum("knp,kn,p->k", columns, robot.velocity, np.concatenate((force, stiffness)))
+    close(power, -((force - stiffness * way) * speed).sum(axis=1), 1e-3)
+
+
+@pytest.mark.parametrize(("robot_name", "place"), [("five_bar", "left_rod"), ("five_bar", "right_crank")])
+def test_a_length_changed_in_the_file_gives_the_same_torque(
+    robot_name: str, place: str, tmp_path: Path
+) -> None:
+    robot, model, measured, present = moving_robot(robot_name, tmp_path)
+    change = 2e-3
+    source = model.geometry.robot.model_path
+    ends = {"left_rod": ("left_tip", 0.3), "right_crank": ("right_rod", 0.2)}
+    name, length = ends[place]
+    text = source.read_text()
+    for old in (
+        f'name="{name}" pos="{length} 0 0"',
+        'name="tool" pos="0.3 0 0"' if place == "left_rod" else "",
+    ):
+        assert old in text
+        text = text.replace(old, old.replace(f"{length} 0 0", f"{length + change} 0 0")) if old else text
+    (tmp_path / "longer.xml").write_text(text)
+    longer = read_geometry(replace(model.geometry.robot, model_path=tmp_path / "longer.xml"))
+    tree = motion_of(longer, measured.time, measured.position, measured.velocity, measured.acceleration)
+    expected = rigid_torque(model, present, longer, tree) - rigid_torque(
+        model, present, model.geometry, robot.tree
+    )
+    found = columns_at(robot, "geometric_error", place, dl=change)[:, :, 0] * change
+    close(found, expected, 2e-3)
+
+
+def test_the_bodies_of_the_delta_have_its_maker_s_lengths(tmp_path: Path) -> None:
+    geometry = read_geometry(robot_named("delta", tmp_path))
+    found = {name: body.length for name, body in lengths(geometry).items()}
+    assert found.pop("world") == pytest.approx(0.330, abs=1e-6)
+    assert found.pop("platform") == pytest.approx(np.hypot(0.125, 0.0), abs=0.05)
+    arms = [length for name, length in found.items() if name.startswith("arm")]
+    rods = [length for name, length in found.items() if name.startswith("rod")]
+    assert arms == pytest.approx([0.420] * 3, abs=0.02)
+    assert rods == pytest.approx([1.055] * 6, abs=1e-6)
+
+
+@pytest.mark.parametrize("robot_name", NAMES)
+def test_a_body_with_another_length_has_that_length(robot_name: str, tmp_path: Path) -> None:
+    geometry = read_geometry(robot_named(robot_name, tmp_path))
+    for name, body in lengths(geometry).items():
+        longer = lengths(with_length(geometry, body, 1e-3))[name]
+        # of points to both sides of the direction, the farthest grows by a little less
+        assert 0.3e-3 < longer.length - body.length < 1.0001e-3, name
+
+
+@pytest.mark.parametrize(
+    ("robot_name", "tilt"), [("five_bar", (0.0, 0.12)), ("delta", (0.1, -0.12)), ("serial", (0.05, 0.08))]
+)
+def test_a_tilted_base_turns_gravity(robot_name: str, tilt: tuple[float, float], tmp_path: Path) -> None:
+    robot, model, _, present = moving_robot(robot_name, tmp_path)
+    sx, cx, sy, cy = np.sin(tilt[0]), np.cos(tilt[0]), np.sin(tilt[1]), np.cos(tilt[1])
+    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    gravity = (about_x @ about_y).T @ model.geometry.gravity  # in the axes of the base
+    tilted = rigid_torque(model, present, replace(model.geometry, gravity=gravity), robot.tree)
+    expected = tilted - rigid_torque(model, present, model.geometry, robot.tree)
+    found = columns_at(robot, "base_tilt", tilt_x=tilt[0], tilt_y=tilt[1]) @ np.array(tilt)
+    close(found, expected, 1e-4)
+    small = columns_at(robot, "base_tilt") @ np.array(tilt)
+    close(small, expected, 0.2)
+
+
+def test_a_planar_robot_does_not_feel_a_tilt_out_of_its_plane(tmp_path: Path) -> None:
+    robot, *_ = moving_robot("five_bar", tmp_path)
+    columns = columns_at(robot, "base_tilt", tilt_x=0.3)
+    assert not np.any(columns[:, :, 0])
+    assert np.abs(columns[:, :, 1]).max() > 0.1
+
+
+def link_behind(
+    robot: RobotSignals, model: IdentificationModel, joint: str, behind: np.ndarray
+) -> tuple[Motion, Motion]:
+    """The motion as logged, and with one link behind its motor, differentiated by splines."""
+    at = list(robot.joints).index(joint)
+    shifted = [robot.position.copy(), robot.velocity.copy(), robot.acceleration.copy()]
+    curve = CubicSpline(robot.time, behind)
+    for order, part in enumerate(shifted):
+        part[:, at] -= curve(robot.time, order)
+    return robot.tree, motion_of(model.geometry, robot.time, *shifted)
+
+
+@pytest.mark.parametrize(("robot_name", "size"), [("five_bar", 0.3), ("orthoglide", 0.15)])
+def test_encoder_offset_flexibility_and_backlash_move_the_link(
+    robot_name: str, size: float, tmp_path: Path
+) -> None:
+    robot, model, _, present = moving_robot(robot_name, tmp_path, samples=2001, size=size)
+    joint = list(robot.joints)[1]
+    torque = robot.torque()[:, 1]
+    soft = 0.1 * np.sqrt((torque[:: robot.every] ** 2).mean())
+    for name, value, behind, share in (
+        ("encoder_offset", 0.004, np.full(len(torque), 0.004), 1e-4),
+        ("drive_flexibility", 2e-3 / np.abs(torque).max(), 2e-3 * torque / np.abs(torque).max(), 2e-3),
+        ("backlash", 0.002, 0.001 * np.tanh(torque / soft), 0.05),
+    ):
+        logged, real = link_behind(robot, model, joint, behind)
+        expected = rigid_torque(model, present, model.geometry, real)
+        expected -= rigid_torque(model, present, model.geometry, logged)
+        parameter = CATALOGUE[name].parameters[0].name
+        found = columns_at(robot, name, joint, **{parameter: value})[:, :, 0] * value
+        scale = np.abs(expected[200:-200]).max()
+        assert found[200:-200] == pytest.approx(expected[200:-200], abs=share * scale), name
+
+
+def test_a_wrong_mass_of_the_payload_is_its_share_of_the_payload_s_torque(tmp_path: Path) -> None:
+    robot, *_ = moving_robot("five_bar", tmp_path, "disc")
+    columns = columns_at(robot, "payload_mass_error", "disc")[:, :, 0]
+    heavier, *_ = moving_robot("five_bar", tmp_path, "disc")
+    assert columns * PAYLOAD[0] == pytest.approx(heavier.payload_torque)
+    empty, model, _, present = moving_robot("five_bar", tmp_path)
+    carried = robot.torque() - rigid_torque(model, present, model.geometry, empty.tree)
+    assert robot.payload_torque == pytest.approx(carried, abs=1e-9)
+    assert not np.any(columns_at(empty, "payload_mass_error", "disc"))
+
+
+@pytest.mark.parametrize("name", LINEARISED)
+def test_columns_linearised_about_zero_are_the_limit_of_those_about_small_values(
+    name: str, tmp_path: Path
+) -> None:
+    robot, *_ = moving_robot("five_bar", tmp_path)
+    place = "" if name == "base_tilt" else "left"
+    parameter = LINEARISED[name]
+    size = {"drive_flexibility": 1e-3 / np.abs(robot.coarse.torque[:, 0]).max()}.get(name, 2e-3)
+    zero, small = columns_at(robot, name, place), columns_at(robot, name, place, **{parameter: size})
+    close(small, zero, 0.05)
+    huge = columns_at(robot, name, place, **{parameter: 1e6})  # a fit gone astray
+    assert np.isfinite(huge).all()
+
+
+def test_effects_are_refused_where_they_cannot_sit(tmp_path: Path) -> None:
+    places = places_in(read_geometry(robot_named("emps", tmp_path)), ())
+    for request, message in (
+        ("passive_viscous_friction", "no joint without a motor"),
+        ("payload_mass_error", "no payload of known mass"),
+        ("base_tilt:axis", "only the robot as a whole"),
+        ("viscous_friction:elbow", "no joint 'elbow'.*there are: axis"),
+        ("glue", "unknown effect 'glue'; known: asymmetric"),
+    ):
+        with pytest.raises(BenchError, match=message):
+            select_effects([request], places)
+    with pytest.raises(BenchError, match="no body of the robot has a length"):
+        select_effects(["geometric_error"], replace(places, body=()))
+    with pytest.raises(BenchError, match="given twice"):
+        select_effects(["viscous_friction", "viscous_friction:axis"], places)
+
+
+def test_the_opened_tree_is_not_changed_by_a_changed_length(tmp_path: Path) -> None:
+    geometry = read_geometry(robot_named("five_bar", tmp_path))
+    before = build_tree(geometry).jointPlacements[2].translation.copy()
+    with_length(geometry, lengths(geometry)["left_crank"], 0.01)
+    assert np.array_equal(build_tree(geometry).jointPlacements[2].translation, before)
