@@ -130,9 +130,10 @@ def test_interrupt_is_one_line_and_exit_code_130(command, capsys, tmp_path):
 )
 def test_signal_to_a_process_leaves_no_half_written_file(tmp_path, number, exit_code, line):
     program = f"""
-import sys, time
+import signal, sys, time
 import click
 from bench import cli
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs start with it ignored
 from bench.cli.lazy import LazyCommand
 from bench.files import atomic_path
 
