@@ -38,12 +38,15 @@ def assembled(model: mujoco.MjModel, home: Array, dofs: Indices, target: Array) 
     passive = np.setdiff1d(np.arange(model.nv), dofs)
     for share in np.arange(1, count + 1) / count:
         data.qpos[address] = target if share == 1 else start + share * (target - start)
-        _close(model, data, passive)
+        close_loops(model, data, passive)
     return np.array(data.qpos)
 
 
-def _close(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) -> None:
-    """Close the loops by moving the passive joints; data.qpos is changed in place."""
+def close_loops(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) -> None:
+    """Close the loops by moving the passive joints (velocity indices); data.qpos is changed in place.
+
+    Raises BenchError if they do not close.
+    """
     for _ in range(20):
         gap, jacobian = loop_rows(model, data)
         if gap.size == 0 or np.abs(gap).max() < CLOSED:
@@ -62,7 +65,7 @@ def reduced_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
     """The inertia (n, n) that the actuated joints feel at qpos (nq,), loops closed; kg·m² or kg."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
-    follow = _follow(model, data, dofs)
+    follow = following(model, data, dofs)
     full = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
     return follow.T @ full @ follow
@@ -72,13 +75,13 @@ def holding_torque(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
     """What the actuated joints (n,) have to supply to hold the weight of the machine at qpos (nq,)."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
-    follow = _follow(model, data, dofs)
+    follow = following(model, data, dofs)
     mujoco.mj_fwdVelocity(model, data)
     return follow.T @ data.qfrc_bias
 
 
-def _follow(model: mujoco.MjModel, data: mujoco.MjData, dofs: Indices) -> Array:
-    """Velocities (nv, n) of all joints for a unit velocity of each actuated joint, at data.qpos."""
+def following(model: mujoco.MjModel, data: mujoco.MjData, dofs: Indices) -> Array:
+    """Velocities (nv, n) of all joints for a unit velocity of each actuated joint, at data.qpos, loops closed."""
     _, jacobian = loop_rows(model, data)
     passive = np.setdiff1d(np.arange(model.nv), dofs)
     follow = np.zeros((model.nv, len(dofs)))

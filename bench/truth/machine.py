@@ -79,6 +79,8 @@ class Machine:
     """Whether effects have laws of their own, so that the forces of the motors are set at every step."""
     home: Array
     """qpos (nq,) of the keyframe `home`."""
+    inertia: Array
+    """kg·m² or kg (n,) that the actuated joints feel there, loops closed, nothing hidden."""
     addresses: Indices
     """Indices into qpos of the actuated joints (n,)."""
     dofs: Indices
@@ -140,7 +142,18 @@ def _built(scenario: Scenario) -> Machine:
     )
     motor_dofs = np.array([model.joint(joint).dofadr[0] for joint in ends])
     return Machine(
-        robot, models, drive, payloads, hidden, laws, home, addresses, dofs, motor_addresses, motor_dofs
+        robot,
+        models,
+        drive,
+        payloads,
+        hidden,
+        laws,
+        home,
+        inertia,
+        addresses,
+        dofs,
+        motor_addresses,
+        motor_dofs,
     )
 
 

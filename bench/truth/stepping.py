@@ -82,6 +82,7 @@ class Stepper:
     def advance(self, time: Array, command: Array, every: int) -> States:
         """Take steps at the times (steps,) with command (R, steps, n), and keep one in `every`.
 
+        Stops early where MuJoCo warns, as `batch.warning` tells.
         Raises BenchError if dry friction would be negative.
         """
         drive = self._machine.drive
@@ -113,6 +114,8 @@ class Stepper:
             self._batch.step()
             if keep:
                 kept.append((*before, self._qacc.copy(), torque.copy(), reference.copy()))
+                if self._batch.warning.any():  # diverged: the caller tells
+                    break
         return States(*(np.stack(values, axis=1) for values in zip(*kept, strict=True)))
 
     def _live(self, source: Array, indices: NDArray[np.signedinteger]) -> Array:

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from bench.errors import BenchError
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
@@ -15,7 +16,8 @@ from bench.truth.hidden.signals import Law, Parameters, Signals
 class AccelerationDependentFriction(JointEffect):
     """c · |q̈| · sign(q̇), and sticking at standstill; q̈ one step ago.
 
-    c: kg·m² or kg, at least 0.
+    c: kg·m² or kg, at least 0, and at most half of the inertia that the joint feels at home: with more, the
+    friction would make the acceleration that makes the friction.
     """
 
     name: ClassVar[str] = "acceleration_dependent_friction"
@@ -24,6 +26,9 @@ class AccelerationDependentFriction(JointEffect):
     c: float
 
     def change(self, draft: Draft) -> None:
+        most = 0.5 * draft.inertia[self.joint]
+        if self.c > most:
+            raise BenchError(f"{self.name} of joint {self.joint}: c = {self.c:g} is more than {most:.3g}")
         hard_friction(draft, self.joint)
 
     @staticmethod

@@ -1,0 +1,241 @@
+"""Parameters of effects that change the machine, by inverse dynamics of the machine with and without them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.scenario import Scenario
+from bench.scenario_tables import Hidden
+from bench.truth.hidden.reference import JointMovement, Reference, rms
+from bench.truth.inverse import motor_torque
+from bench.truth.machine import build_machine
+from bench.truth.simulate import Simulation, simulate
+
+Array = NDArray[np.float64]
+Sizes = dict[str, float]
+
+SAMPLES = 40  # of each recording
+CLOSE = 0.02  # of the wished share
+ROTOR = 0.1  # of the inertia that the joint feels
+
+
+def passive_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """Friction in one passive joint, or in all of them."""
+    key = {"passive_viscous_friction": "Fv", "passive_coulomb_friction": "Fc"}[effect]
+    return _scaled(reference, effect, joint, None, share, lambda x: {key: x}, 0.01)
+
+
+def base_tilt_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
+    """About the axis that the motors feel more."""
+    keys = ("about_x", "about_y")
+    felt = {key: _felt(reference, effect, None, None, {key: 0.02}) for key in keys}
+    key = max(keys, key=lambda k: felt[k])
+    return _scaled(reference, effect, None, None, share, lambda x: {key: x}, 0.02)
+
+
+def platform_force_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
+    """A constant force, level where the motors feel that, along the axis that they feel most."""
+    felt = {key: _felt(reference, effect, None, None, {key: 1.0}) for key in ("fx", "fy", "fz")}
+    level = max(("fx", "fy"), key=lambda k: felt[k])
+    key = level if felt[level] > 0.2 * felt["fz"] else "fz"
+    return _scaled(reference, effect, None, None, share, lambda x: {key: x}, 1.0)
+
+
+def payload_mass_error_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
+    """Too heavy, over all recordings with and without payload."""
+    return _scaled(reference, effect, None, None, share, lambda x: {"error": x}, 0.01)
+
+
+def geometric_error_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """A link that is too long, as its own motor feels it, or all motors if it has none."""
+    actuated = joint if joint in reference.simulation.robot.joints else None
+    return _scaled(reference, effect, joint, actuated, share, lambda x: {"error": x}, 1e-3)
+
+
+def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
+    """As if the joint had moved elsewhere."""
+    movement = _movement(reference, joint)
+    offset = 0.01
+
+    def felt(x: float) -> float:
+        return _shifted(
+            reference, movement, [np.full(len(movement.time), -x), *(np.zeros(len(movement.time)),) * 2]
+        )
+
+    return {"offset": _solved(felt, offset, share, 1)}
+
+
+def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
+    """As if the joint moved as far from its motor as the spring gives way; the rotor's own inertia aside."""
+    j = _movement(reference, joint)
+
+    def felt(stiffness: float) -> float:
+        return _shifted(reference, j, [-x / stiffness for x in (j.torque, j.torque_rate, j.torque_bend)])
+
+    rotor = 0.0 if j.armature > 0 else ROTOR * j.inertia
+    stiffness = _solved(felt, 100 * rms(j.torque) / j.span, share, -1)
+    return _rotor({"stiffness": stiffness, "damping": 0.1 * np.sqrt(stiffness * j.inertia)}, rotor)
+
+
+def backlash_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """From simulations, beside a rotor without play: how the joint changes flanks has no simpler rule.
+
+    Flanks that give way by a tenth of the play, or less stiff ones if the step asks for it.
+    """
+    j = _movement(reference, joint)
+    step = reference.simulation.scenario.settings.step
+    rotor = 0.0 if j.armature > 0 else ROTOR * j.inertia
+    without = _again(reference, "rotor_inertia", joint, {"Ia": rotor}) if rotor else reference.simulation
+    i = without.robot.joints.index(j.joint)
+
+    def sizes(play: float) -> Sizes:
+        stiffness = min(10 * rms(j.torque) / play, 0.2 * (rotor + j.armature) / step**2)
+        damping = 0.2 * np.sqrt(stiffness * (rotor + j.armature))
+        return _rotor({"play": play, "stiffness": stiffness, "damping": damping}, rotor)
+
+    def felt(play: float) -> float:
+        pairs = zip(_again(reference, effect, joint, sizes(play)).recordings, without.recordings, strict=True)
+        return rms(np.concatenate([(a.current - b.current)[:, i] for a, b in pairs])) / rms(j.current)
+
+    return sizes(_solved(felt, 0.02 * j.span, share, 1))
+
+
+MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]] = {
+    "backlash": backlash_size,
+    "base_tilt": base_tilt_size,
+    "drive_flexibility": drive_flexibility_size,
+    "encoder_offset": encoder_offset_size,
+    "geometric_error": geometric_error_size,
+    "passive_coulomb_friction": passive_size,
+    "passive_viscous_friction": passive_size,
+    "payload_mass_error": payload_mass_error_size,
+    "platform_force": platform_force_size,
+}
+"""Rules by name of the effect: parameters for a share of the torque of `joint`, or of all motors."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Some samples of one recording."""
+
+    payload: str | None
+    rows: NDArray[np.signedinteger]
+    """Of the recording."""
+    first: int
+    """Row of the recording's first sample, all recordings one after the other."""
+    pose: Array
+    q: Array
+    qd: Array
+    qdd: Array
+
+
+def _samples(reference: Reference) -> list[_Samples]:
+    machine = reference.simulation.machine
+    found, first = [], 0
+    for recording in reference.simulation.recordings:
+        motion = recording.motion
+        rows = np.linspace(0, len(motion.time) - 1, SAMPLES + 2).astype(int)[1:-1]
+        pose = motion.qpos[rows]
+        found.append(
+            _Samples(
+                recording.table.payload,
+                rows,
+                first,
+                pose,
+                pose[:, machine.addresses],
+                motion.qvel[rows][:, machine.dofs],
+                motion.qacc[rows][:, machine.dofs],
+            )
+        )
+        first += len(motion.time)
+    return found
+
+
+def _felt(
+    reference: Reference, effect: str, joint: str | None, motor: str | None, parameters: Sizes
+) -> float:
+    """Share of the torque of a motor (of all, if None) that the effect changes in the same movement."""
+    scenario = _with(reference, effect, joint, parameters)
+    machine, without = build_machine(scenario), reference.simulation.machine
+    columns = slice(None) if motor is None else machine.robot.joints.index(motor)
+    changes, torques = [], []
+    for s in _samples(reference):
+        one, other = (motor_torque(m, s.payload, s.pose, s.q, s.qd, s.qdd) for m in (machine, without))
+        changes.append((one - other)[:, columns])
+        torques.append(other[:, columns])
+    return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
+
+
+def _with(reference: Reference, effect: str, joint: str | None, parameters: Sizes) -> Scenario:
+    """The scenario of the reference with an effect."""
+    scenario = reference.simulation.scenario
+    hidden = Hidden(effect=effect, joint=joint, **parameters)
+    return replace(scenario, settings=scenario.settings.model_copy(update={"hidden": (hidden,)}))
+
+
+def _again(reference: Reference, effect: str, joint: str | None, parameters: Sizes) -> Simulation:
+    trajectories = {recording.name: recording.trajectory for recording in reference.simulation.recordings}
+    return simulate(_with(reference, effect, joint, parameters), trajectories)
+
+
+def _shifted(reference: Reference, j: JointMovement, shifts: list[Array]) -> float:
+    """Share of its torque that changes if the joint's position, velocity, acceleration shift (N,) each."""
+    machine = reference.simulation.machine
+    i = machine.robot.joints.index(j.joint)
+    changes, torques = [], []
+    for s in _samples(reference):
+        moved = []
+        for values, shift in zip((s.q, s.qd, s.qdd), shifts, strict=True):
+            moved.append(values.copy())
+            moved[-1][:, i] += shift[s.first + s.rows]
+        one = motor_torque(machine, s.payload, s.pose, *moved)
+        other = motor_torque(machine, s.payload, s.pose, s.q, s.qd, s.qdd)
+        changes.append((one - other)[:, i])
+        torques.append(other[:, i])
+    return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
+
+
+def _scaled(
+    reference: Reference,
+    effect: str,
+    joint: str | None,
+    motor: str | None,
+    share: float,
+    parameters: Callable[[float], Sizes],
+    start: float,
+) -> Sizes:
+    def felt(x: float) -> float:
+        return _felt(reference, effect, joint, motor, parameters(x))
+
+    return parameters(_solved(felt, start, share, 1))
+
+
+def _solved(felt: Callable[[float], float], start: float, share: float, exponent: float) -> float:
+    """x with felt(x) within some percent of `share`; felt goes about with x^exponent, found out on the way."""
+    x, found = start, felt(start)
+    for _ in range(4):
+        if not found > 0:
+            raise BenchError("no motor feels the effect in this movement")
+        if abs(found / share - 1) < CLOSE:
+            break
+        before, x = (x, found), x * float(np.clip((share / found) ** (1 / exponent), 0.01, 100.0))
+        found = felt(x)
+        if found > 0 and found != before[1]:
+            slope = np.log(found / before[1]) / np.log(x / before[0])
+            exponent = float(np.clip(slope / exponent, 0.3, 3.0)) * exponent
+    return x
+
+
+def _movement(reference: Reference, joint: str | None) -> JointMovement:
+    if joint is None:
+        raise BenchError(f"name a joint: one of {', '.join(reference.simulation.robot.joints)}")
+    return reference.movement(joint)
+
+
+def _rotor(sizes: Sizes, inertia: float) -> Sizes:
+    return sizes | {"rotor_inertia": inertia} if inertia > 0 else sizes

@@ -1,0 +1,55 @@
+"""How large an effect must be to matter: parameters for a given share of the torque, for any robot."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.truth.hidden import HIDDEN_EFFECTS
+from bench.truth.hidden.law_sizes import LAW_SIZES
+from bench.truth.hidden.machine_sizes import MACHINE_SIZES
+from bench.truth.hidden.reference import Reference
+from bench.truth.simulate import Simulation
+
+Array = NDArray[np.float64]
+DIGITS = 4  # that a parameter is given with
+
+
+def typical(effect: str, reference: Reference, share: float, joint: str | None = None) -> dict[str, float]:
+    """Parameters of an effect whose torque is about `share` of what the motor gives, RMS over RMS.
+
+    reference: the same movements without hidden effects; no robot has rules of its own.
+    joint: for an effect in a joint; the share is of its motor's torque, or of all motors' if it has none.
+    For an effect of the whole machine, or in all passive joints, None; the share is of all motors' torque.
+    An effect of the drive counts as the torque that it seems to take away: a delay, the change of the
+    current during that time; a drive that gives way, the change of torque from the joint being elsewhere.
+
+    Raises BenchError for an effect or a joint that there is not, or a share that the effect cannot have.
+    """
+    if not (np.isfinite(share) and share > 0):
+        raise BenchError(f"the share of an effect should be greater than 0, not {share!r}")
+    if effect in LAW_SIZES:
+        if joint is None:
+            raise BenchError(f"{effect}: name a joint: one of {', '.join(reference.simulation.robot.joints)}")
+        sizes = LAW_SIZES[effect](reference.movement(joint), share)
+    elif effect in MACHINE_SIZES:
+        try:
+            sizes = MACHINE_SIZES[effect](reference, effect, joint, share)
+        except BenchError as error:
+            raise BenchError(f"{effect} with a share of {share:g}: {error}") from error
+    else:
+        raise BenchError(f"no effect {effect!r}; there are {', '.join(HIDDEN_EFFECTS)}")
+    return {name: float(f"{value:.{DIGITS}g}") for name, value in sizes.items()}
+
+
+def measured_share(simulation: Simulation, reference: Reference) -> Array:
+    """How much an effect changed the current references (n,), RMS over RMS, of the same recordings.
+
+    Includes what the controller makes of it, so that it differs a little from the share of the torque.
+    """
+    without = reference.simulation.recordings
+    change = [a.current - b.current for a, b in zip(simulation.recordings, without, strict=True)]
+    current = np.concatenate([recording.current for recording in without])
+    ratio = np.mean(np.concatenate(change) ** 2, axis=0) / np.mean(current**2, axis=0)
+    return np.asarray(np.sqrt(ratio))

@@ -1,0 +1,68 @@
+"""What the motors have to supply for a given movement of their joints, loops closed."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.truth.assembly import close_loops, following, loop_rows
+from bench.truth.machine import Machine
+
+Array = NDArray[np.float64]
+NUDGE = 1e-5  # s: the loops' Jacobian is differentiated over this much of the movement
+
+
+def motor_torque(
+    machine: Machine, payload: str | None, poses: Array, q: Array, qd: Array, qdd: Array
+) -> Array:
+    """Torque (S, n) for positions, velocities and accelerations (S, n) of the actuated joints.
+
+    poses: (S, nq) from which the loops are closed, each near its own, so that the assembly mode is kept.
+    Counted are inertia, weight, and of what MuJoCo has
+    itself damping, springs, dry friction that slides, and actuators other than the motors; not counted are
+    laws of hidden effects, and springs and play in drives.
+    Raises BenchError if the loops do not close.
+    """
+    model = machine.models[payload]
+    data = mujoco.MjData(model)
+    dofs, addresses = machine.dofs, machine.addresses
+    passive = np.setdiff1d(np.arange(model.nv), dofs)
+    mass = np.zeros((model.nv, model.nv))
+    torque = np.empty_like(q)
+    for k, pose in enumerate(poses):
+        data.qpos[:] = pose
+        data.qpos[addresses] = q[k]
+        close_loops(model, data, passive)
+        follow = following(model, data, dofs)
+        velocity = follow @ qd[k]
+        acceleration = follow @ qdd[k]
+        acceleration[passive] += _bent(model, data, velocity, passive)
+        data.qvel[:] = velocity
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        given = data.qfrc_actuator.copy()
+        given[machine.motor_dofs] -= data.actuator_force[: len(dofs)]
+        force = mass @ acceleration + data.qfrc_bias - data.qfrc_passive - given
+        force += model.dof_frictionloss * np.sign(velocity)
+        torque[k] = follow.T @ force
+    return torque
+
+
+def _bent(
+    model: mujoco.MjModel, data: mujoco.MjData, velocity: Array, passive: NDArray[np.signedinteger]
+) -> Array:
+    """Accelerations of the passive joints that keep the loops closed while the others move evenly."""
+    here = data.qpos.copy()
+    ends = []
+    for time in (-NUDGE, NUDGE):
+        qpos = here.copy()
+        mujoco.mj_integratePos(model, qpos, velocity, time)
+        data.qpos[:] = qpos
+        ends.append(loop_rows(model, data)[1] @ velocity)
+    data.qpos[:] = here
+    _, jacobian = loop_rows(model, data)
+    change = (ends[1] - ends[0]) / (2 * NUDGE)
+    return np.asarray(-np.linalg.lstsq(jacobian[:, passive], change, rcond=None)[0], dtype=np.float64)
