@@ -1,10 +1,18 @@
-"""`bench compare`: a saved model beside other recordings."""
+"""`bench compare`: where a model fails."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from bench.cli.options import dataset_argument, effect_file_option, json_option
+from bench.cli.options import (
+    dataset_argument,
+    effect_file_option,
+    filter_options,
+    given_filters,
+    json_option,
+    with_option,
+)
 
 
 @click.command("compare")
@@ -13,27 +21,70 @@ from bench.cli.options import dataset_argument, effect_file_option, json_option
     "--model",
     "model_file",
     type=click.Path(path_type=Path),
-    required=True,
     metavar="MODEL.json",
-    help="What `bench identify --json` wrote.",
+    help="What `bench identify --json` wrote. [default: identified from DATASET]",
 )
+@with_option
 @effect_file_option
+@filter_options
 @json_option
-def compare(dataset: Path, model_file: Path, effect_files: tuple[Path, ...], json_file: Path | None) -> None:
-    """Apply a saved model to a dataset's recordings; nothing is fitted."""
-    import json
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for figures: the currents, and a page of errors for every motor.",
+)
+def compare(
+    dataset: Path,
+    model_file: Path | None,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    json_file: Path | None,
+    output: Path | None,
+    **filters: Any,
+) -> None:
+    """Tell and draw where a model fails on a dataset's recordings.
 
+    A saved model is applied as it is, nothing is fitted. Without one, the model (with the effects named) is
+    identified from the recordings that the dataset gives for it.
+    """
     from rich.console import Console
 
+    from bench.compare.as_json import where_json
+    from bench.compare.motor import compared
+    from bench.compare.where import where_it_fails
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
-    from bench.estimate.model_file import apply_model, comparison_json, load_model
-    from bench.files import write_text_atomically
+    from bench.estimate.identify import identify
+    from bench.estimate.model_file import Comparison, apply_model, comparison_json, load_model
+    from bench.files import write_json_atomically
+    from bench.show.comparison import where_report
     from bench.show.tables import comparison_report
 
+    given = given_filters(**filters)
+    if model_file is not None and (effects or given):
+        raise click.UsageError("--model brings its own effects and filters; leave the others out")
     data = load_dataset(dataset)
-    comparison = apply_model(data, load_model(model_file), catalogue_for(data.effect_files, effect_files))
-    comparison_report(comparison, Console())
+    catalogue = catalogue_for(data.effect_files, effect_files)
+    if model_file is not None:
+        saved = load_model(model_file)
+        comparison, settings = apply_model(data, saved, catalogue), saved.settings
+    else:
+        result = identify(data, effects, filters=given, catalogue=catalogue)
+        name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
+        comparison = Comparison(result.robot, name, result.recordings, result.error)
+        settings = result.settings
+    what = compared(data.robot, data.recordings, comparison.recordings, settings)
+    where = where_it_fails(what)
+    console = Console()
+    comparison_report(comparison, console)
+    where_report(where, what, console)
     if json_file is not None:
-        write_text_atomically(json_file, json.dumps(comparison_json(comparison), indent=1) + "\n")
+        write_json_atomically(json_file, {**comparison_json(comparison), **where_json(where, what)})
         click.echo(f"Comparison: {json_file}")
+    if output is not None:
+        from bench.show.comparison_figures import write_comparison_figures
+
+        for path in write_comparison_figures(output, what):
+            click.echo(f"Figure: {path}")

@@ -19,7 +19,7 @@ from bench.estimate.result import CurrentSeries, ErrorSummary, Identification, Q
 from bench.estimate.settle import present_model
 from bench.estimate.solution import Solution
 from bench.estimate.summary import ROBOT, modelled_series
-from bench.files import write_text_atomically
+from bench.files import finite, write_text_atomically
 from bench.signals.settings import FilterSettings
 
 FORMAT = 1
@@ -88,17 +88,7 @@ def to_json(result: Identification) -> dict[str, Any]:
         ],
         "notes": list(result.notes),
     }
-    return dict(_finite(answer))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    return dict(finite(answer))
 
 
 def save_model(result: Identification, path: str | Path) -> None:
@@ -216,7 +206,7 @@ def _base_value(name: str, saved: SavedModel) -> float:
 
 def comparison_json(comparison: Comparison) -> dict[str, Any]:
     """The comparison as plain data."""
-    answer = _finite(
+    answer = finite(
         {
             "robot": comparison.robot,
             "model": comparison.model,

@@ -1,0 +1,74 @@
+"""Everything that is told of where a model fails, motor by motor."""
+
+from dataclasses import dataclass
+
+from bench.compare.concentration import Concentration, concentrations
+from bench.compare.memory import autocorrelation
+from bench.compare.motor import Compared, MotorSeries, relative_error_of, relative_noise
+from bench.compare.opposing import Change, Opposing, by_load, changes, over_warm_up
+from bench.compare.periods import Line, lines
+from bench.compare.profile import Dependence, dependences
+from bench.compare.regions import regions
+
+MATERIAL = 1.15  # times the noise: an error below holds nothing to look for
+
+
+@dataclass(frozen=True)
+class MotorErrors:
+    """Where one motor's error is. error, noise: relative to the measured current, all recordings together.
+
+    by_recording: error and noise of each, by name. memory: s over which errors are alike. above_noise: whether
+    there is anything beside noise; the lists below are empty where there is not.
+    """
+
+    joint: str
+    error: float
+    noise: float
+    by_recording: dict[str, tuple[float, float]]
+    memory: float
+    above_noise: bool
+    concentrations: tuple[Concentration, ...]
+    dependences: tuple[Dependence, ...]
+    lines: tuple[Line, ...]
+    changes: tuple[Change, ...]
+    warm_up: tuple[Opposing, Opposing]
+    by_load: tuple[Opposing, ...]
+
+
+@dataclass(frozen=True)
+class WhereItFails:
+    """The errors of every motor that moves, and of the whole robot."""
+
+    robot: str
+    motors: tuple[MotorErrors, ...]
+
+
+def where_it_fails(what: Compared) -> WhereItFails:
+    """Look for where the errors of every motor are concentrated, and what they follow."""
+    motors = [_of_motor(what, joint) for joint in what.joints if what.of(joint)]
+    return WhereItFails(what.robot, tuple(motors))
+
+
+def _of_motor(what: Compared, joint: str) -> MotorErrors:
+    series = what.of(joint)
+    current, unit = what.units[joint]
+    error, noise = relative_error_of(series) or 0.0, relative_noise(series)
+    above = error > MATERIAL * noise
+    return MotorErrors(
+        joint=joint,
+        error=error,
+        noise=noise,
+        by_recording={one.recording: _error_and_noise(one) for one in series},
+        memory=autocorrelation(series).memory / (series[0].rate or 1.0),
+        above_noise=above,
+        concentrations=tuple(concentrations(series, regions(series, unit, current))) if above else (),
+        dependences=tuple(dependences(series)) if above else (),
+        lines=tuple(lines(series)) if above else (),
+        changes=tuple(changes(series)) if above else (),
+        warm_up=over_warm_up(series),
+        by_load=tuple(by_load(series)),
+    )
+
+
+def _error_and_noise(one: MotorSeries) -> tuple[float, float]:
+    return relative_error_of([one]) or 0.0, relative_noise([one])
