@@ -44,6 +44,7 @@ def test_runs_that_share_work_stand_side_by_side(tmp_path):
         ('effects = [[], ["viscous_friction"]]', 1, 1, 2),
         ('"filter.decimation" = [20, 40]', 1, 1, 2),
         ('"sensors.encoder_bits" = [16, 20]', 1, 1, 2),
+        ('"payloads.disc.declared.mass" = [0.5, 0.51]', 1, 1, 2),
         ('"gains.error" = [0.1, 0.2]', 1, 2, 2),
         ('"payloads.disc.mass" = [0.1, 0.2]', 1, 2, 2),
         ('"controller.damping" = [0.7, 1.0]', 1, 2, 2),

@@ -23,7 +23,10 @@ COMMANDS = {
         "bench.cli.identify:identify", "Identify drive gains and dynamic parameters from a dataset."
     ),
     "compare": LazyCommand(
-        "bench.cli.compare:compare", "Apply a saved model to a dataset's recordings; nothing is fitted."
+        "bench.cli.compare:compare", "Tell and draw where a model fails on a dataset's recordings."
+    ),
+    "diagnose": LazyCommand(
+        "bench.cli.diagnose:diagnose", "Find the physical effects that a model lacks, and how sure it is."
     ),
     "simulate": LazyCommand(
         "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset."
@@ -34,6 +37,9 @@ COMMANDS = {
     "sweep": LazyCommand(
         "bench.cli.sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators."
     ),
+    "table": LazyCommand("bench.cli.table:table", "Summarise the runs of a sweep by axis."),
+    "plot": LazyCommand("bench.cli.plot:plot", "Draw a metric of a sweep against an axis."),
+    "check": LazyCommand("bench.cli.check:check", "Compare the accuracy with the reference; alarm if it is worse."),
     "robot": LazyCommand(
         "bench.cli.robot:robot", "Check a robot folder: joints, loops, home pose, singularities."
     ),

@@ -8,12 +8,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench.errors import BenchError
 from bench.sweep.extent import Extent, extent
 from bench.sweep.plan import Plan, make_plan
 from bench.sweep.pool import LocalPool, Pool, start_server
 from bench.sweep.preflight import check_plan
-from bench.sweep.print_summary import explanation, summary_table
+from bench.sweep.print_summary import print_summary
 from bench.sweep.progress import duration_text, shown_progress
 from bench.sweep.results import SUMMARY, write_plots, write_summary
 from bench.sweep.run_sweep import Finished, run_sweep
@@ -67,22 +66,25 @@ def _extent_text(plan: Plan, work: Extent, workers: int, scheduler: str | None) 
     axes = [f"{len(axis.points)} × {axis.name}" for axis in plan.sweep.grid]
     drawn = [name for name in plan.axis_names if name not in {axis.name for axis in plan.sweep.grid}]
     counts = ", ".join([*axes, f"{len(plan.sweep.seeds)} seeds", *(f"{name} drawn" for name in drawn)])
-    text = f"{work.runs} runs ({counts}), {work.motions} simulations"
+    text = f"{_counted(work.runs, 'run')} ({counts}), {_counted(work.motions, 'simulation')}"
     if work.designs:
-        text += f", {work.designs} designs of trajectories"
+        text += f", {_counted(work.designs, 'design')} of trajectories"
     if scheduler is not None:
         return f"{text}, on {scheduler}"
     seconds = work.seconds(workers)
     about = "" if seconds is None else f", about {duration_text(seconds)}"
-    return f"{text}{about} with {workers} worker{'s' if workers > 1 else ''}"
+    return f"{text}{about} with {_counted(workers, 'worker')}"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> int:
     summary = write_summary(plan, finished.folder)
     plots = write_plots(plan, finished.folder)
     console.print()
-    console.print(summary_table(summary))
-    console.print(f"[dim]{explanation(summary)}[/]", highlight=False)
+    print_summary(summary, console)
     console.print()
     if finished.failed:
         _show_failures(console, finished)
@@ -107,12 +109,3 @@ def _show_failures(console: Console, finished: Finished) -> None:
         console.print(f"[red]failed[/] ({which}): {reason}", highlight=False, soft_wrap=True)
     if len(reasons) > MOST_REASONS:
         console.print(f"… and for {len(reasons) - MOST_REASONS} other reasons: see the column `reason`")
-
-
-def check_folder(folder: Path) -> Path:
-    """The table of a sweep's folder; BenchError if there is none."""
-    from bench.sweep.run_sweep import TABLE  # noqa: PLC0415
-
-    if not (folder / TABLE).is_file():
-        raise BenchError(f"{folder}: holds no {TABLE}: name the folder of a finished sweep")
-    return folder / TABLE

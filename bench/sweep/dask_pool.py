@@ -55,7 +55,10 @@ class DaskPool:
     def slots(self) -> int:
         """How many threads all workers have now."""
         if time.monotonic() - self._counted > COUNT_EVERY:
-            self._slots = sum(self._client.nthreads().values())
+            try:
+                self._slots = sum(self._client.nthreads().values())
+            except OSError as error:
+                raise self._gone() from error
             self._counted = time.monotonic()
         return max(1, self._slots)
 
@@ -102,7 +105,10 @@ class DaskPool:
             if isinstance(error, distributed.KilledWorker):
                 return Outcome(key, None, "the worker died, and so did others that tried it again")
             return Outcome(key, None, f"{type(error).__name__}: {error}")
-        raise BenchError(
+        raise self._gone()
+
+    def _gone(self) -> BenchError:
+        return BenchError(
             f"the Dask scheduler at {self.address} is gone; finished runs are kept, the same command goes on"
         )
 

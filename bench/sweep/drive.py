@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from bench.sweep.designs import keep_design, kept_design
 from bench.sweep.journal import Journal, Row
-from bench.sweep.plan import Plan, Run
+from bench.sweep.plan import Run
 from bench.sweep.pool import Outcome, Pool, Shared, Task
 
 LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulated while these are worked off
@@ -17,6 +17,13 @@ FEWEST_AHEAD = 8
 
 Report = Callable[[Journal], None]
 """Told whenever runs are finished."""
+
+
+class Planned(Protocol):
+    """The runs that there are."""
+
+    def tasks(self, is_done: Callable[[int], bool]) -> Iterator[tuple[Run, ...]]:
+        """All runs that are not done, in order; those with the same equations together."""
 
 
 class Work(Protocol):
@@ -87,7 +94,7 @@ class Driver:
 
     def __init__(
         self,
-        plan: Plan,
+        plan: Planned,
         journal: Journal,
         pool: Pool,
         work: Work,
@@ -181,7 +188,7 @@ class Driver:
             self._fail(job.runs, outcome.fault)
 
 
-def _sets(plan: Plan, is_done: Callable[[int], bool]) -> Iterator[_Set]:
+def _sets(plan: Planned, is_done: Callable[[int], bool]) -> Iterator[_Set]:
     """Sets of runs with the same equations, in order; motions are compared with the sets before and after."""
     before, current = "", None
     for following in plan.tasks(is_done):

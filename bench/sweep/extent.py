@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from typing import Any
 
+from bench.dataset import Dataset
 from bench.errors import BenchError
 from bench.estimate.identify import fit, prepare
+from bench.recording import Recording
 from bench.scenario import resolve_trajectories, scenario_from_dict
 from bench.sweep.axes import Axis, DrawnAxis, GridAxis
-from bench.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, level
+from bench.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, Run, level
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
-TRIALS = (2.0, 4.0)  # s of movement
+TRIAL = 3.0  # s of movement
+PART = 0.4  # of it, for a second measurement: what takes as long however short the movement is shows
 DESIGN_SECONDS = 5.0  # of one design, about
 
 
@@ -88,25 +91,32 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
     durations = [one.design.duration for one in whole.settings.recordings if one.design is not None]
     if len(durations) < len(whole.settings.recordings):
         return None, None
-    seconds = []
-    for duration in TRIALS:
-        short = {"optimise": False, "duration": duration, "ramp": 0.25}
-        recordings = [{**one, "design": {**one["design"], **short}} for one in run.content["recordings"]]
-        scenario = scenario_from_dict(
-            {**run.content, "recordings": recordings}, run.base, run.base, whole.robot
-        )
-        start = time.perf_counter()
-        try:
-            simulation = simulate(scenario, resolve_trajectories(scenario), threads=1)
-            between = time.perf_counter()
-            fit(prepare(as_dataset(simulation), run.identify["effects"]), run.identify["method"])
-        except BenchError:  # too short a movement may be too little for this robot, and says nothing
-            return None, None
-        seconds.append((between - start, time.perf_counter() - between))
-    mean = sum(durations) / len(durations)
+    short = {"optimise": False, "duration": TRIAL, "ramp": 0.25}
+    recordings = [{**one, "design": {**one["design"], **short}} for one in run.content["recordings"]]
+    scenario = scenario_from_dict({**run.content, "recordings": recordings}, run.base, run.base, whole.robot)
+    start = time.perf_counter()
+    try:
+        simulation = simulate(scenario, resolve_trajectories(scenario), threads=1)
+        simulating = time.perf_counter() - start
+        whole_data = as_dataset(simulation)
+        part = replace(whole_data, recordings=tuple(_beginning(one) for one in whole_data.recordings))
+        _, short_time, long_time = (_identifying(data, run) for data in (part, part, whole_data))
+    except BenchError:  # too short a movement may be too little for this robot, and says nothing
+        return None, None
+    more = sum(durations) / len(durations) - TRIAL
+    slope = max(0.0, long_time - short_time) / ((1 - PART) * TRIAL)
+    return simulating + more / TRIAL * simulation.seconds, long_time + slope * more
 
-    def extrapolated(part: int) -> float:
-        slope = (seconds[1][part] - seconds[0][part]) / (TRIALS[1] - TRIALS[0])
-        return max(seconds[1][part] + slope * (mean - TRIALS[1]), seconds[1][part])
 
-    return extrapolated(0), extrapolated(1)
+def _identifying(dataset: Dataset, run: Run) -> float:
+    """Seconds that an identification takes."""
+    start = time.perf_counter()
+    fit(prepare(dataset, run.identify["effects"]), run.identify["method"])
+    return time.perf_counter() - start
+
+
+def _beginning(recording: Recording) -> Recording:
+    """The first part of a recording."""
+    end = round(PART * len(recording.time))
+    cut = {name: getattr(recording, name)[:end] for name in ("time", "position", "current")}
+    return replace(recording, **cut)

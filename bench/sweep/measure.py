@@ -30,6 +30,7 @@ METRICS = {
     "parameter": "base parameter; .NAME, .NAME.std, .NAME.true",
     "parameter_error": "largest relative deviation of an essential base parameter from the true one",
     "parameter_within": "share of the base parameters whose 95 % interval holds the truth",
+    "diagnosis": "of `diagnose`: .missed and .invented, how many effects; .missing, their names; .gain_error after",
     "effect": "effect parameter; .EFFECT.JOINT.PARAMETER and .std",
 }
 """Every metric, what it measures; after a dot, what it is of."""

@@ -21,7 +21,7 @@ LEVELS = 5
 MOVEMENT, MACHINE, SENSING, FITTING, METHOD = range(LEVELS)
 SENSED = ("sensors",)
 FITTED = ("filter", "effects")
-SOLVED = ("method", "deviations", "essential", "fit_gains")
+SOLVED = ("method", "deviations", "essential", "fit_gains", "diagnose")
 MOVED = ("base", "robot", "design", "recordings")
 NOT_MOTION = ("seed", "sensors", "filter", "tolerances", "description", "file_format")
 
@@ -94,10 +94,11 @@ class Plan:
             {key: design_content.get(key) for key in ("robot", "design", "recordings", "payloads")}
         )
         motion = {key: value for key, value in content.items() if key not in NOT_MOTION}
+        motion["payloads"], declared = _declarations(content.get("payloads") or {})
         if (content.get("gains") or {}).get("error_within"):
             motion["seed"] = seed
         motion_digest = digest([design, motion])
-        fitted = [content.get("sensors"), content.get("filter"), identify["effects"]]
+        fitted = [content.get("sensors"), content.get("filter"), identify["effects"], declared]
         return Run(
             number=number,
             seed=seed,
@@ -183,14 +184,23 @@ def make_plan(sweep: Sweep) -> Plan:
 def level(axis: Axis) -> int:
     """How much has to be done anew where an axis moves on: MOVEMENT most, METHOD least."""
     paths = axis.paths if isinstance(axis, GridAxis) else frozenset((axis.name,))
-    return min((_level(path.split(".")[0]) for path in paths), default=METHOD)
+    return min((_level(path) for path in paths), default=METHOD)
 
 
-def _level(head: str) -> int:
+def _level(path: str) -> int:
+    head, *rest = path.split(".")
+    if head == "payloads" and "declared" in rest:
+        return FITTING
     for found, heads in ((SENSING, SENSED), (FITTING, FITTED), (METHOD, SOLVED), (MOVEMENT, MOVED)):
         if head in heads:
             return found
     return MACHINE
+
+
+def _declarations(payloads: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Payloads as they are, and what the dataset says of them."""
+    true = {name: {k: v for k, v in table.items() if k != "declared"} for name, table in payloads.items()}
+    return true, {name: table.get("declared") for name, table in payloads.items()}
 
 
 def digest(value: Any) -> str:

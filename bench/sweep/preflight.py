@@ -42,7 +42,7 @@ def check_plan(plan: Plan) -> None:
             raise BenchError(f"{path}: no metric {metric!r}; there are {', '.join(METRICS)}")
     for plot in table.plots:
         for axis in (plot.x, *([plot.lines] if plot.lines else [])):
-            if axis not in (*plan.axis_names, "seed"):
+            if axis not in (*plan.axis_names, "seed") and axis.split(".")[0] not in METRICS:
                 raise BenchError(
                     f"{path}: plots: {axis!r} is no axis; there are {', '.join(plan.axis_names)}"
                 )

@@ -2,33 +2,47 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from rich import box
+from rich.console import Console
 from rich.table import Table
 
 from bench.sweep.summary import Spread, Summary, is_share
 
+GAP = 2  # blanks between columns
 
-def summary_table(summary: Summary) -> Table:
-    """Rows by axes; of each metric the median and in brackets the middle 90 %, of a share its mean."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim", show_edge=False)
-    for axis in summary.axes:
-        table.add_column(axis, overflow="fold")
-    for name in _headers(summary):
-        table.add_column(name, justify="right", overflow="fold")
-    for row in _rows(summary):
-        table.add_row(*row)
-    return table
+
+def print_summary(summary: Summary, console: Console) -> None:
+    """Rows by axes; of each metric the median and in brackets the middle 90 %, of a share its mean.
+
+    Metrics that do not fit into the console beside each other follow in further tables.
+    """
+    axes = [_column(_short(axis, summary.axes), values) for axis, values in _axis_columns(summary)]
+    counts = [_column(name, values) for name, values in _count_columns(summary)]
+    metrics = [_column(name, values) for name, values in _metric_columns(summary)]
+    taken = sum(column.width + GAP for column in axes)
+    while metrics or counts:
+        chosen, counts = counts, []
+        width = taken + sum(column.width + GAP for column in chosen)
+        while metrics and (not chosen or width + metrics[0].width <= console.width):
+            chosen.append(metrics.pop(0))
+            width += chosen[-1].width + GAP
+        console.print(_table(axes, chosen))
+        console.print()
+    console.print(f"[dim]{explanation(summary)}[/]", highlight=False)
 
 
 def summary_markdown(summary: Summary) -> str:
     """The same as a Markdown table, with a line on what the numbers are."""
-    headers = [*summary.axes, *_headers(summary)]
+    axes, numbers = _axis_columns(summary), _count_columns(summary) + _metric_columns(summary)
+    columns = axes + numbers
     lines = [
-        "| " + " | ".join(headers) + " |",
-        "|" + "|".join(["---"] * len(summary.axes) + ["---:"] * (len(headers) - len(summary.axes))) + "|",
-        *("| " + " | ".join(row) + " |" for row in _rows(summary)),
+        "| " + " | ".join(name for name, _ in columns) + " |",
+        "|" + "|".join(["---"] * len(axes) + ["---:"] * len(numbers)) + "|",
+        *("| " + " | ".join(row) + " |" for row in zip(*(values for _, values in columns), strict=True)),
     ]
     return "\n".join([*lines, "", explanation(summary)]) + "\n"
 
@@ -41,26 +55,63 @@ def explanation(summary: Summary) -> str:
     return text
 
 
-def number(value: float) -> str:
-    """Four significant digits at most."""
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.4g}"
+def number(value: float, digits: int = 3) -> str:
+    """A number to a few significant digits, large whole numbers in full."""
+    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
 
 
-def _headers(summary: Summary) -> list[str]:
-    failed = any(line.failed for line in summary.lines)
-    return ["runs", *(["failed"] if failed else []), *summary.metrics]
+Columns = list[tuple[str, list[str]]]
 
 
-def _rows(summary: Summary) -> list[list[str]]:
-    failed = any(line.failed for line in summary.lines)
+@dataclass(frozen=True)
+class _Column:
+    header: str
+    values: list[str]
+    width: int
+
+
+def _column(header: str, values: list[str]) -> _Column:
+    return _Column(header, values, max(len(text) for text in (header, *values)))
+
+
+def _table(left: list[_Column], right: list[_Column]) -> Table:
+    table = Table(
+        box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, GAP, 0, 0), header_style="dim", show_edge=False
+    )
+    for column in left:
+        table.add_column(column.header, overflow="fold")
+    for column in right:
+        table.add_column(column.header, justify="right", overflow="fold")
+    for row in zip(*(column.values for column in (*left, *right)), strict=True):
+        table.add_row(*row)
+    return table
+
+
+def _short(axis: str, axes: Sequence[str]) -> str:
+    """The last part of an axis' name where no other axis ends alike."""
+    last = axis.rpartition(".")[2]
+    return (
+        last
+        if sum(other.rpartition(".")[2] == last for other in axes) == 1 and not last.isdecimal()
+        else axis
+    )
+
+
+def _axis_columns(summary: Summary) -> Columns:
+    return [(axis, [_label(line.values[i]) for line in summary.lines]) for i, axis in enumerate(summary.axes)]
+
+
+def _count_columns(summary: Summary) -> Columns:
+    columns = [("runs", [str(line.runs) for line in summary.lines])]
+    if any(line.failed for line in summary.lines):
+        columns.append(("failed", [str(line.failed) for line in summary.lines]))
+    return columns
+
+
+def _metric_columns(summary: Summary) -> Columns:
     return [
-        [
-            *(_label(value) for value in line.values),
-            str(line.runs),
-            *([str(line.failed)] if failed else []),
-            *(_cell(metric, line.spreads[metric]) for metric in summary.metrics),
-        ]
-        for line in summary.lines
+        (metric, [_cell(metric, line.spreads[metric]) for line in summary.lines])
+        for metric in summary.metrics
     ]
 
 
@@ -74,4 +125,4 @@ def _cell(metric: str, spread: Spread) -> str:
     middle = spread.mean if is_share(metric) else spread.median
     if spread.count == 1 and not is_share(metric):
         return number(middle)
-    return f"{number(middle)} [{number(spread.low)}, {number(spread.high)}]"
+    return f"{number(middle)} [{number(spread.low, 2)}, {number(spread.high, 2)}]"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from bench.errors import BenchError
 from bench.files import write_text_atomically
 from bench.sweep.plan import Plan
 from bench.sweep.plot import plot_sweep
@@ -15,6 +16,23 @@ from bench.sweep.sweep_file import PlotTable
 from bench.sweep.table import column_names
 
 SUMMARY = "summary.md"
+
+
+def table_in(folder: Path) -> Path:
+    """The table of a sweep, from its folder or its own path. Raises BenchError if there is none."""
+    path = folder if folder.is_file() else folder / TABLE
+    if not path.is_file():
+        raise BenchError(f"{folder}: holds no {TABLE}: name the folder of a sweep that has ended")
+    return path
+
+
+def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> tuple[Summary, Path]:
+    """Summary of a table by some axes, and the Markdown file beside the table that it is written to."""
+    summary = summarise(table, axes, metrics)
+    name = " ".join(metrics) + (f" by {' '.join(axes)}" if axes else "")
+    path = table.with_name(f"{_file_name(name)}.md")
+    write_text_atomically(path, summary_markdown(summary))
+    return summary, path
 
 
 def write_summary(plan: Plan, folder: Path) -> Summary:
@@ -54,4 +72,8 @@ def default_plots(plan: Plan) -> Sequence[PlotTable]:
 def plot_name(x: str, y: str, lines: str | None = None) -> str:
     """File name of a figure."""
     name = f"{y} against {x}" + (f" by {lines}" if lines else "")
-    return name.replace(" ", "_").replace("/", "_") + ".svg"
+    return f"{_file_name(name)}.svg"
+
+
+def _file_name(text: str) -> str:
+    return "".join(letter if letter.isalnum() or letter in "._-" else "_" for letter in text)

@@ -27,6 +27,8 @@ class IdentifyTable(UserTable):
     deviations: Literal["autocorrelated", "independent"] = "autocorrelated"
     essential: bool = False
     fit_gains: bool | None = None
+    diagnose: bool = False
+    """Whether to look for missing effects as well."""
 
 
 IDENTIFY = frozenset(IdentifyTable.model_fields)
@@ -96,12 +98,15 @@ def built_in_sweeps() -> Mapping[str, Path]:
     return {path.stem: path for path in sorted((catalogue_folder("scenarios") / "sweeps").glob("*.toml"))}
 
 
-def load_sweep(sweep: str | Path) -> Sweep:
-    """Read a sweep: a built-in name or a path. Raises BenchError, one line naming file and key."""
+def load_sweep(sweep: str | Path, kind: type[SweepTable] = SweepTable) -> Sweep:
+    """Read a sweep: a built-in name or a path. Raises BenchError, one line naming file and key.
+
+    kind: the tables that the file may hold, where it is more than a sweep.
+    """
     built_in = built_in_sweeps()
     path = built_in[sweep] if isinstance(sweep, str) and sweep in built_in else Path(sweep).expanduser()
     if not path.is_file():
         raise BenchError(f"sweep {str(sweep)!r}: neither a built-in sweep ({', '.join(built_in)}) nor a file")
     path = path.resolve()
-    table = read_toml(path, SweepTable)
+    table = read_toml(path, kind)
     return Sweep(path.stem, path, table, read_axes(table.axes, str(path)))

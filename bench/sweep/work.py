@@ -12,6 +12,7 @@ from bench.errors import BenchError
 from bench.estimate.identify import fit, prepare
 from bench.excite.scenario import designer
 from bench.scenario import Scenario, resolve_trajectories, scenario_from_dict
+from bench.sweep.diagnosed import diagnosis_metrics
 from bench.sweep.journal import Row
 from bench.sweep.measure import measure
 from bench.sweep.plan import Run
@@ -79,7 +80,9 @@ class RunTask:
             options = {key: run.identify[key] for key in ("deviations", "essential", "fit_gains")}
             try:
                 result = fit(prepared, run.identify["method"], **options)
-                metrics = measure(simulation, prepared, result, self.record)
+                metrics: dict[str, float | str] = dict(measure(simulation, prepared, result, self.record))
+                if run.identify["diagnose"]:
+                    metrics |= diagnosis_metrics(simulation, prepared)
             except BenchError as error:
                 rows.append(failed_row(run, str(error)))
             else:
@@ -139,10 +142,10 @@ def _filters(scenario: Scenario) -> dict[str, Any]:
     return scenario.settings.filter.model_dump(exclude_none=True)
 
 
-def _row(run: Run, metrics: Mapping[str, float]) -> Row:
+def _row(run: Run, metrics: Mapping[str, float | str]) -> Row:
     row: Row = {"run": run.number, "status": OK, "reason": None, "scenario": run.base, "seed": run.seed}
     row |= run.axes
-    row |= {key: float(value) for key, value in metrics.items()}
+    row |= metrics
     row |= {key: plain(value) for key, value in run.identify.items()}
     row |= {key: value for key, value in flat_settings(run.content) if key not in row}
     return row | versions().columns()

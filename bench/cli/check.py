@@ -1,0 +1,60 @@
+"""`bench check`: has the accuracy changed?"""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("check")
+@click.option("--full", is_flag=True, help="All seeds of all reference scenarios, not the quick set alone.")
+@click.option("--update", is_flag=True, help="Take what comes out as the new reference; runs all seeds.")
+@click.option("--reason", metavar="TEXT", help="Why the reference changes; goes into it.")
+@click.option("--only", multiple=True, metavar="NAME", help="This reference scenario alone. Repeat for more.")
+@click.option("--workers", type=click.IntRange(1, 256), metavar="N", help="Processes. [default: one a core]")
+@click.option(
+    "--reference", type=click.Path(path_type=Path), metavar="DIR", help="Folder. [default: results/reference]"
+)
+@click.option(
+    "--scenarios",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder. [default: scenarios/reference]",
+)
+@click.option("-v", "--verbose", is_flag=True, help="Print every figure, not the changed ones alone.")
+def check(
+    full: bool,
+    update: bool,
+    reason: str | None,
+    only: tuple[str, ...],
+    workers: int | None,
+    reference: Path | None,
+    scenarios: Path | None,
+    verbose: bool,
+) -> int:
+    """Compare the accuracy with the reference; alarm if it is worse.
+
+    Runs the reference scenarios and compares gains, parameters, errors, coverage and diagnosis with what is kept
+    in results/reference, seed by seed. The exit code is 1 if anything got worse by more than its tolerance.
+    """
+    from bench.errors import BenchError
+
+    if update and not (reason or "").strip():
+        raise BenchError("check --update: say why the reference changes, with --reason")
+
+    from rich.console import Console
+
+    from bench.sweep.check import CheckOptions, check_accuracy, identification_work, update_reference
+    from bench.sweep.reference import reference_folder
+
+    options = CheckOptions(
+        reference=reference or reference_folder(),
+        full=full or update,
+        only=only,
+        scenarios=scenarios,
+        workers=workers,
+        verbose=verbose,
+    )
+    if not update:
+        return check_accuracy(options, Console(), identification_work)
+    update_reference(options, reason or "", Console(), identification_work)
+    return 0

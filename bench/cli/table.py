@@ -1,0 +1,33 @@
+"""`bench table`: the runs of a sweep in a few numbers."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("table")
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--by", "axes", multiple=True, metavar="AXIS", help="A line for each value. Repeat for more axes."
+)
+@click.option(
+    "--show",
+    "metrics",
+    multiple=True,
+    metavar="METRIC",
+    help="What to summarise. Repeat for more. [default: gain_error]",
+)
+def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None:
+    """Summarise the runs of a sweep by axis.
+
+    DIR is the folder of a sweep. Prints median and spread, and writes them beside the table as Markdown. Every
+    column of the table can be an axis, and every column of numbers a metric.
+    """
+    from rich.console import Console
+
+    from bench.sweep.print_summary import print_summary
+    from bench.sweep.results import table_in, write_table_summary
+
+    summary, path = write_table_summary(table_in(folder), axes, metrics or ("gain_error",))
+    print_summary(summary, Console())
+    click.echo(f"Summary: {path}")
