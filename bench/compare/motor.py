@@ -23,7 +23,7 @@ class MotorSeries:
     velocity, acceleration: rad or m and their rates, each (M,). row (M,): number of each among all rows, so
     that gaps, where the joint stands still, can be told. to_reversal (M,): rows to the nearest reversal, signed;
     reversal, after_standstill (M,): whether a row lies beside one. noise: RMS of the current's noise in the
-    band of the fit, drive unit. rate: rows per second.
+    band of the fit, drive unit. rate: rows per second; band: the highest frequency that the fit sees, Hz.
     """
 
     joint: str
@@ -31,6 +31,7 @@ class MotorSeries:
     use: str
     payload: str | None
     rate: float
+    band: float
     noise: float
     time: np.ndarray
     row: np.ndarray
@@ -89,8 +90,8 @@ def compared(
         units[actuator.joint] = (current, "rad" if effort == "N*m" else "m")
     found = []
     for one in series:
-        noise = current_noise(logged[one.name], settings)
-        found += [_motor(one, j, joint, float(noise[j])) for j, joint in enumerate(robot.joints)]
+        noise, band = current_noise(logged[one.name], settings), settings.band(logged[one.name].rate)
+        found += [_motor(one, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
     return Compared(robot.name, tuple(robot.joints), units, tuple(found))
 
 
@@ -117,7 +118,7 @@ def relative_error_of(series: Sequence[MotorSeries]) -> float | None:
     return float(np.sqrt(error / measured)) if measured else None
 
 
-def _motor(series: CurrentSeries, j: int, joint: str, noise: float) -> MotorSeries:
+def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float) -> MotorSeries:
     moving = series.moving[:, j]
     row = np.flatnonzero(moving)
     velocity = series.velocity[:, j]
@@ -129,6 +130,7 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float) -> MotorSeri
         use=series.use,
         payload=series.payload,
         rate=float(1.0 / np.median(steps)) if len(steps) else 0.0,
+        band=band,
         noise=noise,
         time=(series.time - series.time[0])[row] if len(row) else np.empty(0),
         row=row,

@@ -60,7 +60,7 @@ def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
         frequency, density = signal.welch(filled, one.rate, nperseg=length, detrend=False)
         densities.append(density * len(filled) / len(one.row))
         weights.append(len(one.row))
-    noise = np.average([one.noise**2 / (one.rate / 2) for one in series], weights=weights)
+    noise = np.average([one.noise**2 / one.band for one in series], weights=weights)
     return Spectrum(frequency, np.average(densities, axis=0, weights=weights), float(noise))
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from bench.compare.concentration import shares
 from bench.compare.memory import autocorrelation
@@ -164,6 +165,7 @@ def draw_opposing(axes: Axes, series: Sequence[MotorSeries]) -> None:
     )
     axes.set_yticks(at, [name for name, _ in known], fontsize=7.5)
     axes.set_ylim(len(known) - 0.5, -0.5)
+    axes.xaxis.set_major_locator(MaxNLocator(4))
 
 
 def draw_shares(axes: Axes, series: Sequence[MotorSeries], found: Sequence[Region]) -> None:

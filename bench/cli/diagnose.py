@@ -1,0 +1,72 @@
+"""`bench diagnose`: which physical effects a model lacks."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.cli.options import (
+    dataset_argument,
+    effect_file_option,
+    filter_options,
+    given_filters,
+    json_option,
+    with_option,
+)
+
+
+@click.command("diagnose")
+@dataset_argument
+@with_option
+@effect_file_option
+@filter_options
+@json_option
+@click.option(
+    "--apply",
+    "model_file",
+    type=click.Path(path_type=Path),
+    metavar="MODEL.json",
+    help="Write the model with what is missing.",
+)
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder for figures.")
+@click.option("-v", "--verbose", is_flag=True, help="Print every effect and every parameter.")
+def diagnose(
+    dataset: Path,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    json_file: Path | None,
+    model_file: Path | None,
+    output: Path | None,
+    verbose: bool,
+    **filters: Any,
+) -> None:
+    """Find the physical effects that a model lacks, and how sure it is.
+
+    Every effect of the catalogue, and every set of a few, is fitted beside the model and judged on recordings
+    that were not fitted: those that the dataset keeps for validation, or the end of each recording.
+    """
+    from rich.console import Console
+
+    from bench.dataset import load_dataset
+    from bench.diagnose.as_json import diagnosis_json
+    from bench.diagnose.diagnose import diagnose as run
+    from bench.effects import catalogue_for
+    from bench.estimate.model_file import save_model
+    from bench.files import write_json_atomically
+    from bench.show.diagnosis import diagnosis_report
+
+    data = load_dataset(dataset)
+    catalogue = catalogue_for(data.effect_files, effect_files)
+    diagnosis = run(data, effects, filters=given_filters(**filters), catalogue=catalogue)
+    diagnosis_report(diagnosis, Console(), verbose=verbose)
+    if json_file is not None:
+        write_json_atomically(json_file, diagnosis_json(diagnosis))
+        click.echo(f"Diagnosis: {json_file}")
+    if model_file is not None:
+        save_model(diagnosis.after, model_file)
+        click.echo(f"Model: {model_file}")
+    if output is not None:
+        from bench.show.diagnosis_figures import write_diagnosis_figures
+
+        for path in write_diagnosis_figures(output, diagnosis, data):
+            click.echo(f"Figure: {path}")

@@ -1,0 +1,57 @@
+"""A diagnosis as plain data."""
+
+from dataclasses import asdict
+from typing import Any
+
+from bench.diagnose.result import Diagnosis, EffectVerdict
+from bench.diagnose.summary import summary_sentences
+from bench.estimate.model_file import to_json
+from bench.estimate.result import Identification
+from bench.files import finite
+
+MODEL_KEYS = ("effects", "gains_fitted", "drive_gains", "parameters", "effect_parameters", "error", "notes")
+
+
+def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The answer as plain data, ready for JSON; a number that is not finite becomes null.
+
+    missing, ladder, ranking and unexplained as documented for other programs; sizes are RMS torques in N*m or
+    forces in N. before, after: gains, parameters and errors of the models without and with what is missing.
+    """
+    answer = {
+        "robot": diagnosis.robot,
+        "judged_on": diagnosis.split,
+        "summary": summary_sentences(diagnosis),
+        "missing": list(diagnosis.missing),
+        "ladder": [
+            {
+                "effects": list(step.effects),
+                "error": {"identify": step.identify, "validate": step.validate},
+            }
+            for step in diagnosis.ladder
+        ],
+        "ranking": [_verdict(one) for one in diagnosis.ranking],
+        "unexplained": asdict(diagnosis.unexplained),
+        "before": _model(diagnosis.before),
+        "after": _model(diagnosis.after),
+    }
+    return dict(finite(answer))
+
+
+def _verdict(one: EffectVerdict) -> dict[str, Any]:
+    return {
+        "effect": one.effect,
+        "error_before": one.error_before,
+        "error_after": one.error_after,
+        "evidence": one.evidence,
+        "verdict": one.verdict,
+        "actuators": list(one.actuators),
+        "alternatives": list(one.alternatives),
+        "size": dict(one.size),
+        "why": one.why,
+    }
+
+
+def _model(result: Identification) -> dict[str, Any]:
+    whole = to_json(result)
+    return {key: whole[key] for key in MODEL_KEYS}

@@ -1,0 +1,103 @@
+"""A diagnosis in a few sentences."""
+
+from collections.abc import Sequence
+
+from bench.diagnose.result import Diagnosis, EffectVerdict
+from bench.estimate.summary import ROBOT
+
+TELLING = 0.005  # change of a drive gain that is worth a word
+
+
+def summary_sentences(diagnosis: Diagnosis) -> list[str]:
+    """What is missing, what it changes, how sure that is, and what is left."""
+    found = found_effects(diagnosis)
+    first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
+    before, after = (_first_known(step.validate, step.identify) for step in (first, last))
+    floor = diagnosis.unexplained.noise_floor
+    if not found:
+        nothing = (
+            f"Nothing is missing that the catalogue knows: no effect makes the error on {diagnosis.split} clearly "
+            f"smaller than {_percent(before)} of the current."
+        )
+        return [nothing, f"{_capital(diagnosis.unexplained.why)}."]
+    names = and_list([f"{said(one.effect)}{where(diagnosis, one)}" for one in found])
+    said_of = "is" if len(found) == 1 else "are"
+    verdict = (
+        f"{_capital(names)} {said_of} missing: the error on {diagnosis.split} falls from {_percent(before)} to "
+        f"{_percent(after)} of the current, where noise leaves {_percent(floor)}."
+    )
+    sentences = [verdict]
+    sentences += [
+        f"Instead of {said(one.effect)} it could as well be {or_list([said(name) for name in one.alternatives])}; "
+        f"`bench discriminate` designs a motion that tells."
+        for one in found
+        if one.alternatives
+    ]
+    moved = _largest_change(diagnosis)
+    if moved is not None:
+        sentences.append(moved)
+    sentences.append(f"{_capital(diagnosis.unexplained.why)}.")
+    return sentences
+
+
+def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
+    """The verdicts on the effects that are missing, strongest first."""
+    by_name = {one.effect: one for one in diagnosis.ranking}
+    return [by_name[name] for name in diagnosis.missing]
+
+
+def said(effect: str) -> str:
+    """An effect's name as it is said."""
+    return effect.replace("_", " ")
+
+
+def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
+    """At which places an effect shows, as in " at left and right"; nothing where it can show at one place only."""
+    places, motors = list(verdict.actuators), list(diagnosis.after.drive_gains)
+    whole = ROBOT in diagnosis.after.effect_parameters.get(verdict.effect, {})
+    if whole or not places or places == motors[:1] == motors:
+        return ""
+    return " at all motors" if places == motors else f" at {and_list(places)}"
+
+
+def and_list(names: Sequence[str]) -> str:
+    """Names as in "a, b and c"."""
+    return _joined(names, "and")
+
+
+def or_list(names: Sequence[str]) -> str:
+    """Names as in "a, b or c"."""
+    return _joined(names, "or")
+
+
+def _joined(names: Sequence[str], word: str) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"
+
+
+def _largest_change(diagnosis: Diagnosis) -> str | None:
+    """The drive gain that the found effects move most, if the gains were fitted and it moves."""
+    before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
+    if not diagnosis.after.gains_fitted:
+        return None
+    changes = {joint: after[joint].value / before[joint].value - 1.0 for joint in after}
+    joint = max(changes, key=lambda one: abs(changes[one]))
+    if abs(changes[joint]) < TELLING:
+        return None
+    them = "it" if len(diagnosis.missing) == 1 else "them"
+    unit = after[joint].unit.replace("*", "·")
+    return (
+        f"With {them} the drive gain of {joint} moves by {100.0 * changes[joint]:+.2g} %, from "
+        f"{before[joint].value:.4g} to {after[joint].value:.4g} {unit}."
+    )
+
+
+def _first_known(*values: float | None) -> float | None:
+    return next((value for value in values if value is not None), None)
+
+
+def _percent(share: float | None) -> str:
+    return "–" if share is None else f"{100.0 * share:.3g} %"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
