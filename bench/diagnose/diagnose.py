@@ -22,7 +22,7 @@ from bench.estimate.settle import present_model, settled, solved_quickly
 from bench.estimate.summary import ROBOT
 from bench.signals.settings import FilterSettings
 
-ROUNDS = 3  # of searching, each about the model that the last one found
+ROUNDS = 6  # of searching, each about the model that the last one found
 SHOWS = 3.0  # deviations by which a parameter must differ from zero for its effect to show at a joint
 
 
@@ -78,10 +78,12 @@ def _searched(
     model = start
     proposals = propose(context_of(start, fit_gains), catalogue)
     system, found = _judged(start, start, proposals, fit_gains)
+    seen: list[set[str]] = []
     for _ in range(ROUNDS - 1):
         chosen = [proposals[i] for i in found.best.fit.chosen]
-        if not chosen:
+        if not chosen or {one.name for one in chosen} in seen[:-1]:
             break
+        seen.append({one.name for one in chosen})
         instances = [one for proposal in chosen for one in proposal.instances]
         model = settled(with_effects(start, (*start.effects, *instances)), fit_gains)
         proposals = _reshaped(start, model, proposals, system, found, fit_gains)

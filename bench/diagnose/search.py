@@ -8,8 +8,12 @@ import numpy as np
 
 from bench.diagnose.system import Candidate, SetFit, System, solve_set
 
-LARGEST_SET = 3
-SHORTLIST = 14  # candidates that sets of two and three are made of, best first
+EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
+LARGEST_SET = 6
+ALONE, BESIDE = (
+    9,
+    7,
+)  # how many effects the shortlist has for what they do alone, and beside the best set so far
 NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
 MATERIAL = 0.03  # share of the error on checked recordings that an effect must take away
 
@@ -56,16 +60,36 @@ def search(system: System, usable: Sequence[int]) -> Found:
     """
     empty = solve_set(system, ())
     singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
-    order = sorted(usable, key=lambda i: -singles[i].total)[:SHORTLIST]
     best = score(system, empty, empty)
     for size in range(1, LARGEST_SET + 1):
-        sets = [score(system, solve_set(system, chosen), empty) for chosen in combinations(order, size)]
-        possible = [one for one in sorted(sets, key=lambda one: -one.total) if _possible(system, one.fit)]
+        order = _shortlist(system, usable, singles, best, empty)
+        if size <= EXHAUSTIVE:
+            sets = list(combinations(order, size))
+        else:
+            sets = [(*best.fit.chosen, i) for i in order if i not in best.fit.chosen]
+        scored = [score(system, solve_set(system, chosen), empty) for chosen in sets]
+        possible = [one for one in sorted(scored, key=lambda one: -one.total) if _possible(system, one.fit)]
+        before = best
         for one in possible[:20]:
             if one.total > best.total + NEEDED and earned(system, one, empty):
                 best = _simplest(system, one, possible)
                 break
+        if size >= EXHAUSTIVE and best is before:
+            break
     return Found(best, singles, empty)
+
+
+def _shortlist(
+    system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored, empty: SetFit
+) -> list[int]:
+    """Effects that explain most alone, and most beside the best set so far: one may hide the other."""
+    chosen = best.fit.chosen
+    alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
+    others = [i for i in usable if i not in chosen]
+    beside = (
+        {i: score(system, solve_set(system, (*chosen, i)), empty).total for i in others} if chosen else {}
+    )
+    return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
 
 
 def earned(system: System, one: Scored, empty: SetFit) -> bool:
