@@ -53,7 +53,7 @@ def compare(
 
     from bench.compare.as_json import where_json
     from bench.compare.motor import compared
-    from bench.compare.where import where_it_fails
+    from bench.compare.where import errors_by_motor
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
     from bench.estimate.identify import identify
@@ -76,12 +76,12 @@ def compare(
         comparison = Comparison(result.robot, name, result.recordings, result.error)
         settings = result.settings
     what = compared(data.robot, data.recordings, comparison.recordings, settings)
-    where = where_it_fails(what)
+    where = errors_by_motor(what)
     console = Console()
     comparison_report(comparison, console)
-    where_report(where, what, console)
+    where_report(where, console)
     if json_file is not None:
-        write_json_atomically(json_file, {**comparison_json(comparison), **where_json(where, what)})
+        write_json_atomically(json_file, {**comparison_json(comparison), **where_json(where)})
         click.echo(f"Comparison: {json_file}")
     if output is not None:
         from bench.show.comparison_figures import write_comparison_figures

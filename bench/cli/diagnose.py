@@ -49,15 +49,14 @@ def diagnose(
 
     from bench.dataset import load_dataset
     from bench.diagnose.as_json import diagnosis_json
-    from bench.diagnose.diagnose import diagnose as run
-    from bench.effects import catalogue_for
+    from bench.diagnose.find import find_missing_effects
     from bench.estimate.model_file import save_model
     from bench.files import write_json_atomically
     from bench.show.diagnosis import diagnosis_report
 
     data = load_dataset(dataset)
-    catalogue = catalogue_for(data.effect_files, effect_files)
-    diagnosis = run(data, effects, filters=given_filters(**filters), catalogue=catalogue)
+    given = given_filters(**filters)
+    diagnosis = find_missing_effects(data, effects, filters=given, effect_files=effect_files)
     diagnosis_report(diagnosis, Console(), verbose=verbose)
     if json_file is not None:
         write_json_atomically(json_file, diagnosis_json(diagnosis))

@@ -3,7 +3,6 @@
 from dataclasses import asdict
 from typing import Any
 
-from bench.compare.motor import Compared
 from bench.compare.where import MotorErrors, WhereItFails
 from bench.compare.words import (
     change_words,
@@ -16,20 +15,21 @@ from bench.compare.words import (
 from bench.files import finite
 
 
-def where_json(where: WhereItFails, what: Compared) -> dict[str, Any]:
+def where_json(where: WhereItFails) -> dict[str, Any]:
     """Noise floor, findings and warm-up of every motor, and all of it in sentences; shares lie between 0 and 1.
 
     Opposing errors are in the drive's unit, every finding with a `text`.
     """
     answer = {
         "noise_floor": {one.joint: one.noise for one in where.motors},
-        "where": {one.joint: _motor(one, what.units[one.joint]) for one in where.motors},
-        "sentences": where_sentences(where, what),
+        "where": {one.joint: _motor(one) for one in where.motors},
+        "sentences": where_sentences(where),
     }
     return dict(finite(answer))
 
 
-def _motor(motor: MotorErrors, units: tuple[str, str]) -> dict[str, Any]:
+def _motor(motor: MotorErrors) -> dict[str, Any]:
+    units = motor.units
     return {
         "text": level_sentence(motor),
         "error": motor.error,

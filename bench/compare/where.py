@@ -4,24 +4,28 @@ from dataclasses import dataclass
 
 from bench.compare.concentration import Concentration, concentrations
 from bench.compare.memory import autocorrelation
-from bench.compare.motor import Compared, MotorSeries, relative_error_of, relative_noise
+from bench.compare.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
 from bench.compare.opposing import Change, Opposing, by_load, changes, over_warm_up
 from bench.compare.periods import Line, lines
 from bench.compare.profile import Dependence, dependences
 from bench.compare.regions import regions
+from bench.dataset import Dataset
+from bench.estimate.result import Identification
 
 MATERIAL = 1.15  # times the noise: an error below holds nothing to look for
 
 
 @dataclass(frozen=True)
 class MotorErrors:
-    """Where one motor's error is. error, noise: relative to the measured current, all recordings together.
+    """Where one motor's error is.
 
-    by_recording: error and noise of each, by name. memory: s over which errors are alike. above_noise: whether
-    there is anything beside noise; the lists below are empty where there is not.
+    units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all
+    recordings together; by_recording: both of each, by name. memory: s over which errors are alike. above_noise:
+    whether there is anything beside noise; concentrations, dependences, lines and changes are empty where not.
     """
 
     joint: str
+    units: tuple[str, str]
     error: float
     noise: float
     by_recording: dict[str, tuple[float, float]]
@@ -43,7 +47,15 @@ class WhereItFails:
     motors: tuple[MotorErrors, ...]
 
 
-def where_it_fails(what: Compared) -> WhereItFails:
+def where_it_fails(dataset: Dataset, result: Identification) -> WhereItFails:
+    """Where the errors of an identified model are concentrated, motor by motor, and what they follow.
+
+    dataset: the one that it was identified from.
+    """
+    return errors_by_motor(compared(dataset.robot, dataset.recordings, result.recordings, result.settings))
+
+
+def errors_by_motor(what: Compared) -> WhereItFails:
     """Look for where the errors of every motor are concentrated, and what they follow."""
     motors = [_of_motor(what, joint) for joint in what.joints if what.of(joint)]
     return WhereItFails(what.robot, tuple(motors))
@@ -56,6 +68,7 @@ def _of_motor(what: Compared, joint: str) -> MotorErrors:
     above = error > MATERIAL * noise
     return MotorErrors(
         joint=joint,
+        units=what.units[joint],
         error=error,
         noise=noise,
         by_recording={one.recording: _error_and_noise(one) for one in series},

@@ -1,7 +1,6 @@
 """Where a model fails, in sentences."""
 
 from bench.compare.concentration import Concentration
-from bench.compare.motor import Compared
 from bench.compare.opposing import Change
 from bench.compare.periods import Line
 from bench.compare.profile import Dependence
@@ -11,13 +10,9 @@ WARM_UP = "friction changes while it moves, as with warming up"
 LOADED = "friction changes with the load"
 
 
-def where_sentences(where: WhereItFails, what: Compared) -> list[str]:
+def where_sentences(where: WhereItFails) -> list[str]:
     """One sentence for every motor, and one for all that was found of its error."""
-    return [
-        line
-        for motor in where.motors
-        for line in (level_sentence(motor), *finding_sentences(motor, what.units[motor.joint]))
-    ]
+    return [line for motor in where.motors for line in (level_sentence(motor), *finding_sentences(motor))]
 
 
 def level_sentence(motor: MotorErrors) -> str:
@@ -31,8 +26,9 @@ def level_sentence(motor: MotorErrors) -> str:
     return f"{size}{times}" if found else f"{size}{times}, spread over the whole motion"
 
 
-def finding_sentences(motor: MotorErrors, units: tuple[str, str]) -> list[str]:
-    """All that was found of one motor's error, the strongest of each kind first. units: of current and position."""
+def finding_sentences(motor: MotorErrors) -> list[str]:
+    """All that was found of one motor's error, the strongest of each kind first."""
+    units = motor.units
     return [
         *(concentration_words(one) for one in motor.concentrations),
         *(dependence_words(one, units) for one in motor.dependences),

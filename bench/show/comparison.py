@@ -4,20 +4,19 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench.compare.motor import Compared
 from bench.compare.where import WhereItFails
 from bench.compare.words import where_sentences
 from bench.show.columns import Column, table_of
 from bench.show.numbers import percent
 
 
-def where_report(where: WhereItFails, what: Compared, console: Console | None = None) -> None:
+def where_report(where: WhereItFails, console: Console | None = None) -> None:
     """Print how large every motor's error is beside the noise, and in sentences where it is."""
     console = console or Console()
     console.print(Text("Where it fails", "bold"))
     console.print(motors_table(where, width=console.width))
     console.print()
-    console.print(sentences_list(where_sentences(where, what)))
+    console.print(sentences_list(where_sentences(where)))
     console.print()
 
 
