@@ -1,0 +1,81 @@
+"""`bench trial`: how far a diagnosis of a robot can be trusted."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command("trial")
+@click.argument("robot", metavar="ROBOT")
+@click.option("--effects", metavar="A,B,...", default="", help="Hide these only. [default: all]")
+@click.option(
+    "--kinds",
+    metavar="A,B,...",
+    default="",
+    help="Of nothing, one, two, three (effects hidden), outside (unknown to any model). [default: all]",
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(1, 10_000),
+    default=3,
+    show_default=True,
+    help="Datasets for each effect of `one` and `outside`, and tens of datasets of the other kinds.",
+)
+@click.option(
+    "--scenario", metavar="NAME", help="Movements, sensors and payload; by default the robot's own."
+)
+@click.option("--duration", type=click.FloatRange(2.0), metavar="S", help="Of each designed movement, s.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    default=Path("trial"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder of the results.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 256),
+    metavar="N",
+    help="Processes on this machine. [default: one a core]",
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="A Dask scheduler, such as tcp://HOST:8786, instead of processes here.",
+)
+def trial(
+    robot: str,
+    effects: str,
+    kinds: str,
+    seeds: int,
+    scenario: str | None,
+    duration: float | None,
+    output: Path,
+    workers: int | None,
+    scheduler: str | None,
+) -> int:
+    """Diagnose simulated machines whose hidden effects are known, and count right and wrong.
+
+    ROBOT is a built-in name or a robot folder. Datasets are drawn from seeds; each is diagnosed without access
+    to the truth. Finished ones are kept in DIR: stopped and started again, or started with more seeds, the trial
+    goes on. The answer does not depend on the number of workers.
+    """
+    from bench.trial.command import run_command
+
+    return run_command(
+        robot,
+        output,
+        effects=_listed(effects),
+        kinds=_listed(kinds),
+        seeds=seeds,
+        scenario=scenario,
+        duration=duration,
+        workers=workers,
+        scheduler=scheduler,
+    )
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())

@@ -1,0 +1,166 @@
+"""The command `bench trial`: run, judge, show."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+from rich.console import Console
+from rich.table import Table
+
+from bench.errors import BenchError
+from bench.files import atomic_path, write_text_atomically
+from bench.sweep.drive import Report
+from bench.sweep.journal import Row
+from bench.sweep.pool import LocalPool, Pool, start_server
+from bench.sweep.progress import duration_text, shown_progress
+from bench.trial.cases import KINDS, Kind, chosen_effects
+from bench.trial.figures import write_figures
+from bench.trial.markdown import confusion_rows, percent, size_text, target_cells, trial_markdown
+from bench.trial.plan import TrialPlan
+from bench.trial.run_trial import Request, run_trial
+from bench.trial.setup import Setup, make_setup
+from bench.trial.summary import TrialSummary, summarised
+
+
+def run_command(
+    robot: str,
+    folder: Path,
+    *,
+    effects: Sequence[str] = (),
+    kinds: Sequence[str] = (),
+    seeds: int = 3,
+    scenario: str | None = None,
+    duration: float | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+) -> int:
+    """Run a trial; table, page and figures go to `folder` under the robot's name. Returns the exit code."""
+    console = Console()
+    count = workers or len(os.sched_getaffinity(0))
+    if scheduler is None:
+        start_server()
+    setup = make_setup(robot, scenario, duration)
+    request = Request(setup, _kinds(kinds), seeds, tuple(effects))
+    _check(setup, request)
+    start = time.monotonic()
+
+    def make_pool() -> Pool:
+        if scheduler is None:
+            return LocalPool(count)
+        from bench.sweep.dask_pool import DaskPool  # noqa: PLC0415 - an optional extra
+
+        return DaskPool(scheduler)
+
+    with ExitStack() as stack:
+
+        def progress(plan: TrialPlan) -> Report:
+            console.print(f"[bold]{setup.name}[/], {plan.kind}: {plan.size} datasets", highlight=False)
+            stack.close()  # the bar of the kind before
+            return stack.enter_context(shown_progress(console, plan.size))
+
+        try:
+            rows = run_trial(request, folder / setup.name, make_pool, progress)
+        except KeyboardInterrupt:
+            console.print("Stopped. Finished datasets are kept: the same command goes on with the others.")
+            raise
+    summary, paths = write_results(setup.name, rows, folder, scenario_seconds(setup))
+    console.print()
+    show(summary, console)
+    console.print(f"\n{len(rows)} datasets in {duration_text(time.monotonic() - start)}", highlight=False)
+    for path in paths:
+        console.print(str(path), highlight=False, soft_wrap=True)
+    return 1 if rows and all(row["status"] != "ok" for row in rows) else 0
+
+
+def write_results(
+    robot: str, rows: Sequence[Row], folder: Path, seconds: float
+) -> tuple[TrialSummary, list[Path]]:
+    """Write ROBOT.parquet, ROBOT.md and the figures; returns the figures of the trial and the files."""
+    summary = summarised(robot, rows)
+    table = folder / f"{robot}.parquet"
+    _write_rows(table, rows)
+    page = folder / f"{robot}.md"
+    write_text_atomically(page, trial_markdown(summary, _notes(rows, seconds)))
+    return summary, [page, table, *write_figures(summary, rows, folder / robot)]
+
+
+def show(summary: TrialSummary, console: Console) -> None:
+    """Print the figures."""
+    console.print(
+        _table("figure", "reached", "must", "", "cases", "95 %", rows=map(target_cells, summary.targets))
+    )
+    heads = ("hidden", "cases", "named first", "named instead", "openly undecided")
+    console.print(_table(*heads, rows=confusion_rows(summary)))
+    misses = [
+        (size_text(one), one.first.of, percent(one.first), percent(one.first_undecided))
+        for one in summary.misses
+    ]
+    console.print(_table("own error / noise floor", "cases", "named first", "or undecided", rows=misses))
+    intervals = [
+        (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2%}")
+        for one in summary.coverage
+    ]
+    heads = ("effect", "parameter", "intervals", "hold the truth", "median deviation")
+    console.print(_table(*heads, rows=intervals))
+    for reason, count in summary.failed.items():
+        console.print(f"[red]failed[/] ({count}): {reason}", highlight=False, soft_wrap=True)
+
+
+def scenario_seconds(setup: Setup) -> float:
+    """Duration of the longest designed movement, s; 0 if none is designed."""
+    durations = [
+        float({**setup.content.get("design", {}), **one["design"]}.get("duration", 0.0))
+        for one in setup.content["recordings"]
+        if isinstance(one.get("design"), dict)
+    ]
+    return max(durations, default=0.0)
+
+
+def _kinds(kinds: Sequence[str]) -> tuple[Kind, ...]:
+    for kind in kinds:
+        if kind not in KINDS:
+            raise BenchError(f"trial: no kind {kind!r}; there are {', '.join(KINDS)}")
+    return tuple(kind for kind in KINDS if not kinds or kind in kinds)
+
+
+def _check(setup: Setup, request: Request) -> None:
+    """Find out before anything runs what a case would trip over."""
+    for kind in request.kinds:
+        chosen_effects(setup, kind, request.effects)
+    if not request.plans:
+        raise BenchError("trial: none of these effects is of the kinds asked for")
+    for plan in request.plans:
+        plan.case(0)
+
+
+def _write_rows(path: Path, rows: Sequence[Row]) -> None:
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    columns: dict[str, list[Any]] = {name: [row.get(name) for row in rows] for name in names}
+    with atomic_path(path) as partial:
+        pq.write_table(pa.table(columns), partial, compression="zstd")
+
+
+def _notes(rows: Sequence[Row], seconds: float) -> dict[str, str]:
+    counts = {kind: sum(row["kind"] == kind for row in rows) for kind in KINDS}
+    notes = {"datasets": ", ".join(f"{kind} {count}" for kind, count in counts.items() if count)}
+    if seconds:
+        notes["recordings"] = f"up to {seconds:g} s each"
+    done = [row for row in rows if row["status"] == "ok"]
+    for name in ("commit", *(key for key in (done[0] if done else {}) if key.startswith("version."))):
+        values = sorted({str(row[name]) for row in done})
+        notes[name.removeprefix("version.")] = ", ".join(values)
+    return notes
+
+
+def _table(*heads: str, rows: Iterator[Sequence[object]] | Sequence[Sequence[object]]) -> Table:
+    table = Table(*heads, box=None, header_style="bold")
+    for row in rows:
+        table.add_row(*(str(cell).replace("**", "") for cell in row))
+    return table

@@ -1,0 +1,52 @@
+"""Which effects make sense together in one machine, and which need company."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+
+EXCLUSIVE: tuple[frozenset[str], ...] = (
+    frozenset(
+        {"coulomb_friction", "position_dependent_friction", "presliding_hysteresis", "stribeck_friction"}
+    ),
+    frozenset({"asymmetric_viscous_friction", "viscous_friction"}),
+    frozenset({"passive_coulomb_friction", "passive_viscous_friction"}),
+    frozenset({"current_delay", "current_loop_lag"}),
+    frozenset({"backlash", "drive_flexibility", "rotor_inertia"}),
+    frozenset({"constant_offset", "joint_spring"}),
+    frozenset({"encoder_offset", "geometric_error"}),
+)
+"""Of each group a machine has one at most: they contain each other, or are two names for the same part."""
+
+ALONE = frozenset({"payload_mass_error", "rotor_inertia"})
+"""Not hidden beside others: a robot's own parameters take them up, so that they would add nothing to find."""
+
+COMPANIONS: dict[str, tuple[str, ...]] = {"position_dependent_friction": ("coulomb_friction",)}
+"""Effects that cannot be without others: friction that varies around the turn, but nowhere drives."""
+
+PARTS: dict[str, tuple[str, ...]] = {"backlash": ("drive_flexibility",)}
+"""Effects that are part of others and may be named beside them: flanks that touch also give way."""
+
+COMPANION_SIZE = 1.5
+"""The companion, against the largest value of the effect that needs it."""
+
+
+def compatible(effects: Iterable[str]) -> bool:
+    """Whether a machine can reasonably have all of these."""
+    names = tuple(effects)
+    if len(names) > 1 and ALONE.intersection(names):
+        return False
+    return not any({a, b} <= group for a, b in combinations(names, 2) for group in EXCLUSIVE)
+
+
+def expected(effects: Iterable[str]) -> tuple[str, ...]:
+    """The effects with the companions that are hidden beside them."""
+    names = list(dict.fromkeys(effects))
+    for name in tuple(names):
+        names += [one for one in COMPANIONS.get(name, ()) if one not in names]
+    return tuple(names)
+
+
+def optional(effects: Iterable[str]) -> frozenset[str]:
+    """Effects that may be named beside these, and need not be."""
+    return frozenset(part for name in effects for part in PARTS.get(name, ()))

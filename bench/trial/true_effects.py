@@ -1,0 +1,71 @@
+"""The true parameters of hidden effects under the names that the model gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+True_ = Mapping[str, float]
+Conversion = Callable[[True_], float]
+
+
+def _same(name: str, default: float | None = None) -> Conversion:
+    return lambda p: p[name] if default is None else p.get(name, default)
+
+
+MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
+    "asymmetric_viscous_friction": {"Fv_plus": _same("Fv_plus"), "Fv_minus": _same("Fv_minus")},
+    "backlash": {"b": _same("play")},
+    "base_tilt": {"tilt_x": _same("about_x", 0.0), "tilt_y": _same("about_y", 0.0)},
+    "cogging_torque": {
+        "a": _same("a"),
+        "b": _same("b"),
+        "periods": lambda p: 2 * np.pi / p["period"],  # in a turn of a hinge
+    },
+    "constant_offset": {"c": _same("c")},
+    "coulomb_friction": {"Fc": _same("Fc")},
+    "current_delay": {"T": _same("T")},
+    "current_loop_lag": {"T": _same("T")},
+    "drive_flexibility": {"C": lambda p: 1 / p["stiffness"]},
+    "encoder_offset": {"offset": _same("offset")},
+    "gain_saturation": {"k": _same("k")},
+    "geometric_error": {"dl": _same("error")},
+    "joint_spring": {"k": _same("k"), "kq0": lambda p: p["k"] * p["q0"]},
+    "load_dependent_friction": {"mu": _same("mu")},
+    "passive_coulomb_friction": {"Fc": _same("Fc")},
+    "passive_viscous_friction": {"Fv": _same("Fv")},
+    "payload_mass_error": {"dm": _same("error")},
+    "platform_force": {
+        "Fx": _same("fx", 0.0),
+        "Fy": _same("fy", 0.0),
+        "Fz": _same("fz", 0.0),
+        "kx": _same("k", 0.0),
+        "ky": _same("k", 0.0),
+        "kz": _same("k", 0.0),
+    },
+    "position_dependent_friction": {"a": _same("a"), "b": _same("b"), "harmonic": _same("harmonic", 1.0)},
+    "presliding_hysteresis": {"Fc": _same("Fc"), "x0": lambda p: p["Fc"] / p["stiffness"]},
+    "quadratic_drag": {"c": _same("c")},
+    "rotor_inertia": {"Ia": _same("Ia")},
+    "stribeck_friction": {"Fc": _same("Fc"), "Fs": _same("Fs"), "vs": _same("vs")},
+    "thermal_friction_drift": {"Fc": _same("Fc", 0.0), "Fv": _same("Fv", 0.0), "T": _same("T")},
+    "torque_ripple": {
+        "a": _same("a"),
+        "b": _same("b"),
+        "periods": lambda p: 2 * np.pi / p["period"],
+    },
+    "viscous_friction": {"Fv": _same("Fv")},
+}
+"""Effect -> the model's parameter -> its true value from the parameters of the hidden effect.
+
+SI units on both sides; angles of hinges. For slides the periods are per metre, without 2 pi; see `true_values`.
+"""
+
+
+def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str, float]:
+    """The model's parameters of an effect, as they truly are; empty for an effect that no model knows."""
+    values = {name: float(rule(hidden)) for name, rule in MODEL_PARAMETERS.get(effect, {}).items()}
+    if slide and "periods" in values:
+        values["periods"] /= 2 * np.pi
+    return values
