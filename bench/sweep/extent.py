@@ -13,6 +13,7 @@ from bench.estimate.identify import fit, prepare
 from bench.recording import Recording
 from bench.scenario import resolve_trajectories, scenario_from_dict
 from bench.sweep.axes import Axis, DrawnAxis, GridAxis
+from bench.sweep.hidden_share import without_share
 from bench.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, Run, level
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -87,13 +88,14 @@ def _optimised(content: Any) -> bool:
 def _trial(plan: Plan) -> tuple[float | None, float | None]:
     """Seconds of one simulation and of one set of equations, extrapolated from short random movements."""
     run = plan.run(0)
-    whole = scenario_from_dict(run.content, run.base)
+    content = without_share(run.content)
+    whole = scenario_from_dict(content, run.base)
     durations = [one.design.duration for one in whole.settings.recordings if one.design is not None]
     if len(durations) < len(whole.settings.recordings):
         return None, None
     short = {"optimise": False, "duration": TRIAL, "ramp": 0.25}
-    recordings = [{**one, "design": {**one["design"], **short}} for one in run.content["recordings"]]
-    scenario = scenario_from_dict({**run.content, "recordings": recordings}, run.base, run.base, whole.robot)
+    recordings = [{**one, "design": {**one["design"], **short}} for one in content["recordings"]]
+    scenario = scenario_from_dict({**content, "recordings": recordings}, run.base, run.base, whole.robot)
     start = time.perf_counter()
     try:
         simulation = simulate(scenario, resolve_trajectories(scenario), threads=1)

@@ -15,6 +15,7 @@ from bench.model.model import build_model
 from bench.robot import Robot, load_robot
 from bench.scenario import Scenario, scenario_from_dict
 from bench.sweep.axes import DrawnAxis
+from bench.sweep.hidden_share import without_share
 from bench.sweep.measure import METRICS
 from bench.sweep.plan import Plan, Run, digest
 from bench.sweep.sweep_file import IdentifyTable
@@ -70,7 +71,8 @@ def _checked(run: Run, seen: _Seen) -> Scenario:
     name = run.content.get("robot")
     if isinstance(name, str) and name not in seen.robots:
         seen.robots[name] = load_robot(name)
-    scenario = scenario_from_dict(run.content, run.base, run.base, seen.robots.get(str(name)))
+    content = without_share(run.content)
+    scenario = scenario_from_dict(content, run.base, run.base, seen.robots.get(str(name)))
     try:
         identify = IdentifyTable.model_validate(run.identify)
     except ValidationError as error:

@@ -13,6 +13,7 @@ from bench.estimate.identify import fit, prepare
 from bench.excite.scenario import designer
 from bench.scenario import Scenario, resolve_trajectories, scenario_from_dict
 from bench.sweep.diagnosed import diagnosis_metrics
+from bench.sweep.hidden_share import with_sized_effect, without_share
 from bench.sweep.journal import Row
 from bench.sweep.measure import measure
 from bench.sweep.plan import Run
@@ -36,7 +37,7 @@ class DesignTask:
 
     def __call__(self, _: None) -> Trajectories:
         """Trajectories by recording name."""
-        scenario = _scenario(self.run, self.run.design_content)
+        scenario = _scenario(self.run, without_share(self.run.design_content))
         return resolve_trajectories(scenario, designer)
 
 
@@ -49,7 +50,7 @@ class MotionTask:
 
     def __call__(self, _: None) -> Simulation:
         """The simulation without what sensing it again does not need."""
-        return slim(simulate(_scenario(self.run, self.run.content), self.trajectories, threads=1))
+        return slim(_simulated(self.run, self.trajectories))
 
 
 @dataclass(frozen=True)
@@ -67,12 +68,12 @@ class RunTask:
         """
         first = self.runs[0]
         try:
-            scenario = _scenario(first, first.content)
             if motion is None:
-                simulation = simulate(scenario, self.trajectories, threads=1)
+                simulation = _simulated(first, self.trajectories)
             else:
-                simulation = sense_again(motion, scenario)
-            prepared = prepare(as_dataset(simulation), first.identify["effects"], _filters(scenario))
+                simulation = sense_again(motion, _scenario(first, without_share(first.content)))
+            dataset, filters = as_dataset(simulation), _filters(simulation.scenario)
+            prepared = prepare(dataset, first.identify["effects"], filters)
         except BenchError as error:
             return [failed_row(run, str(error)) for run in self.runs]
         rows = []
@@ -136,6 +137,11 @@ def slim(simulation: Simulation) -> Simulation:
 
 def _scenario(run: Run, content: Mapping[str, Any]) -> Scenario:
     return scenario_from_dict(content, run.base, run.base)
+
+
+def _simulated(run: Run, trajectories: Trajectories) -> Simulation:
+    content = with_sized_effect(run.content, run.base, trajectories)
+    return simulate(_scenario(run, content), trajectories, threads=1)
 
 
 def _filters(scenario: Scenario) -> dict[str, Any]:
