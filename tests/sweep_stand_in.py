@@ -1,6 +1,6 @@
 """A cheap stand-in for the work of a sweep: rows from random numbers, and accidents on request.
 
-As a program (`python -m tests.sweep_stand_in FILE DIR WORKERS [PAUSE]`) it runs a whole sweep, to be killed.
+`main` runs a whole sweep in a process of its own, to be killed.
 """
 
 import os
@@ -160,8 +160,7 @@ def run(plan, folder, pool=Inline, work=None, report=lambda journal: None, **opt
     return run_sweep(plan, folder, pool, work or StandIn(), report, **options)
 
 
-if __name__ == "__main__":
-    file, target, workers, *pause = sys.argv[1:]
-    plan = make_plan(load_sweep(file))
-    work = StandIn(pause=float(pause[0]) if pause else 0.0)
-    run(plan, Path(target), lambda: LocalPool(int(workers)), work)
+def main():
+    """A sweep with two workers; arguments: file, folder, seconds that every task waits."""
+    file, target, pause = sys.argv[1:]
+    run(make_plan(load_sweep(file)), Path(target), lambda: LocalPool(2), StandIn(pause=float(pause)))

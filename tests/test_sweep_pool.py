@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from bench.errors import BenchError
+from bench.sweep import pool as module
 from bench.sweep.pool import ATTEMPTS, LocalPool, Shared
 
 
@@ -108,3 +111,33 @@ def test_closing_stops_workers_at_once():
     pool.close()
     with pytest.raises(ProcessLookupError):
         os.kill(process, 0)
+
+
+def test_a_script_without_a_guard_can_use_workers(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from bench.sweep.pool import LocalPool\n"
+        "from tests.test_sweep_pool import Task, outcomes_of\n"
+        "pool = LocalPool(1)\n"
+        "pool.submit(1, Task(value=6))\n"
+        "print(outcomes_of(pool, 1)[1].value[0])\n"
+        "pool.close()\n"
+    )
+    for arguments, text in (([str(script)], None), (["-"], script.read_text())):
+        done = subprocess.run(
+            [sys.executable, *arguments], input=text, capture_output=True, text=True, check=True
+        )
+        assert done.stdout == "6\n", done.stderr
+
+
+def test_workers_that_cannot_start_are_told_instead_of_tried_for_ever(monkeypatch):
+    monkeypatch.setattr(module, "_work", _dies)
+    pool = LocalPool(1)
+    pool.submit(0, Task())
+    with pytest.raises(BenchError, match="a worker process cannot start"):
+        outcomes_of(pool, 1)
+    pool.close()
+
+
+def _dies(connection):
+    os._exit(3)

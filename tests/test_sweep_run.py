@@ -62,7 +62,8 @@ def test_a_motion_of_a_single_run_is_left_to_it(tmp_path):
 def test_killed_again_and_again_the_table_is_the_same_to_the_last_bit(tmp_path, undisturbed):
     plan_of(tmp_path)
     folder, journal = tmp_path / "out", tmp_path / "out" / JOURNAL
-    command = [sys.executable, "-m", "tests.sweep_stand_in", str(tmp_path / "sweep.toml"), str(folder), "2"]
+    program = "from tests.sweep_stand_in import main; main()"
+    command = [sys.executable, "-c", program, str(tmp_path / "sweep.toml"), str(folder)]
     for kept in (12, 50):
         with subprocess.Popen([*command, "0.02"]) as process:
             while not journal.exists() or journal.read_bytes().count(b"\n") < kept:
@@ -72,7 +73,7 @@ def test_killed_again_and_again_the_table_is_the_same_to_the_last_bit(tmp_path, 
         lines = journal.read_bytes().count(b"\n")
         assert kept <= lines < 90
         assert not (folder / TABLE).exists()
-    subprocess.run(command, check=True)
+    subprocess.run([*command, "0"], check=True)
     assert (folder / TABLE).read_bytes() == undisturbed
     assert journal.read_bytes().count(b"\n") == 90, "no run was made twice"
 

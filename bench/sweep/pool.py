@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -64,6 +65,8 @@ class _Worker:
     process: multiprocessing.process.BaseProcess
     connection: Connection
     job: _Job | None = None
+    ready: bool = False
+    """Whether it has said that it runs."""
     holds: str | None = None
     """Name of the shared value that it was sent last."""
 
@@ -82,10 +85,10 @@ class LocalPool:
     def __init__(self, workers: int) -> None:
         self._queue: deque[_Job] = deque()
         self._outcomes: list[Outcome] = []
+        self._stillborn = 0
         start_server()
         self._context: Any = multiprocessing.get_context("forkserver" if FORKED else "spawn")
-        with _one_thread_each():
-            self._workers = [self._start() for _ in range(workers)]
+        self._workers = [self._start() for _ in range(workers)]
 
     @property
     def slots(self) -> int:
@@ -128,7 +131,8 @@ class LocalPool:
         process: multiprocessing.process.BaseProcess = self._context.Process(
             target=_work, args=(theirs,), daemon=True
         )
-        process.start()
+        with _one_thread_each(), _without_main():
+            process.start()
         theirs.close()
         return _Worker(process, ours)
 
@@ -148,11 +152,14 @@ class LocalPool:
     def _collect(self, worker: _Worker) -> None:
         assert worker.job is not None
         try:
-            value, fault = worker.connection.recv()
+            answer = worker.connection.recv()
         except (EOFError, ConnectionResetError):
             self._replace(self._workers.index(worker))
             return
-        self._outcomes.append(Outcome(worker.job.key, value, fault))
+        if answer is None:
+            worker.ready, self._stillborn = True, 0
+            return
+        self._outcomes.append(Outcome(worker.job.key, *answer))
         worker.job = None
 
     def _replace(self, index: int) -> None:
@@ -161,8 +168,10 @@ class LocalPool:
         worker.process.join()
         worker.connection.close()
         job, code = worker.job, worker.process.exitcode
-        with _one_thread_each():
-            self._workers[index] = self._start()
+        self._stillborn += not worker.ready
+        if self._stillborn >= ATTEMPTS:
+            raise BenchError("a worker process cannot start; what it says stands above")
+        self._workers[index] = self._start()
         if job is None:
             return
         if job.attempts < ATTEMPTS:
@@ -192,6 +201,7 @@ def _work(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     try:
         held: Shared | None = None
+        connection.send(None)
         while True:
             task, name, sent = connection.recv()
             held = sent or (held if name is not None else None)
@@ -209,6 +219,24 @@ def start_server() -> None:
         forkserver.set_forkserver_preload(PRELOADED)
         with _one_thread_each():
             forkserver.ensure_running()
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Processes started inside do not run the main program again: nothing that they work on is defined there.
+
+    A script without the usual guard, or one that came from a pipe, can thus run a sweep.
+    """
+    main = sys.modules["__main__"]
+    hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
+    if "__file__" in hidden:
+        del main.__file__
+    main.__spec__ = None
+    try:
+        yield
+    finally:
+        for name, value in hidden.items():
+            setattr(main, name, value)
 
 
 @contextmanager

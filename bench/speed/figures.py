@@ -1,0 +1,87 @@
+"""What a speed benchmark gives: named figures with their limits, beside those of the last time."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+from bench.errors import BenchError
+from bench.sweep.versions import versions
+
+HISTORY = Path("results/speed/history.jsonl")
+NOTABLE = 0.15  # relative change that is worth a colour; machines are noisier than that below
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A measured figure. limit: it should be at most this, or with `at_least` at least; None: no promise."""
+
+    name: str
+    value: float
+    unit: str
+    limit: float | None = None
+    at_least: bool = False
+
+    @property
+    def kept(self) -> bool:
+        """Whether the limit is kept."""
+        if self.limit is None:
+            return True
+        return self.value >= self.limit if self.at_least else self.value <= self.limit
+
+
+def last_values(path: Path = HISTORY) -> dict[str, float]:
+    """The value of every figure when it was last measured; empty if it never was."""
+    values: dict[str, float] = {}
+    if path.is_file():
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+            try:
+                values |= json.loads(line)["figures"]
+            except (ValueError, KeyError, TypeError) as error:
+                raise BenchError(f"{path}: line {number}: no speed record ({error})") from error
+    return values
+
+
+def append_history(figures: Sequence[Figure], path: Path = HISTORY) -> None:
+    """Add a line to the history: figures by name, the program, the machine."""
+    record: dict[str, Any] = {
+        "figures": {one.name: float(f"{one.value:.4g}") for one in figures},
+        "cores": len(os.sched_getaffinity(0)),
+        "machine": platform.machine(),
+        **versions().columns(),
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(record) + "\n")
+
+
+def figures_table(figures: Sequence[Figure], last: Mapping[str, float]) -> Table:
+    """Each figure beside the last one and its limit."""
+    table = Table(
+        box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
+    )
+    table.add_column("", overflow="fold")
+    for header in ("last", "now", "change", "limit"):
+        table.add_column(header, justify="right", no_wrap=True)
+    for one in figures:
+        before = last.get(one.name)
+        change = None if not before else one.value / before - 1.0
+        worse = change is not None and (-change if one.at_least else change) > NOTABLE
+        bound = "" if one.limit is None else f"{'≥' if one.at_least else '≤'} {one.limit:g}"
+        table.add_row(
+            one.name,
+            "–" if before is None else f"{before:.3g}",
+            f"{one.value:.3g} {one.unit}",
+            "–" if change is None else f"{100 * change:+.0f} %",
+            bound,
+            style="red" if not one.kept else "yellow" if worse else None,
+        )
+    return table
