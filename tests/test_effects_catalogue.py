@@ -147,7 +147,7 @@ def test_linearising_changes_only_the_fields_named_like_linear_parameters(effect
 def test_candidates_rise_and_brackets_hold_them(effect: Effect) -> None:
     for parameter in effect.shape:
         assert list(parameter.candidates) == sorted(set(parameter.candidates))
-        assert all(value > 0 and math.isfinite(value) for value in parameter.candidates)
+        assert all(value >= 0 and math.isfinite(value) for value in parameter.candidates)
         for low, value, high in effect.brackets(parameter, ()):
             assert low <= value <= high
             assert (low == high) == parameter.discrete

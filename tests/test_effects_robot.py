@@ -250,3 +250,19 @@ def test_the_opened_tree_is_not_changed_by_a_changed_length(tmp_path: Path) -> N
     before = build_tree(geometry).jointPlacements[2].translation.copy()
     with_length(geometry, lengths(geometry)["left_crank"], 0.01)
     assert np.array_equal(build_tree(geometry).jointPlacements[2].translation, before)
+
+
+@pytest.mark.parametrize("name", ["drive_flexibility", "backlash"])
+def test_the_rotor_does_not_follow_its_link(name: str, tmp_path: Path) -> None:
+    """A motor that drives a slide with a rotor and nothing else moves the same, whatever is behind it."""
+    robot, *_ = moving_robot("emps", tmp_path, samples=2001, size=0.3)
+    joint = next(iter(robot.joints))
+    torque = np.abs(robot.coarse.torque).max()
+    about = {
+        "drive_flexibility": {"C": 1e-3 / torque, "CIa": 1e-3 / torque * 1e9},
+        "backlash": {"b": 1e-3, "r": 1.0},
+    }
+    rigid = {"drive_flexibility": {"C": 1e-3 / torque}, "backlash": {"b": 1e-3}}
+    free = np.abs(columns_at(robot, name, joint, **about[name])[200:-200, :, 0]).max()
+    held = np.abs(columns_at(robot, name, joint, **rigid[name])[200:-200, :, 0]).max()
+    assert free < 1e-3 * held

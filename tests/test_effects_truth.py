@@ -57,7 +57,7 @@ CASES = {
     "coulomb_friction": Case({"Fc": 0.1}, {"Fc": 0.1}),
     "current_delay": Case({"T": -0.004}, {"T": -0.004}),
     "current_loop_lag": Case({"T": 0.006}, {"T": 0.006}, share=0.03),
-    "drive_flexibility": Case({"stiffness": 300.0, "damping": 0.3, **ROTOR}, {"C": 1 / 300}, "left", 0.03),
+    "drive_flexibility": Case({"stiffness": 300.0, "damping": 0.3, **ROTOR}, {"C": 1 / 300}, "left"),
     "encoder_offset": Case({"offset": 0.02, "joint": "left"}, {"offset": 0.02}, "left"),
     "gain_saturation": Case({"k": 0.02}, {"k": 0.02}),
     "geometric_error": Case({"error": 0.004, "joint": "left_elbow"}, {"dl": 0.004}, "left_rod"),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import Effect, EffectParameter
-from bench.effects.play import torque_behind
+from bench.effects.play import apparent_inertia, own_torque, torque_behind
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
@@ -14,25 +14,40 @@ SMALLEST, LARGEST = 1e-4, 2e-2  # rad or m: deflection that the step of the diff
 
 @dataclass(frozen=True)
 class DriveFlexibility(Effect):
-    """The link lies behind the motor, whose position was logged, by its torque over the stiffness: q - C tau.
+    """The link lies behind the motor, whose position was logged, by the spring's torque over its stiffness.
 
-    C: compliance, one over the stiffness, positive, rad/(N*m) or m/N; tau: torque of the present rigid model at
-    the joint, which the spring carries. The column is the change of that model's torque where the link's position,
-    velocity and acceleration are those of q - C tau. Valid well below the resonance of link and spring; the
-    inertia of the rotor is not set apart. Source: Spong, "Modeling and control of elastic joint robots", Journal
-    of Dynamic Systems, Measurement, and Control 109, 1987.
+    tau = tau_r(q - C tau_s) - tau_r(q) with tau_s = tau_r - Ia qdd. C: compliance, one over the stiffness,
+    positive, rad/(N*m) or m/N; tau_r: torque of the present rigid model at the joint, rotor included; tau_s:
+    what the spring carries of it; Ia: inertia of the rotor, which does not follow the spring. CIa = C Ia: positive,
+    s2, one over the square of the rotor's angular frequency on the spring. The columns are changes of the model's
+    torque where the link's position, velocity and acceleration are those behind the spring. Valid well below the
+    resonance of link and spring; damping in the spring is left out. Source: Spong, "Modeling and control of
+    elastic joint robots", Journal of Dynamic Systems, Measurement, and Control 109, 1987.
     """
 
     name = "drive_flexibility"
-    parameters = (EffectParameter("C", "{angle}/({effort})", positive=True),)
+    parameters = (
+        EffectParameter("C", "{angle}/({effort})", positive=True),
+        EffectParameter("CIa", "s^2", positive=True),
+    )
     depends_on_model = True
 
     C: float = 0.0
+    CIa: float = 0.0
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        torque = robot.coarse.torque[:, list(robot.joints).index(joint)]
-        largest = float(np.abs(torque).max())
-        if largest == 0.0:
-            return np.zeros((len(robot.time), len(robot.joints), 1))
-        least, most = SMALLEST / largest, LARGEST / largest
-        return secant(robot, max(self.C, 0.0), least, most, lambda c: torque_behind(robot, joint, c * torque))
+        torque, acceleration = own_torque(robot, joint)
+        most = apparent_inertia(torque, acceleration)
+        rotor = min(max(self.CIa, 0.0) / self.C, most) if self.C > 0.0 else 0.0
+        columns = []
+        for value, signal in (self.C, torque), (self.CIa, -acceleration):
+            size = float(np.abs(signal).max())
+            if size == 0.0:
+                columns.append(np.zeros((len(robot.time), len(robot.joints), 1)))
+                continue
+
+            def change(step: float, signal: np.ndarray = signal) -> np.ndarray:
+                return torque_behind(robot, joint, step * signal, rotor)
+
+            columns.append(secant(robot, max(value, 0.0), SMALLEST / size, LARGEST / size, change))
+        return np.concatenate(columns, axis=2)
