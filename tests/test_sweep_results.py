@@ -1,0 +1,110 @@
+"""Summaries, tables and figures of sweeps."""
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from bench.cli import main
+from bench.errors import BenchError
+from bench.sweep.results import write_plots, write_summary
+from bench.sweep.summary import share_interval, summarise
+from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A finished sweep in which two runs failed."""
+    folder = tmp_path_factory.mktemp("sweep")
+    run(plan_of(folder, seeds=20), folder / "out", work=StandIn(Accidents(refused=(0, 7))))
+    return folder / "out"
+
+
+def test_a_summary_is_what_the_rows_say(folder):
+    rows = pq.read_table(folder / "runs.parquet").to_pylist()
+    summary = summarise(folder / "runs.parquet", ["payloads.disc.mass", "method"], ["gain_error"])
+    assert [line.values for line in summary.lines] == [
+        (m, e) for m in (0.2, 0.4, 0.8) for e in ("ls", "current")
+    ]
+    assert sum(line.failed for line in summary.lines) == 2
+    for line in summary.lines:
+        mass, method = line.values
+        own = [row for row in rows if row["payloads.disc.mass"] == mass and row["method"] == method]
+        values = [row["gain_error"] for row in own if row["gain_error"] is not None]
+        found = line.spreads["gain_error"]
+        assert (line.runs, found.count) == (len(own), len(values))
+        assert (found.low, found.median, found.high) == pytest.approx(np.quantile(values, [0.05, 0.5, 0.95]))
+
+
+def test_intervals_of_a_share_hold_it_as_often_as_they_say():
+    random = np.random.default_rng(3)
+    hits = 0
+    for _ in range(2000):
+        low, high = share_interval(random.binomial(200, 0.95), 200)
+        hits += low <= 0.95 <= high
+    assert hits / 2000 == pytest.approx(0.95, abs=0.02)
+    assert share_interval(0, 10)[0] == 0.0
+    assert share_interval(10, 10)[1] == 1.0
+
+
+def test_a_sweep_writes_summary_and_figures(folder):
+    plan = plan_of(folder.parent, seeds=20)
+    write_summary(plan, folder)
+    text = (folder / "summary.md").read_text()
+    assert text.count("\n| ") == 1 + 18
+    assert "failed" in text
+    paths = write_plots(plan, folder)
+    assert paths
+    before = [path.read_bytes() for path in paths]
+    write_plots(plan, folder)
+    assert [path.read_bytes() for path in paths] == before
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])
+@pytest.mark.parametrize("lines", [[], ["--lines", "method"]])
+@pytest.mark.parametrize("x", ["payloads.disc.mass", "method", "seed"])
+def test_figures_of_any_kind(folder, tmp_path, suffix, lines, x, capsys):
+    target = tmp_path / f"figure.{suffix}"
+    assert main(["plot", str(folder), "--x", x, "--y", "gain_error", *lines, "-o", str(target)]) == 0
+    assert str(target) in capsys.readouterr().out
+    assert target.stat().st_size > 2000
+
+
+def test_table_prints_and_writes(folder, capsys):
+    assert main(["table", str(folder), "--by", "method", "--show", "gain_error"]) == 0
+    out = capsys.readouterr().out
+    assert "current" in out
+    path = folder / "gain_error_by_method.md"
+    assert path.read_text().startswith("| method | runs | failed | gain_error |")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["table", "{folder}", "--by", "metod"], "no column 'metod'; did you mean method?"),
+        (["table", "{folder}", "--show", "method"], "column 'method' does not hold numbers"),
+        (["table", "{folder}/nowhere"], "holds no runs.parquet"),
+        (["plot", "{folder}", "--x", "seed", "--y", "gain_eror"], "did you mean gain_error?"),
+        (["sweep", "nonsense", "-o", "x"], "neither a built-in sweep"),
+        (["sweep", "estimators"], "-o DIR"),
+    ],
+)
+def test_mistakes_are_one_line(folder, arguments, told, capsys):
+    assert main([part.format(folder=folder) for part in arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert told in error
+
+
+def test_a_drawn_axis_is_cut_into_bins(folder, tmp_path):
+    random = np.random.default_rng(5)
+    x = random.uniform(0, 1, 500)
+    path = tmp_path / "runs.parquet"
+    pq.write_table(pa.table({"status": ["ok"] * 500, "mass": x, "gain_error": 1 + 0 * x}), path)
+    assert main(["plot", str(tmp_path), "--x", "mass", "--y", "gain_error", "--linear"]) == 0
+
+
+def test_a_file_that_is_no_table_is_refused(tmp_path):
+    (tmp_path / "runs.parquet").write_text("nothing")
+    with pytest.raises(BenchError, match="cannot be read as a Parquet table"):
+        summarise(tmp_path / "runs.parquet", [], ["gain_error"])

@@ -1,0 +1,118 @@
+"""Sweeps with the real work: simulate, identify, measure."""
+
+from dataclasses import replace
+
+import pyarrow.parquet as pq
+import pytest
+
+from bench.cli import main
+from bench.errors import BenchError
+from bench.scenario import scenario_from_dict
+from bench.sweep.hidden_share import with_sized_effect, without_share
+from bench.sweep.plan import make_plan
+from bench.sweep.sweep_file import load_sweep
+from bench.sweep.work import DesignTask, MotionTask, RunTask
+from bench.truth.hidden.reference import Reference
+from bench.truth.hidden.sizes import measured_share
+from bench.truth.simulate import simulate
+
+SWEEP = """
+base = "five_bar"
+seeds = 2
+record = ["accuracy", "gains", "parameters", "effects"]
+[scenario]
+description = "small"
+recordings = [
+    { name = "unloaded", use = "identify", design = { seed = 1, optimise = false, duration = 5.0 } },
+    { name = "loaded", use = "identify", payload = "disc", design = { seed = 2, optimise = false, duration = 5.0 } },
+    { name = "check", use = "validate", payload = "disc", design = { seed = 3, optimise = false, duration = 5.0 } },
+]
+"""
+
+
+def plan_of(tmp_path, more):
+    path = tmp_path / "small.toml"
+    path.write_text(SWEEP + more)
+    return make_plan(load_sweep(path))
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory):
+    axes = '[axes]\nmethod = ["current", "ls"]\neffects = [[], ["viscous_friction"]]\n'
+    return plan_of(tmp_path_factory.mktemp("sweep"), axes)
+
+
+@pytest.fixture(scope="module")
+def trajectories(plan):
+    return DesignTask(plan.run(0))(None)
+
+
+def test_shared_work_gives_the_same_rows_to_the_last_bit(plan, trajectories):
+    motion = MotionTask(plan.run(0), trajectories)(None)
+    for runs in plan.tasks():
+        shared = RunTask(runs, trajectories, plan.sweep.table.record)(motion)
+        alone = [RunTask((run,), trajectories, plan.sweep.table.record)(None)[0] for run in runs]
+        assert shared == alone
+        assert [row["status"] for row in shared] == ["ok"] * len(runs)
+
+
+def test_a_row_says_what_was_set_and_what_came_out(plan, trajectories):
+    run = next(run for run in map(plan.run, range(plan.size)) if run.identify["effects"])
+    (row,) = RunTask((run,), trajectories, plan.sweep.table.record)(None)
+    assert row["effects"] == "viscous_friction"
+    assert row["payloads.disc.mass"] == 0.5
+    assert row["recordings.loaded.design.duration"] == 5.0
+    assert row["gain_error"] < 0.05
+    assert row["drive_gain.left"] == pytest.approx(3.3, rel=0.05)
+    assert row["gain_within"] in (0.0, 0.5, 1.0)
+    assert "effect.viscous_friction.left.Fv" in row
+    assert row["version.mujoco"]
+    assert row["seed"] == run.seed
+
+
+def test_a_reason_that_can_be_named_is_in_the_row(plan, trajectories):
+    run = replace(plan.run(0), content={**plan.run(0).content, "step": 0.01, "log_rate": 100.0})
+    (row,) = RunTask((run,), trajectories, ())(None)
+    assert row["status"] == "failed"
+    assert row["reason"]
+    assert "gain_error" not in row
+
+
+def test_a_hidden_effect_takes_the_share_of_the_torque_that_was_asked_for(tmp_path, trajectories):
+    axes = '[axes]\nhidden_effect = ["viscous_friction"]\nhidden_share = [0.0, 0.1]\n'
+    without, with_effect = (run.content for run in map(plan_of(tmp_path, axes).run, (0, 2)))
+    assert with_sized_effect(without, "small", trajectories) == without_share(without)
+    content = with_sized_effect(with_effect, "small", trajectories)
+    assert [one["joint"] for one in content["hidden"]] == ["left", "right"]
+    plain, changed = (
+        simulate(scenario_from_dict(one, "small"), trajectories) for one in (without_share(without), content)
+    )
+    assert measured_share(changed, Reference(plain)) == pytest.approx([0.1, 0.1], rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ({"hidden_effect": "viscous_friction"}, "go together"),
+        ({"hidden_effect": "gremlins", "hidden_share": 0.1}, "gremlins"),
+        ({"hidden_effect": "viscous_friction", "hidden_share": 1.5}, "from 0 to 1"),
+    ],
+)
+def test_a_share_that_makes_no_sense_is_refused(content, told):
+    with pytest.raises(BenchError, match=told):
+        without_share(content)
+
+
+def test_the_command_from_file_to_figure(plan, tmp_path, capsys):
+    folder = tmp_path / "out"
+    arguments = ["sweep", str(plan.sweep.path), "-o", str(folder), "--workers", "2"]
+    assert main(arguments) == 0
+    out = capsys.readouterr().out
+    assert "8 runs (2 × method, 2 × effects, 2 seeds), 1 simulation" in " ".join(out.split())
+    assert "0 failed" in out
+    table = pq.read_table(folder / "runs.parquet")
+    assert table.num_rows == 8
+    assert {path.suffix for path in folder.iterdir()} >= {".parquet", ".md", ".svg", ".toml"}
+    before = (folder / "runs.parquet").read_bytes()
+    assert main(arguments) == 0
+    assert (folder / "runs.parquet").read_bytes() == before
