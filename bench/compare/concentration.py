@@ -37,10 +37,10 @@ def concentrations(series: Sequence[MotorSeries], found: Sequence[Region]) -> li
     A second one is looked for outside the first, since many regions overlap.
     """
     squares = [one.error**2 for one in series]
-    independent = _independent_squares(series, squares)
     left = [np.ones(len(one), dtype=bool) for one in squares]
     named: list[Concentration] = []
     while len(named) < MOST:
+        independent = _independent_squares(series, squares, left)
         best = max(
             (
                 _concentration(series[0].joint, region, squares, left, independent, bool(named))
@@ -83,8 +83,7 @@ def _concentration(
     of_rest: bool,
 ) -> Concentration:
     error_share, time_share = _shares(squares, region.rows, left)
-    counted = sum(int(one.sum()) for one in left) / sum(map(len, squares))
-    evidence = independent * counted * _divergence(error_share, time_share)
+    evidence = independent * _divergence(error_share, time_share)
     return Concentration(joint, region.name, region.words, error_share, time_share, evidence, of_rest)
 
 
@@ -107,13 +106,18 @@ def _divergence(error_share: float, time_share: float) -> float:
     return float(error_share * np.log(error_share / time_share) + outside)
 
 
-def _independent_squares(series: Sequence[MotorSeries], squares: Sequence[np.ndarray]) -> float:
-    """Effective number of independent squares: of blocks as long as their memory, weighed by their size.
+def _independent_squares(
+    series: Sequence[MotorSeries], squares: Sequence[np.ndarray], left: Sequence[np.ndarray]
+) -> float:
+    """Effective number of independent squares left: of blocks as long as their memory, weighed by their size.
 
     The squares of normal errors are correlated by the square of the errors' correlation.
     """
     alike = correlations([one.row for one in series], [one.error for one in series]) ** 2
     length = max(int(np.ceil(2.0 * alike.sum() - 1.0)), 1)
-    blocks = np.concatenate([np.add.reduceat(one, np.arange(0, len(one), length)) for one in squares])
+    kept = [one[rows] for one, rows in zip(squares, left, strict=True) if rows.any()]
+    if not kept:
+        return 0.0
+    blocks = np.concatenate([np.add.reduceat(one, np.arange(0, len(one), length)) for one in kept])
     energy = float(blocks @ blocks)
     return float(blocks.sum() ** 2 / energy) if energy else 0.0

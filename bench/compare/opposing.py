@@ -75,8 +75,15 @@ def _opposing(series: Sequence[MotorSeries], rows: Sequence[np.ndarray], part: s
     values = [(one.error * np.sign(one.velocity))[chosen] for one, chosen in used]
     whole = np.concatenate(values)
     mean = float(whole.mean())
-    alike = memory(correlations([one.row[chosen] for one, chosen in used], [v - mean for v in values]))
-    std = float(whole.std() * np.sqrt(alike / len(whole)))
+    scatter = [_without_trend(v) for v in values]
+    alike = memory(correlations([one.row[chosen] for one, chosen in used], scatter))
+    std = float(np.concatenate(scatter).std() * np.sqrt(alike / len(whole)))
     error = sum(float((one.error[chosen] ** 2).sum()) for one, chosen in used)
     measured = sum(float((one.measured[chosen] ** 2).sum()) for one, chosen in used)
     return Opposing(series[0].joint, part, mean, std, float(np.sqrt(error / measured)) if measured else None)
+
+
+def _without_trend(values: np.ndarray) -> np.ndarray:
+    """Values (N,) less the straight line through them: a steady change is no scatter of the mean."""
+    at = np.linspace(-1.0, 1.0, len(values))
+    return np.asarray(values - values.mean() - at * (at @ values) / (at @ at))

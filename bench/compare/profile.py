@@ -55,10 +55,13 @@ class Dependence:
 
 
 def values_of(series: MotorSeries, variable: Variable) -> np.ndarray:
-    """One value a row (M,): time s, position rad or m and rates, measured current, or ±1 for the direction."""
+    """One value a row (M,): time s, position rad or m and rates, current, or ±1 for the direction.
+
+    The current is the modelled one: the measured one contains the error itself.
+    """
     if variable == "direction":
         return np.where(series.forwards, 1.0, -1.0)
-    name = "measured" if variable == "current" else variable
+    name = "modelled" if variable == "current" else variable
     return np.asarray(getattr(series, name))
 
 

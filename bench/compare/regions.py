@@ -26,7 +26,7 @@ def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Regi
         Region("standstill", "next to standstill", tuple(one.beside_standstill for one in series)),
         *_by_size("speed", "speed", [np.abs(one.velocity) for one in series], f"{unit}/s"),
         *_by_size("acceleration", "acceleration", [np.abs(one.acceleration) for one in series], f"{unit}/s²"),
-        *_by_size("current", "current", [np.abs(one.measured) for one in series], current),
+        *_by_size("current", "current", [np.abs(one.modelled) for one in series], current),
         Region("forwards", "moving forwards", tuple(one.forwards for one in series)),
         Region("backwards", "moving backwards", tuple(~one.forwards for one in series)),
         *_by_position([one.position for one in series], unit),

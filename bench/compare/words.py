@@ -17,13 +17,18 @@ def where_sentences(where: WhereItFails) -> list[str]:
 
 def level_sentence(motor: MotorErrors) -> str:
     """How large a motor's error is beside the noise of its current."""
-    size = f"motor {motor.joint}: error {_percent(motor.error)}"
+    size = f"{motor_words(motor.joint)}: error {_percent(motor.error)}"
     noise = f"the noise of the current ({_percent(motor.noise)})"
     if not motor.above_noise:
         return f"{size}, no more than {noise} leaves: nothing to find"
-    times = f", {motor.error / motor.noise:.3g} times {noise}" if motor.noise > 0 else ""
+    times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
     found = motor.concentrations or motor.dependences or motor.lines or motor.changes
     return f"{size}{times}" if found else f"{size}{times}, spread over the whole motion"
+
+
+def motor_words(joint: str) -> str:
+    """A motor by name: "motor left", but "motor_1" as it is."""
+    return joint if joint.lower().startswith(("motor", "actuator", "joint")) else f"motor {joint}"
 
 
 def finding_sentences(motor: MotorErrors) -> list[str]:
@@ -41,10 +46,8 @@ def concentration_words(one: Concentration) -> str:
     """As in "motor left, at reversals: 71 % of the squared error in 6 % of the time"."""
     error, time = f"{one.error_share:.0%}".replace("%", " %"), f"{one.time_share:.0%}".replace("%", " %")
     if one.of_rest:
-        return (
-            f"motor {one.joint}, {one.words}: {error} of the remaining squared error in {time} of that time"
-        )
-    return f"motor {one.joint}, {one.words}: {error} of the squared error in {time} of the time"
+        return f"{motor_words(one.joint)}, {one.words}: {error} of the remaining squared error in {time} of that time"
+    return f"{motor_words(one.joint)}, {one.words}: {error} of the squared error in {time} of the time"
 
 
 def dependence_words(one: Dependence, units: tuple[str, str]) -> str:
@@ -52,7 +55,7 @@ def dependence_words(one: Dependence, units: tuple[str, str]) -> str:
     current, position = units
     share = f"{one.error_share:.0%}".replace("%", " %")
     rest = "remaining " if one.of_rest else ""
-    head = f"motor {one.joint}: {share} of the {rest}squared error follows"
+    head = f"{motor_words(one.joint)}: {share} of the {rest}squared error follows"
     if one.variable == "direction":
         forwards, backwards = (one.high, one.low) if one.high_at > one.low_at else (one.low, one.high)
         means = f"{backwards:+.2g} {current} backwards and {forwards:+.2g} {current} forwards"
@@ -76,11 +79,13 @@ def line_words(one: Line, units: tuple[str, str]) -> str:
     share = f"{one.error_share:.0%}".replace("%", " %")
     size = f"with an amplitude of {one.amplitude:.2g} {units[0]}"
     if one.over == "time":
-        return f"motor {one.joint}: {share} of the squared error swings at {one.frequency:.3g} Hz, {size}"
+        return (
+            f"{motor_words(one.joint)}: {share} of the squared error swings at {one.frequency:.3g} Hz, {size}"
+        )
     period = f"every {1.0 / one.frequency:.3g} {units[1]}"
     if units[1] == "rad":
         period += f" ({6.283185307179586 * one.frequency:.3g} times a turn)"
-    return f"motor {one.joint}: {share} of the squared error repeats {period}, {size}"
+    return f"{motor_words(one.joint)}: {share} of the squared error repeats {period}, {size}"
 
 
 def change_words(one: Change, unit: str) -> str:
@@ -88,9 +93,13 @@ def change_words(one: Change, unit: str) -> str:
     first, second = one.first, one.second
     why = WARM_UP if "third" in first.part else LOADED
     return (
-        f"motor {first.joint}: the error opposes the motion by {first.mean:+.2g} {unit} {first.part} and by "
+        f"{motor_words(first.joint)}: the error opposes the motion by {first.mean:+.2g} {unit} {first.part} and by "
         f"{second.mean:+.2g} {unit} {second.part}: {why}"
     )
+
+
+def _times(ratio: float) -> str:
+    return f"{ratio:.3g}" if ratio < 100.0 else f"{ratio:.0f}"
 
 
 def _percent(share: float) -> str:

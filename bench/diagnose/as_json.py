@@ -4,7 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from bench.diagnose.result import Diagnosis, EffectVerdict
-from bench.diagnose.summary import summary_sentences
+from bench.diagnose.summary import error_share, reason, summary_sentences
 from bench.estimate.model_file import to_json
 from bench.estimate.result import Identification
 from bench.files import finite
@@ -15,8 +15,9 @@ MODEL_KEYS = ("effects", "gains_fitted", "drive_gains", "parameters", "effect_pa
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
-    missing, ladder, ranking and unexplained as documented for other programs; sizes are RMS torques in N*m or
-    forces in N. before, after: gains, parameters and errors of the models without and with what is missing.
+    missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
+    in N by actuator; error_share: of the squared error, taken away. before, after: gains, parameters and errors of
+    the models without and with what is missing.
     """
     answer = {
         "robot": diagnosis.robot,
@@ -30,7 +31,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
             }
             for step in diagnosis.ladder
         ],
-        "ranking": [_verdict(one) for one in diagnosis.ranking],
+        "ranking": [_verdict(diagnosis, one) for one in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
         "before": _model(diagnosis.before),
         "after": _model(diagnosis.after),
@@ -38,7 +39,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     return dict(finite(answer))
 
 
-def _verdict(one: EffectVerdict) -> dict[str, Any]:
+def _verdict(diagnosis: Diagnosis, one: EffectVerdict) -> dict[str, Any]:
     return {
         "effect": one.effect,
         "error_before": one.error_before,
@@ -48,7 +49,8 @@ def _verdict(one: EffectVerdict) -> dict[str, Any]:
         "actuators": list(one.actuators),
         "alternatives": list(one.alternatives),
         "size": dict(one.size),
-        "why": one.why,
+        "error_share": error_share(one),
+        "why": reason(diagnosis, one),
     }
 
 

@@ -2,7 +2,10 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from bench.diagnose.result import Diagnosis, EffectVerdict
+from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
 
 TELLING = 0.005  # change of a drive gain that is worth a word
@@ -44,6 +47,40 @@ def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
     """The verdicts on the effects that are missing, strongest first."""
     by_name = {one.effect: one for one in diagnosis.ranking}
     return [by_name[name] for name in diagnosis.missing]
+
+
+def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
+    """The sentence on one effect, with its size in N·m (or N) and in percent of the squared error."""
+    if not verdict.size:
+        return verdict.why
+    torque = motor_torques(diagnosis.after)
+    sizes = [
+        f"{size:.3g} {effort_unit(diagnosis.after, joint)} at {joint}" + _share(size, torque.get(joint, 0.0))
+        for joint, size in verdict.size.items()
+    ]
+    share = error_share(verdict)
+    taken = "" if share is None else f" and takes {_percent(share)} of the squared error away"
+    return f"{verdict.why.rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
+
+
+def error_share(verdict: EffectVerdict) -> float | None:
+    """The share of the squared error, without an effect, that it takes away; None where there is no error."""
+    if not verdict.error_before > 0.0:
+        return None
+    return 1.0 - (verdict.error_after / verdict.error_before) ** 2
+
+
+def motor_torques(result: Identification) -> dict[str, float]:
+    """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N."""
+    fitted = [one for one in result.recordings if one.use == "identify"]
+    squares = np.concatenate([one.measured**2 for one in fitted]).mean(axis=0)
+    gains = result.drive_gains.items()
+    return {joint: abs(gain.value) * float(np.sqrt(squares[j])) for j, (joint, gain) in enumerate(gains)}
+
+
+def effort_unit(result: Identification, joint: str) -> str:
+    """N·m or N, of one motor."""
+    return result.drive_gains[joint].unit.partition("/")[0].replace("*", "·")
 
 
 def said(effect: str) -> str:
@@ -93,6 +130,10 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
 
 def _first_known(*values: float | None) -> float | None:
     return next((value for value in values if value is not None), None)
+
+
+def _share(size: float, torque: float) -> str:
+    return f" ({100.0 * size / torque:.2g} % of its torque)" if torque > 0.0 else ""
 
 
 def _percent(share: float | None) -> str:

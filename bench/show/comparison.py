@@ -52,4 +52,5 @@ def sentences_list(sentences: list[str]) -> Table:
 
 
 def _ratio(error: float, noise: float) -> str:
-    return f"{error / noise:.3g}" if noise > 0 else "–"
+    ratio = error / noise if noise > 0 else float("inf")
+    return f"{ratio:.2f}" if ratio < 10.0 else f"{ratio:.0f}" if ratio < float("inf") else "–"

@@ -87,7 +87,7 @@ def errors_figure(what: Compared, joint: str) -> Figure:
         "position": f"position [{unit}]",
         "velocity": f"velocity [{unit}/s]",
         "acceleration": f"acceleration [{unit}/s²]",
-        "current": f"measured current [{current}]",
+        "current": f"modelled current [{current}]",
     }
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(16.5, 9.4), dpi=DPI, layout="constrained")

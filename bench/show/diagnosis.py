@@ -8,8 +8,8 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.diagnose.result import Diagnosis, EffectVerdict
-from bench.diagnose.summary import said, summary_sentences
-from bench.estimate.result import Identification, Quantity
+from bench.diagnose.summary import effort_unit, motor_torques, reason, said, summary_sentences
+from bench.estimate.result import Quantity
 from bench.show.columns import Column, aligned_pair, table_of
 from bench.show.comparison import sentences_list
 from bench.show.numbers import GIVEN, percent, pretty_unit, value_and_deviation
@@ -44,7 +44,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
         names = ", ".join(said(one.effect) for one in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
     told = [one for one in shown if verbose or not diagnosis.missing or one.verdict != "not supported"]
-    _section(console, "Why", sentences_list([one.why for one in told]))
+    _section(console, "Why", sentences_list([reason(diagnosis, one) for one in told]))
     if diagnosis.missing:
         _section(console, "Drive gains, before and after", gains_before_after(diagnosis, width=width))
         moved, still = _moved(diagnosis, None if verbose else MOST_PARAMETERS)
@@ -131,27 +131,13 @@ def size_words(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     """RMS torque of an effect, the smallest and largest of its motors, and its share of the motor's own torque."""
     if not verdict.size:
         return ""
-    units = {
-        joint: pretty_unit(gain.unit.partition("/")[0]) for joint, gain in diagnosis.after.drive_gains.items()
-    }
     torque = motor_torques(diagnosis.after)
     largest = max(verdict.size, key=lambda joint: verdict.size[joint])
     values = [verdict.size[joint] for joint in verdict.size]
     low, high = f"{min(values):.2g}", f"{max(values):.2g}"
     text = high if low == high else f"{low}–{high}"
     share = f" ({100.0 * verdict.size[largest] / torque[largest]:.2g} %)" if torque.get(largest) else ""
-    return f"{text} {units.get(largest, 'N·m')}{share}"
-
-
-def motor_torques(result: Identification) -> dict[str, float]:
-    """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N."""
-    fitted = [one for one in result.recordings if one.use == "identify"]
-    count = sum(len(one.time) for one in fitted)
-    squares = sum((one.measured**2).sum(axis=0) for one in fitted)
-    return {
-        joint: gain.value * float(squares[j] / count) ** 0.5
-        for j, (joint, gain) in enumerate(result.drive_gains.items())
-    }
+    return f"{text} {effort_unit(diagnosis.after, largest)}{share}"
 
 
 def bar(share: float, length: int) -> str:
