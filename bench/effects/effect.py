@@ -22,7 +22,7 @@ def unit_at(unit: str, rotates: bool, drive: str = "A") -> str:
     drive: the unit of the current, for `{drive}`.
     """
     effort, angle, turn = ("N*m", "rad", "turn") if rotates else ("N", "m", "m")
-    return unit.format(effort=effort, angle=angle, turn=turn, drive=drive)
+    return unit.format(effort=effort, angle=angle, turn=turn, drive=drive).replace("(N)", "N")
 
 
 @dataclass(frozen=True)
