@@ -1,0 +1,325 @@
+"""`bench diagnose`: what it prints, writes and draws, and that the model it writes serves on."""
+
+import io
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+from rich.cells import cell_len
+from rich.console import Console
+
+from bench.cli import main
+from bench.dataset import load_dataset
+from bench.diagnose.as_json import diagnosis_json
+from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnose.summary import error_share, motor_torques, reason, summary_sentences
+from bench.estimate.model_file import apply_model, load_model
+from bench.estimate.result import relative_error
+from bench.robot import load_robot
+from bench.show.diagnosis import bar, diagnosis_report, size_words
+from bench.show.diagnosis_figures import (
+    errors_before_after_figure,
+    gains_figure,
+    ladder_figure,
+    write_diagnosis_figures,
+)
+from bench.truth.dataset import write_simulation
+from tests.hidden_kit import scenario, simulate
+from tests.shown import dataset_of, identification_of
+
+VISCOUS = EffectVerdict(
+    effect="viscous_friction",
+    verdict="missing",
+    error_before=0.1,
+    error_after=0.01,
+    evidence=812.4,
+    actuators=("left",),
+    alternatives=(),
+    size={"left": 0.33},
+    why="With viscous friction at left the error falls from 10 % to 1 % of the current.",
+)
+OTHERS = (
+    replace(
+        VISCOUS,
+        effect="current_delay",
+        verdict="indistinguishable",
+        evidence=2.0,
+        actuators=(),
+        alternatives=("viscous_friction",),
+        size={},
+        why="Current delay would explain the data as well.",
+    ),
+    *(
+        replace(
+            VISCOUS,
+            effect=name,
+            verdict="not supported",
+            evidence=-float(i),
+            actuators=(),
+            size={},
+            why=f"Adding {name} gains nothing.",
+        )
+        for i, name in enumerate(
+            ("backlash", "base_tilt", "cogging_torque", "geometric_error", "joint_spring", "torque_ripple")
+        )
+    ),
+    replace(
+        VISCOUS,
+        effect="rotor_inertia",
+        verdict="absorbed",
+        evidence=0.0,
+        actuators=(),
+        size={},
+        why="The model's own parameters take rotor inertia up.",
+    ),
+)
+CLEAR = Unexplained(False, 0.01, 0.0098, (), "the error left is what noise leaves")
+
+
+@pytest.fixture(scope="module")
+def dataset():
+    return dataset_of(load_robot("five_bar"))
+
+
+@pytest.fixture(scope="module")
+def found(dataset):
+    """Made by hand: viscous friction is missing at one motor."""
+    before, after = identification_of(dataset), identification_of(dataset, effects=True)
+    moved = {**after.drive_gains, "left": replace(after.drive_gains["left"], value=3.63)}
+    return Diagnosis(
+        robot="five_bar",
+        split="recordings that were not fitted",
+        missing=("viscous_friction",),
+        ladder=(LadderStep((), 0.11, 0.12), LadderStep(("viscous_friction",), 0.0099, 0.01)),
+        ranking=(VISCOUS, *OTHERS),
+        unexplained=CLEAR,
+        before=before,
+        after=replace(after, drive_gains=moved),
+    )
+
+
+@pytest.fixture(scope="module")
+def nothing(found):
+    """Made by hand: nothing is missing."""
+    return replace(
+        found,
+        missing=(),
+        ladder=(LadderStep((), 0.0099, 0.01),),
+        ranking=OTHERS,
+        after=found.before,
+    )
+
+
+def printed(diagnosis, width=80, **options):
+    console = Console(file=io.StringIO(), width=width, force_terminal=False)
+    diagnosis_report(diagnosis, console, **options)
+    return console.file.getvalue()
+
+
+@pytest.mark.parametrize("width", [80, 100, 120])
+def test_the_report_fits_and_says_what_counts(found, width):
+    text = printed(found, width)
+    assert max(cell_len(line) for line in text.splitlines()) <= width
+    said = " ".join(text.split())
+    assert "Viscous friction at left is missing" in said
+    assert "falls from 12 % to 1 % of the current, where noise leaves 0.98 %" in said
+    assert "the drive gain of left moves by +10 %, from 3.3 to 3.63 N·m/A" in said
+    assert "The error left is what noise leaves." in said
+    for word in (
+        "812.4",
+        "indistinguishable",
+        "absorbed",
+        "+ viscous friction",
+        "noise of the currents",
+        "0.33 N·m",
+    ):
+        assert word in said
+    assert said.index("is missing") < said.index("Ladder") < said.index("Ranking") < said.index("Drive gains")
+
+
+def test_what_is_not_supported_is_only_named_unless_asked_for(found):
+    short, long = printed(found), printed(found, verbose=True)
+    assert "not supported, too: joint spring, torque ripple" in " ".join(short.split())
+    assert "Adding joint_spring gains nothing." not in short
+    assert "not supported, too" not in long
+    for one in OTHERS:
+        assert " ".join(one.why.split()) in " ".join(long.split())
+
+
+def test_nothing_missing_is_said_first_and_nothing_moves(nothing):
+    text = printed(nothing)
+    assert "Nothing is missing that the catalogue knows" in text
+    assert "before and after" not in text
+    assert json.loads(json.dumps(diagnosis_json(nothing), allow_nan=False))["missing"] == []
+
+
+def test_alternatives_come_with_the_command_that_tells_them_apart(found):
+    doubtful = replace(VISCOUS, verdict="indistinguishable", alternatives=("current_delay", "quadratic_drag"))
+    said = summary_sentences(replace(found, ranking=(doubtful, *OTHERS)))
+    (line,) = [one for one in said if "could as well be" in one]
+    assert "current delay or quadratic drag" in line
+    assert "bench discriminate" in line
+
+
+def test_an_effect_everywhere_or_of_the_whole_robot_names_no_single_motor(found):
+    everywhere = replace(VISCOUS, actuators=("left", "right"))
+    assert "friction at all motors is missing" in summary_sentences(replace(found, ranking=(everywhere,)))[0]
+    whole = {"viscous_friction": {"robot": found.after.effect_parameters["viscous_friction"]["left"]}}
+    of_robot = replace(found, ranking=(everywhere,), after=replace(found.after, effect_parameters=whole))
+    assert summary_sentences(of_robot)[0].startswith("Viscous friction is missing")
+
+
+def test_a_reason_carries_its_size_in_torque_and_in_percent(found):
+    torque = motor_torques(found.after)["left"]
+    fitted = np.concatenate([one.measured[:, 0] for one in found.after.recordings if one.use == "identify"])
+    assert torque == pytest.approx(3.63 * np.sqrt(np.mean(fitted**2)))
+    text = reason(found, VISCOUS)
+    assert text.startswith(VISCOUS.why.rstrip("."))
+    assert f"0.33 N·m at left ({100 * 0.33 / torque:.2g} % of its torque)" in text
+    assert text.endswith("takes 99 % of the squared error away.")
+    assert error_share(VISCOUS) == pytest.approx(0.99)
+    assert size_words(found, VISCOUS) == f"0.33 N·m ({100 * 0.33 / torque:.2g} %)"
+    assert reason(found, OTHERS[0]) == OTHERS[0].why
+
+
+def test_bars_are_as_long_as_their_shares():
+    assert bar(1.0, 10) == "█" * 10
+    assert bar(0.5, 10) == "█" * 5
+    assert bar(0.0, 10) == "▏"
+    assert bar(0.55, 10) == "█████▌"
+
+
+def test_the_answer_has_the_promised_keys(found):
+    answer = json.loads(json.dumps(diagnosis_json(found), allow_nan=False))
+    assert answer["missing"] == ["viscous_friction"]
+    assert answer["ladder"] == [
+        {"effects": [], "error": {"identify": 0.11, "validate": 0.12}},
+        {"effects": ["viscous_friction"], "error": {"identify": 0.0099, "validate": 0.01}},
+    ]
+    promised = {
+        "effect",
+        "error_before",
+        "error_after",
+        "evidence",
+        "verdict",
+        "actuators",
+        "alternatives",
+        "why",
+    }
+    assert all(promised <= set(one) for one in answer["ranking"])
+    assert {one["verdict"] for one in answer["ranking"]} == {
+        "missing",
+        "not supported",
+        "indistinguishable",
+        "absorbed",
+    }
+    assert {"significant", "error", "noise_floor", "depends_on"} <= set(answer["unexplained"])
+    assert answer["after"]["drive_gains"]["left"]["value"] == 3.63
+    assert answer["before"]["drive_gains"]["left"]["value"] == pytest.approx(3.3)
+
+
+def test_numbers_that_json_does_not_have_become_null(found):
+    endless = replace(VISCOUS, evidence=float("inf"), error_before=0.0)
+    (first, *_) = diagnosis_json(replace(found, ranking=(endless, *OTHERS)))["ranking"]
+    assert first["evidence"] is None
+    assert first["error_share"] is None
+
+
+def test_the_ladder_is_drawn_as_it_is(found):
+    (axes,) = ladder_figure(found).axes
+    drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    np.testing.assert_allclose(drawn["fitted"], [11.0, 0.99])
+    np.testing.assert_allclose(drawn["not fitted"], [12.0, 1.0])
+    np.testing.assert_allclose(drawn["noise of the currents"], 0.98)
+
+
+def test_errors_before_and_after_are_those_of_recordings_not_fitted(found):
+    axes = errors_before_after_figure(found).axes
+    assert len(axes) == 2  # two motors, one recording
+    (unseen,) = [one for one in found.before.recordings if one.use == "validate"]
+    assert unseen.name in axes[0].get_title(loc="left")
+    before, after = (line.get_ydata() for line in axes[0].get_lines())
+    np.testing.assert_allclose(before[3:], unseen.error[3:, 0])
+    np.testing.assert_allclose(after[3:], unseen.error[3:, 0])
+
+
+def test_gains_are_drawn_against_what_they_are_after(found):
+    (axes,) = gains_figure(found).axes
+    names = [label.get_text() for label in axes.get_yticklabels()]
+    assert names[:2] == ["gain left [N·m/A]", "gain right [N·m/A]"]
+    before = axes.containers[0].lines[0].get_xdata()
+    assert before[0] == pytest.approx(100.0 * (3.3 / 3.63 - 1.0))
+    assert before[1] == pytest.approx(0.0)
+
+
+def test_pictures_are_whole_files_and_no_window_is_prepared(found, nothing, dataset, tmp_path):
+    paths = write_diagnosis_figures(tmp_path / "found", found, dataset)
+    assert [path.name for path in paths] == [
+        "ladder.png",
+        "errors.png",
+        "gains.png",
+        "left_left.png",
+        "left_right.png",
+    ]
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
+    assert "gains.png" not in {
+        path.name for path in write_diagnosis_figures(tmp_path / "none", nothing, dataset)
+    }
+    assert plt.get_fignums() == []
+
+
+@pytest.fixture(scope="module")
+def diagnosed(tmp_path_factory):
+    """A short simulation of an arm with friction at one joint, and all that the command writes about it."""
+    folder = tmp_path_factory.mktemp("diagnosed")
+    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
+    longer = {"optimise": False, "duration": 10.0, "ramp": 0.5}
+    write_simulation(simulate(scenario("two_link", [hidden], design=longer), threads=1), folder / "data")
+    files = ["--json", str(folder / "answer.json"), "--apply", str(folder / "model.json")]
+    assert main(["diagnose", str(folder / "data"), *files, "-o", str(folder / "figures")]) == 0
+    return folder
+
+
+def test_the_command_finds_what_was_hidden(diagnosed):
+    answer = json.loads((diagnosed / "answer.json").read_text())
+    assert answer["missing"] == ["viscous_friction"]
+    assert answer["ranking"][0]["actuators"] == ["shoulder"]
+    ladder = [step["error"]["validate"] for step in answer["ladder"]]
+    assert ladder[-1] < 0.2 * ladder[0]
+    assert answer["after"]["effect_parameters"]["viscous_friction"]["shoulder"]["Fv"][
+        "value"
+    ] == pytest.approx(1.5, rel=0.02)
+    assert {path.name for path in (diagnosed / "figures").iterdir()} >= {
+        "ladder.png",
+        "errors.png",
+        "gains.png",
+    }
+
+
+def test_the_applied_model_has_the_effect_and_the_error_of_the_ladder(diagnosed):
+    saved = load_model(diagnosed / "model.json")
+    assert saved.effects == ("viscous_friction:shoulder",)
+    comparison = apply_model(load_dataset(diagnosed / "data"), saved)
+    answer = json.loads((diagnosed / "answer.json").read_text())
+    assert relative_error(comparison.recordings) < 1.2 * answer["ladder"][-1]["error"]["validate"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (["no_such_folder"], "no_such_folder"),
+        (["{data}", "--with", "nonsense"], "nonsense"),
+        (["{data}", "--with", "viscous_friction:knee"], "knee"),
+        (["{data}", "--effect-file", "absent.py"], "absent.py"),
+        (["{data}", "--border", "x"], "--border"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(diagnosed, capsys, arguments, culprit):
+    filled = [one.format(data=diagnosed / "data") for one in arguments]
+    assert main(["diagnose", *filled]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert culprit in err
