@@ -39,7 +39,12 @@ COMMANDS = {
     ),
     "table": LazyCommand("bench.cli.table:table", "Summarise the runs of a sweep by axis."),
     "plot": LazyCommand("bench.cli.plot:plot", "Draw a metric of a sweep against an axis."),
-    "check": LazyCommand("bench.cli.check:check", "Compare the accuracy with the reference; alarm if it is worse."),
+    "check": LazyCommand(
+        "bench.cli.check:check", "Compare the accuracy with the reference; alarm if it is worse."
+    ),
+    "trial": LazyCommand(
+        "bench.cli.trial:trial", "Diagnose simulated machines whose hidden effects are known."
+    ),
     "robot": LazyCommand(
         "bench.cli.robot:robot", "Check a robot folder: joints, loops, home pose, singularities."
     ),
