@@ -52,6 +52,6 @@ def dahl_state(position: np.ndarray, displacement: float) -> np.ndarray:
         state = s + (state - s) * np.exp(way[begin] - way[end])
     z = np.zeros(len(position))
     s = np.sign(step[first])[stretch]
-    z[1:] = s + (starts[stretch] - s) * np.exp(way[first][stretch] - way[1:])
+    z[1:] = s + (starts[stretch] - s) * np.exp(np.minimum(way[first][stretch] - way[1:], 0.0))
     z[: first[0] + 1] = 0.0
     return z
