@@ -124,7 +124,10 @@ def test_the_report_fits_and_says_what_counts(found, width):
     assert max(cell_len(line) for line in text.splitlines()) <= width
     said = " ".join(text.split())
     assert "Viscous friction at left is missing" in said
-    assert "falls from 12 % to 1 % of the current, where noise leaves 0.98 %" in said
+    assert (
+        "judged on recordings that were not fitted, the error falls from 12 % to 1 % of the current" in said
+    )
+    assert "where noise leaves 0.98 %" in said
     assert "the drive gain of left moves by +10 %, from 3.3 to 3.63 N·m/A" in said
     assert "The error left is what noise leaves." in said
     for word in (
@@ -248,7 +251,12 @@ def test_errors_before_and_after_are_those_of_recordings_not_fitted(found):
 def test_gains_are_drawn_against_what_they_are_after(found):
     (axes,) = gains_figure(found).axes
     names = [label.get_text() for label in axes.get_yticklabels()]
-    assert names[:2] == ["gain left [N·m/A]", "gain right [N·m/A]"]
+    assert names == [
+        "gain left [N·m/A]",
+        "gain right [N·m/A]",
+        "mx(left_crank) [kg·m]",
+        "m(left_rod) [kg·m²]",
+    ]
     before = axes.containers[0].lines[0].get_xdata()
     assert before[0] == pytest.approx(100.0 * (3.3 / 3.63 - 1.0))
     assert before[1] == pytest.approx(0.0)

@@ -19,15 +19,15 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
     floor = diagnosis.unexplained.noise_floor
     if not found:
         nothing = (
-            f"Nothing is missing that the catalogue knows: no effect makes the error on {diagnosis.split} clearly "
-            f"smaller than {_percent(before)} of the current."
+            f"Nothing is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
+            f"error clearly smaller than {_percent(before)} of the current."
         )
         return [nothing, f"{_capital(diagnosis.unexplained.why)}."]
     names = and_list([f"{said(one.effect)}{where(diagnosis, one)}" for one in found])
     said_of = "is" if len(found) == 1 else "are"
     verdict = (
-        f"{_capital(names)} {said_of} missing: the error on {diagnosis.split} falls from {_percent(before)} to "
-        f"{_percent(after)} of the current, where noise leaves {_percent(floor)}."
+        f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {_percent(before)} "
+        f"to {_percent(after)} of the current, where noise leaves {_percent(floor)}."
     )
     sentences = [verdict]
     sentences += [
@@ -59,7 +59,7 @@ def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
         for joint, size in verdict.size.items()
     ]
     share = error_share(verdict)
-    taken = "" if share is None else f" and takes {_percent(share)} of the squared error away"
+    taken = "" if share is None else f" and takes {_most(share)} of the squared error away"
     return f"{verdict.why.rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
 
 
@@ -134,6 +134,10 @@ def _first_known(*values: float | None) -> float | None:
 
 def _share(size: float, torque: float) -> str:
     return f" ({100.0 * size / torque:.2g} % of its torque)" if torque > 0.0 else ""
+
+
+def _most(share: float) -> str:
+    return "more than 99.9 %" if share > 0.999 else _percent(share)
 
 
 def _percent(share: float | None) -> str:

@@ -40,13 +40,16 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     _section(console, "Ladder: error after each added effect", ladder_table(diagnosis, width=width))
     shown, left_out = _shown(diagnosis.ranking, verbose)
     _section(console, "Ranking", ranking_table(diagnosis, shown, width=width))
+    if diagnosis.missing:
+        console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
     if left_out:
         names = ", ".join(said(one.effect) for one in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
     told = [one for one in shown if verbose or not diagnosis.missing or one.verdict != "not supported"]
     _section(console, "Why", sentences_list([reason(diagnosis, one) for one in told]))
     if diagnosis.missing:
-        _section(console, "Drive gains, before and after", gains_before_after(diagnosis, width=width))
+        if diagnosis.after.gains_fitted:
+            _section(console, "Drive gains, before and after", gains_before_after(diagnosis, width=width))
         moved, still = _moved(diagnosis, None if verbose else MOST_PARAMETERS)
         _section(console, "Dynamic parameters, before and after", _parameters(moved, width))
         if still:
@@ -106,7 +109,7 @@ def ranking_table(
                 ["–" if no else percent(one.error_after) for one, no in zip(rows, absorbed, strict=True)],
                 "right",
             ),
-            Column("size (of the torque)", [size_words(diagnosis, one) for one in rows]),
+            Column("size", [size_words(diagnosis, one) for one in rows]),
             Column("at", [", ".join(one.actuators) for one in rows], rank=2),
             Column(
                 "could as well be",

@@ -18,7 +18,7 @@ from bench.estimate.result import CurrentSeries, Quantity, relative_error
 from bench.files import atomic_path
 from bench.show.comparison_figures import errors_figure
 from bench.show.figures import COLUMN_WIDTH, DPI, LEAST_WIDTH, MOTOR_HEIGHT, STYLE
-from bench.show.numbers import current_unit, judged_error, percent, pretty_unit
+from bench.show.numbers import current_unit, is_poor, judged_error, percent, pretty_unit
 
 BEFORE, AFTER, NOISE = "#D55E00", "#0072B2", "#9AA0A6"  # after Okabe and Ito
 INTERVAL = 1.96  # deviations: 95 %
@@ -118,16 +118,20 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def gains_figure(diagnosis: Diagnosis) -> Figure:
-    """Drive gains and parameters before and after with their 95 % intervals, in percent of the value after."""
+    """Drive gains and parameters before and after with their 95 % intervals, in percent of the value after.
+
+    Gains that were not fitted are left out, and parameters that the data hardly determine.
+    """
     before = {one.name: one for one in diagnosis.before.parameters}
     rows: list[tuple[str, Quantity, Quantity]] = [
         (f"gain {joint} [{pretty_unit(gain.unit)}]", diagnosis.before.drive_gains[joint], gain)
         for joint, gain in diagnosis.after.drive_gains.items()
+        if diagnosis.after.gains_fitted
     ]
     rows += [
         (f"{one.name} [{pretty_unit(one.unit)}]", before[one.name], one)
         for one in diagnosis.after.parameters
-        if one.name in before and one.value
+        if one.name in before and not is_poor(one)
     ]
     at = np.arange(len(rows))
     with mpl.rc_context(STYLE):
