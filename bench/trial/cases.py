@@ -24,12 +24,21 @@ SHARES = (0.004, 0.1)
 """Torque of an effect over the torque of its motor, RMS over RMS; drawn evenly on a logarithmic scale."""
 
 SHARES_OF: dict[str, tuple[float, float]] = {
-    "backlash": (0.0008, 0.008),
-    "drive_flexibility": (0.001, 0.01),
-    "encoder_offset": (0.002, 0.03),
-    "geometric_error": (0.002, 0.015),
+    "backlash": (0.002, 0.02),
+    "base_tilt": (0.01, 0.15),
+    "constant_offset": (0.01, 0.3),
+    "drive_flexibility": (0.002, 0.02),
+    "encoder_offset": (0.004, 0.08),
+    "gain_saturation": (0.01, 0.1),
+    "geometric_error": (0.004, 0.04),
+    "joint_spring": (0.02, 0.4),
+    "platform_force": (0.02, 0.3),
 }
-"""The same where a larger share would be a broken machine: play of degrees, links that are centimetres off."""
+"""The same where a model takes most of the effect up, so that less is seen of it; or where a larger share would be
+a broken machine: play of degrees, links that are centimetres off."""
+
+SETS_FROM = 0.4
+"""Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
 
 NOISE = (0.004, 0.02)
 """Noise of the current over its RMS; drawn likewise."""
@@ -102,7 +111,7 @@ def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ())
     return Case(
         kind=kind,
         index=index,
-        hides=tuple(_hide(setup, name, random) for name in names),
+        hides=tuple(_hide(setup, name, random, SETS_FROM if KINDS[kind] > 1 else 0.0) for name in names),
         noise=_even_on_log_scale(NOISE, random),
         encoder_bits=int(random.choice(ENCODER_BITS)),
         seed=int(random.integers(2**31)),
@@ -125,14 +134,15 @@ def _drawn_set(known: Sequence[str], size: int, random: np.random.Generator) -> 
     raise BenchError(f"trial: no {size} of these effects can be in one machine: {', '.join(known)}")
 
 
-def _hide(setup: Setup, effect: str, random: np.random.Generator) -> Hide:
+def _hide(setup: Setup, effect: str, random: np.random.Generator, begin: float) -> Hide:
     joints: tuple[str, ...] = ()
     at = where(effect)
     if at != "machine":
         here = {"actuated": setup.motors, "passive": setup.passive, "link": tuple(setup.links)}[at]
         everywhere = at != "link" and random.random() < 0.5
         joints = here if everywhere else (str(random.choice(here)),)
-    return Hide(effect, joints, _even_on_log_scale(SHARES_OF.get(effect, SHARES), random))
+    low, high = SHARES_OF.get(effect, SHARES)
+    return Hide(effect, joints, _even_on_log_scale((low * (high / low) ** begin, high), random))
 
 
 def _even_on_log_scale(between: tuple[float, float], random: np.random.Generator) -> float:

@@ -104,10 +104,10 @@ def show(summary: TrialSummary, console: Console) -> None:
     ]
     console.print(_table("own error / noise floor", "cases", "named first", "or undecided", rows=misses))
     intervals = [
-        (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2%}")
+        (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2f}")
         for one in summary.coverage
     ]
-    heads = ("effect", "parameter", "intervals", "hold the truth", "median deviation")
+    heads = ("effect", "parameter", "intervals", "hold the truth", "median deviation / std")
     console.print(_table(*heads, rows=intervals))
     for reason, count in summary.failed.items():
         console.print(f"[red]failed[/] ({count}): {reason}", highlight=False, soft_wrap=True)

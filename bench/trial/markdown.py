@@ -43,9 +43,9 @@ def trial_markdown(summary: TrialSummary, notes: Mapping[str, str]) -> str:
         ),
         "## Parameters of the found effects",
         table(
-            ("effect", "parameter", "intervals", "hold the truth", "median deviation"),
+            ("effect", "parameter", "intervals", "hold the truth", "median deviation / std"),
             [
-                (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2%}")
+                (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2f}")
                 for one in summary.coverage
             ],
         ),

@@ -82,7 +82,10 @@ class Miss:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Intervals of one parameter of an effect that hold the truth, and the median of |estimate / truth - 1|."""
+    """Intervals of one parameter of an effect that hold the truth.
+
+    deviation: median of |estimate - truth|, in standard deviations; 0.67 where these are right.
+    """
 
     effect: str
     parameter: str
@@ -259,7 +262,7 @@ def _coverage(rows: Sequence[Row]) -> tuple[Coverage, ...]:
             effect,
             parameter,
             Share(sum(_holds(one) for one in ones), len(ones)),
-            _median([abs(one["value"] - one["truth"]) / max(abs(one["truth"]), 1e-300) for one in ones]),
+            _median([abs(one["value"] - one["truth"]) / one["std"] for one in ones]),
         )
         for (effect, parameter), ones in sorted(by_parameter.items())
     )

@@ -27,7 +27,10 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
     "coulomb_friction": {"Fc": _same("Fc")},
     "current_delay": {"T": _same("T")},
     "current_loop_lag": {"T": _same("T")},
-    "drive_flexibility": {"C": lambda p: 1 / p["stiffness"]},
+    "drive_flexibility": {
+        "C": lambda p: 1 / p["stiffness"],
+        "CIa": lambda p: p.get("rotor_inertia", np.nan) / p["stiffness"],
+    },
     "encoder_offset": {"offset": _same("offset")},
     "gain_saturation": {"k": _same("k")},
     "geometric_error": {"dl": _same("error")},
@@ -59,8 +62,13 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
 }
 """Effect -> the model's parameter -> its true value from the parameters of the hidden effect.
 
-SI units on both sides; angles of hinges. For slides the periods are per metre, without 2 pi; see `true_values`.
+SI units on both sides; nan where the entry does not tell, as of a rotor whose inertia is the joint's in the MJCF.
+Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_values`.
 """
+
+
+WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {"backlash": frozenset({"r"})}
+"""Parameters of the model that stand for no parameter of the hidden effect."""
 
 
 def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str, float]:
@@ -68,4 +76,4 @@ def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str,
     values = {name: float(rule(hidden)) for name, rule in MODEL_PARAMETERS.get(effect, {}).items()}
     if slide and "periods" in values:
         values["periods"] /= 2 * np.pi
-    return values
+    return {name: value for name, value in values.items() if np.isfinite(value)}

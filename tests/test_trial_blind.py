@@ -1,0 +1,123 @@
+"""A blind trial from end to end, small enough for every run of the tests; and its machinery."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from bench.cli import main
+from bench.errors import BenchError
+from bench.sweep.drive import Report
+from bench.sweep.journal import Journal, Row
+from bench.sweep.pool import Outcome, Pool, Shared, Task, attempt
+from bench.sweep.table import read_table
+from bench.trial.cases import draw_case
+from bench.trial.plan import TrialPlan
+from bench.trial.run_trial import Request, read_rows, run_trial
+from bench.trial.setup import Setup, make_setup
+from bench.trial.summary import LARGE
+from bench.trial.work import CaseTask, DesignTask, ReferenceTask
+
+DURATION = 8.0
+EFFECTS = ("load_dependent_friction", "torque_ripple")
+
+
+class Here:
+    """Runs tasks in this process, one after the other."""
+
+    def __init__(self) -> None:
+        self._ended: list[Outcome] = []
+
+    @property
+    def slots(self) -> int:
+        """One."""
+        return 1
+
+    def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
+        """Run it."""
+        self._ended.append(Outcome(key, *attempt(task, shared.value if shared else None)))
+
+    def outcomes(self) -> list[Outcome]:
+        """What has ended."""
+        found, self._ended = self._ended, []
+        return found
+
+    def close(self) -> None:
+        """There is nothing to stop."""
+
+
+def _silent(_: TrialPlan) -> Report:
+    def report(_: Journal) -> None:
+        return
+
+    return report
+
+
+def _no_pool() -> Pool:
+    raise AssertionError("everything is there already")
+
+
+@pytest.fixture(scope="module")
+def setup() -> Setup:
+    return make_setup("five_bar", duration=DURATION)
+
+
+@pytest.fixture(scope="module")
+def trial(setup: Setup, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Row]]:
+    """The folder and the rows of a trial of EFFECTS."""
+    folder = tmp_path_factory.mktemp("trial")
+    return folder, run_trial(Request(setup, ("one",), 1, EFFECTS), folder, Here, _silent)
+
+
+def test_single_effects_are_named(trial: tuple[Path, list[Row]]) -> None:
+    _, rows = trial
+    assert [row["status"] for row in rows] == ["ok"] * len(EFFECTS)
+    assert [row["hidden"] for row in rows] == list(EFFECTS)
+    for row in rows:
+        assert row["least_own_error_over_floor"] >= LARGE
+        assert row["missing"].split(" + ")[0] == row["hidden"]
+        assert row["first"]
+        assert row["error_over_floor.after"] < row["error_over_floor.before"]
+        assert json.loads(row["intervals"])
+
+
+def test_an_empty_machine_raises_no_alarm(setup: Setup) -> None:
+    trajectories = DesignTask(setup)(None)
+    reference = ReferenceTask(setup, trajectories)(None)
+    row = CaseTask(setup, draw_case(setup, "nothing", 0), 0, trajectories)(reference)[0]
+    assert row["missing"] == ""
+    assert not row["unexplained"]
+
+
+def test_a_finished_trial_is_not_run_again(setup: Setup, trial: tuple[Path, list[Row]]) -> None:
+    folder, rows = trial
+    assert run_trial(Request(setup, ("one",), 1, EFFECTS), folder, _no_pool, _silent) == rows
+    with pytest.raises(BenchError, match="another trial"):
+        run_trial(Request(setup, ("one",), 1, EFFECTS[:1]), folder, _no_pool, _silent)
+
+
+def test_workers_give_the_same_rows_and_the_command_writes_them(
+    trial: tuple[Path, list[Row]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    effect = EFFECTS[0]
+    options = ["--effects", effect, "--kinds", "one", "--seeds", "1", "--duration", str(DURATION)]
+    assert main(["trial", "five_bar", *options, "--workers", "1", "-o", str(tmp_path)]) == 0
+    assert read_rows(tmp_path / "five_bar") == trial[1][:1]
+    assert read_table(tmp_path / "five_bar.parquet")["hidden"] == [effect]
+    page = (tmp_path / "five_bar.md").read_text(encoding="utf-8")
+    assert f"| {effect} | 1 |" in page
+    assert (tmp_path / "five_bar_confusion.png").is_file()
+    assert effect[:12] in capsys.readouterr().out
+
+
+def test_a_wrong_request_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for options, culprit in (
+        (["--kinds", "four"], "four"),
+        (["--effects", "nonsense"], "nonsense"),
+        (["--effects", "viscous_friction", "--kinds", "outside"], "none of these effects"),
+    ):
+        assert main(["trial", "five_bar", *options, "-o", str(tmp_path / "x")]) == 2
+        error = capsys.readouterr().err
+        assert culprit in error
+        assert error.count("\n") == 1
+    assert not (tmp_path / "x").exists()

@@ -1,0 +1,224 @@
+"""Cases drawn from seeds, and answers held against them."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from bench.effects import CATALOGUE
+from bench.errors import BenchError
+from bench.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
+from bench.trial.compatible import EXCLUSIVE, compatible, expected
+from bench.trial.judge import Named, judged
+from bench.trial.realise import hidden_places
+from bench.trial.setup import Setup, make_setup
+from bench.trial.summary import NOTHING, SOMETHING, Share, summarised
+from bench.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, true_values
+from bench.truth.hidden import HIDDEN_EFFECTS
+
+
+@pytest.fixture(scope="module")
+def five_bar() -> Setup:
+    return make_setup("five_bar", duration=6.0)
+
+
+def test_every_parameter_of_the_catalogue_has_a_true_value() -> None:
+    assert list(MODEL_PARAMETERS) == sorted(MODEL_PARAMETERS)
+    assert set(MODEL_PARAMETERS) == set(CATALOGUE)
+    for name, effect in CATALOGUE.items():
+        known = {one.name for one in effect.parameters} | set(effect.shape_values())
+        assert set(MODEL_PARAMETERS[name]) == known - WITHOUT_TRUTH.get(name, frozenset()), name
+
+
+def test_true_values_come_from_the_fields_of_hidden_effects() -> None:
+    for name in CATALOGUE:
+        hidden = {field.name: 2.0 for field in fields(HIDDEN_EFFECTS[name]) if field.name != "joint"}
+        assert all(np.isfinite(value) for value in true_values(name, hidden).values())
+    assert true_values("cogging_torque", {"a": 1.0, "b": 2.0, "period": np.pi})["periods"] == pytest.approx(2)
+    assert true_values("cogging_torque", {"a": 1.0, "b": 2.0, "period": 0.5}, slide=True)[
+        "periods"
+    ] == pytest.approx(2)
+
+
+def test_a_case_is_the_same_in_whatever_order_it_is_drawn(five_bar: Setup) -> None:
+    numbers = range(12)
+    there = [draw_case(five_bar, "two", i) for i in numbers]
+    back = [draw_case(five_bar, "two", i) for i in reversed(numbers)]
+    assert there == back[::-1]
+    assert len({case.effects for case in there}) > 6
+    alone = draw_case(five_bar, "one", 3)
+    assert alone == draw_case(five_bar, "one", 0, alone.effects) or alone.index != 0
+    assert draw_case(five_bar, "one", 0, alone.effects).hides == alone.hides
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_hidden_makes_sense(five_bar: Setup, kind: Kind) -> None:
+    for index in range(60):
+        case = draw_case(five_bar, kind, index)
+        assert len(case.effects) == KINDS[kind]
+        assert compatible(case.effects)
+        for hide in case.hides:
+            assert HIDDEN_EFFECTS[hide.effect].in_catalogue is (kind != "outside")
+            low, high = SHARES_OF.get(hide.effect, SHARES)
+            begin = low * (high / low) ** (SETS_FROM if KINDS[kind] > 1 else 0.0)
+            assert 0.999 * begin <= hide.share <= 1.001 * high
+            known = (*five_bar.motors, *five_bar.passive)
+            assert set(hide.joints) <= set(known)
+
+
+def test_one_goes_through_every_effect(five_bar: Setup) -> None:
+    count = datasets_a_seed(five_bar, "one")
+    drawn = {draw_case(five_bar, "one", i).effects[0] for i in range(count)}
+    assert drawn == set(CATALOGUE)
+
+
+def test_nested_effects_are_not_hidden_together() -> None:
+    for name, effect in CATALOGUE.items():
+        for part in effect.contains:
+            assert any({name, part} <= group for group in EXCLUSIVE), (name, part)
+
+
+def test_an_effect_that_the_robot_cannot_have_is_named(five_bar: Setup) -> None:
+    with pytest.raises(BenchError, match="nonsense"):
+        draw_case(five_bar, "one", 0, ["nonsense"])
+    with pytest.raises(BenchError, match="no 2 of these"):
+        draw_case(five_bar, "two", 0, ["viscous_friction"])
+
+
+def test_places_are_those_of_the_model(five_bar: Setup) -> None:
+    hidden = [
+        {"effect": "viscous_friction", "Fv": 1.0},
+        {"effect": "geometric_error", "joint": "left_elbow", "error": 1e-3},
+        {"effect": "base_tilt", "about_y": 0.1},
+        {"effect": "payload_mass_error", "error": 0.1},
+        {"effect": "current_crosstalk", "joint": "left", "c": 0.1},
+    ]
+    found = [(effect, place) for effect, place, _ in hidden_places(five_bar, hidden)]
+    assert found == [
+        ("viscous_friction", "left"),
+        ("viscous_friction", "right"),
+        ("geometric_error", "left_rod"),
+        ("base_tilt", ""),
+        ("payload_mass_error", "disc"),
+    ]
+
+
+def _named(effect: str, verdict: str = "missing", *alternatives: str) -> Named:
+    return Named(effect, verdict, alternatives)
+
+
+def test_the_right_name_first() -> None:
+    answer = [_named("viscous_friction"), _named("base_tilt")]
+    found = judged(["viscous_friction"], ["viscous_friction"], answer)
+    assert found.first
+    assert not found.exact
+    assert found.wrong == ("base_tilt",)
+    assert judged(["viscous_friction"], ["viscous_friction"], answer[:1]).exact
+
+
+def test_undecided_counts_only_where_it_is_said() -> None:
+    open_answer = [_named("current_delay", "indistinguishable", "current_loop_lag")]
+    sure_answer = [_named("current_delay", "missing", "current_loop_lag")]
+    found = judged(["current_loop_lag"], ["current_loop_lag"], open_answer)
+    assert (found.first, found.first_undecided, found.exact, found.exact_undecided) == (
+        False,
+        True,
+        False,
+        True,
+    )
+    assert found.wrong == ()
+    found = judged(["current_loop_lag"], ["current_loop_lag"], sure_answer)
+    assert not found.first_undecided
+    assert found.wrong == ("current_delay",)
+
+
+def test_one_undecided_name_does_not_stand_for_two_effects() -> None:
+    answer = [
+        _named("current_delay", "indistinguishable", "current_loop_lag"),
+        _named("encoder_offset", "indistinguishable", "geometric_error"),
+    ]
+    assert judged(
+        ["current_loop_lag", "geometric_error"], ["current_loop_lag", "geometric_error"], answer
+    ).exact_undecided
+    assert not judged(
+        ["current_loop_lag", "base_tilt"], ["current_loop_lag", "base_tilt"], answer
+    ).exact_undecided
+
+
+def test_companions_and_parts_are_neither_firsts_nor_wrong() -> None:
+    drawn = ["position_dependent_friction"]
+    wanted = expected(drawn)
+    assert wanted == ("position_dependent_friction", "coulomb_friction")
+    answer = [_named("coulomb_friction"), _named("position_dependent_friction")]
+    found = judged(drawn, wanted, answer)
+    assert found.first
+    assert found.exact
+    assert not judged(drawn, wanted, answer[:1]).first
+    answer = [_named("drive_flexibility"), _named("backlash")]
+    assert judged(["backlash"], ["backlash"], answer).exact
+
+
+def test_nothing_named_is_wrong_for_something_hidden() -> None:
+    found = judged(["viscous_friction"], ["viscous_friction"], [])
+    assert not found.first_undecided
+    assert not found.exact_undecided
+    assert judged([], [], []).exact
+
+
+def test_shares_carry_their_uncertainty() -> None:
+    low, high = Share(0, 50).interval
+    assert low == 0.0
+    assert high == pytest.approx(0.071, abs=2e-3)
+    assert np.isnan(Share(0, 0).value)
+
+
+def _row(kind: str, hidden: str, missing: str, **more: object) -> dict[str, object]:
+    exact = missing == hidden
+    row: dict[str, object] = {
+        "run": 0,
+        "status": "ok",
+        "reason": None,
+        "kind": kind,
+        "hidden": hidden,
+        "missing": missing,
+        "absorbed": False,
+        "unexplained": False,
+        "first": exact,
+        "first_undecided": exact,
+        "exact": exact,
+        "exact_undecided": exact,
+        "wrong": "" if exact else missing,
+        "least_own_error_over_floor": 5.0,
+        "intervals": "[]",
+    }
+    for name in ("before", "after", "told"):
+        row |= {f"gain_error.{name}": 1e-3, f"error_over_floor.{name}": 1.0}
+    return row | more
+
+
+def test_figures_of_a_trial() -> None:
+    interval = '[{"effect": "viscous_friction", "parameter": "Fv", "truth": 1.0, "value": 1.1, "std": %s}]'
+    rows = [
+        _row("one", "viscous_friction", "viscous_friction", intervals=interval % 0.1),
+        _row("one", "viscous_friction", "viscous_friction", intervals=interval % 0.01),
+        _row("one", "viscous_friction", "base_tilt"),
+        _row("one", "viscous_friction", "", least_own_error_over_floor=1.2),
+        _row("one", "rotor_inertia", "", absorbed=True),
+        _row("nothing", "", ""),
+        _row("nothing", "", "", unexplained=True),
+        _row("outside", "torque_drift", "", unexplained=True),
+        _row("outside", "torque_drift", "viscous_friction", unexplained=True),
+        {**_row("two", "", ""), "status": "failed", "reason": "lost"},
+    ]
+    found = summarised("robot", rows)
+    targets = {target.name.strip(): target for target in found.targets}
+    assert targets["one hidden effect: named first"].value == pytest.approx(2 / 3)
+    assert targets["nothing hidden: any alarm"].value == pytest.approx(0.5)
+    assert targets["outside the catalogue: unexplained, no wrong name"].value == pytest.approx(0.5)
+    assert targets["effect parameters: 95 % intervals that hold the truth"].value == pytest.approx(0.5)
+    assert found.confusion["viscous_friction"] == {"viscous_friction": 2, "base_tilt": 1}
+    assert found.confusion[NOTHING] == {NOTHING: 1, SOMETHING: 1}
+    assert found.absorbed["rotor_inertia"] == Share(1, 1)
+    assert [one.first.of for one in found.misses] == [1, 0, 3, 0, 0]
+    assert found.failed == {"lost": 1}
+    assert targets["two hidden effects: the set exactly"].reached is None
