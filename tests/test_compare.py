@@ -14,7 +14,7 @@ from bench.compare.periods import lines, position_spectrum, time_spectrum
 from bench.compare.profile import binned, dependences, profile
 from bench.compare.regions import regions
 from bench.compare.where import errors_by_motor
-from bench.compare.words import where_sentences
+from bench.compare.words import dependence_words, where_sentences
 from bench.signals.decimation import noise_bandwidth
 from tests.compared_kit import EVERY, NOISE, RATE, ROWS, SETTINGS, coloured, made, one_recording, robot, white
 
@@ -140,6 +140,13 @@ def test_what_the_error_follows_is_named_with_its_share(variable):
     )
 
 
+def test_a_constant_error_is_an_offset_and_follows_nothing():
+    motor = found_of(made(lambda row, random: 0.1 + white(random)))
+    (one,) = motor.dependences
+    assert one.variable == "constant"
+    assert dependence_words(one, motor.units).endswith("squared error is a constant offset of +0.1 A")
+
+
 def test_friction_is_told_by_direction_with_its_sign():
     one = found_of(made(lambda row, random: 0.1 * friction(row) + white(random))).dependences[0]
     assert (one.low, one.high) == (pytest.approx(-0.1, abs=0.01), pytest.approx(0.1, abs=0.01))
@@ -253,9 +260,11 @@ def test_standstill_is_left_out_and_does_not_make_a_reversal():
     assert not one.at_reversal[one.beside_standstill].any()
 
 
-def test_a_motor_that_never_moves_is_passed_over():
+@pytest.mark.parametrize("rows", [0, 5])
+def test_a_motor_that_hardly_moves_is_passed_over(rows):
     still = np.zeros((ROWS, 2), dtype=bool)
     still[:, 0] = True
+    still[100 : 100 + rows, 1] = True
     recording, series = one_recording(
         lambda row, random: white(random), joints=("left", "right"), moving=still
     )

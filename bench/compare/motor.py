@@ -12,6 +12,7 @@ from bench.signals.decimation import noise_bandwidth
 from bench.signals.settings import FilterSettings
 from bench.signals.spectrum import noise_floor
 
+FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
 BESIDE = 1  # rows on either side of a reversal that belong to it
 
 
@@ -69,8 +70,8 @@ class Compared:
     series: tuple[MotorSeries, ...]
 
     def of(self, joint: str) -> tuple[MotorSeries, ...]:
-        """The recordings of one motor, without those in which it never moves."""
-        return tuple(one for one in self.series if one.joint == joint and len(one.time))
+        """The recordings of one motor, without those in which it hardly moves."""
+        return tuple(one for one in self.series if one.joint == joint and len(one.time) >= FEWEST)
 
 
 def compared(

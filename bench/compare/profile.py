@@ -10,10 +10,19 @@ from scipy.stats import chi2
 from bench.compare.memory import correlations, memory
 from bench.compare.motor import MotorSeries
 
-Variable = Literal["time", "position", "velocity", "acceleration", "current", "direction"]
-VARIABLES: tuple[Variable, ...] = ("time", "position", "velocity", "acceleration", "current", "direction")
+Variable = Literal["time", "position", "velocity", "acceleration", "current", "direction", "constant"]
+VARIABLES: tuple[Variable, ...] = (
+    "constant",
+    "time",
+    "position",
+    "velocity",
+    "acceleration",
+    "current",
+    "direction",
+)
 BINS = 12
 SURPRISING = 1e-6  # probability of so strong a dependence by chance, all variables together
+AS_GOOD = 0.95  # of the best variable's share: a constant that takes up so much is preferred to it
 WORTH_NAMING = 0.2  # of the squared error
 MOST = 2  # variables named for one motor
 
@@ -55,10 +64,12 @@ class Dependence:
 
 
 def values_of(series: MotorSeries, variable: Variable) -> np.ndarray:
-    """One value a row (M,): time s, position rad or m and rates, current, or ±1 for the direction.
+    """One value a row (M,): time s, position rad or m and rates, current, ±1 for the direction, or one.
 
     The current is the modelled one: the measured one contains the error itself.
     """
+    if variable == "constant":
+        return np.ones(len(series.time))
     if variable == "direction":
         return np.where(series.forwards, 1.0, -1.0)
     name = "modelled" if variable == "current" else variable
@@ -100,6 +111,8 @@ def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
     while len(named) < MOST:
         tried = [_dependence(series, one, errors, named) for one in VARIABLES]
         best, left, chance = max(tried, key=lambda one: one[0].error_share)
+        if tried[0][0].error_share > AS_GOOD * best.error_share:
+            best, left, chance = tried[0]
         small = best.error_share * float(errors @ errors) < WORTH_NAMING / 2 * float(whole @ whole)
         if chance > SURPRISING / len(VARIABLES) or best.error_share < WORTH_NAMING or small:
             break

@@ -55,7 +55,10 @@ def dependence_words(one: Dependence, units: tuple[str, str]) -> str:
     current, position = units
     share = f"{one.error_share:.0%}".replace("%", " %")
     rest = "remaining " if one.of_rest else ""
-    head = f"{motor_words(one.joint)}: {share} of the {rest}squared error follows"
+    head = f"{motor_words(one.joint)}: {share} of the {rest}squared error"
+    if one.variable == "constant":
+        return f"{head} is a constant offset of {one.low:+.2g} {current}"
+    head += " follows"
     if one.variable == "direction":
         forwards, backwards = (one.high, one.low) if one.high_at > one.low_at else (one.low, one.high)
         means = f"{backwards:+.2g} {current} backwards and {forwards:+.2g} {current} forwards"
