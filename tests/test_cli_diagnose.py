@@ -158,12 +158,12 @@ def test_nothing_missing_is_said_first_and_nothing_moves(nothing):
     assert json.loads(json.dumps(diagnosis_json(nothing), allow_nan=False))["missing"] == []
 
 
-def test_alternatives_come_with_the_command_that_tells_them_apart(found):
+def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     doubtful = replace(VISCOUS, verdict="indistinguishable", alternatives=("current_delay", "quadratic_drag"))
     said = summary_sentences(replace(found, ranking=(doubtful, *OTHERS)))
     (line,) = [one for one in said if "could as well be" in one]
     assert "current delay or quadratic drag" in line
-    assert "bench discriminate" in line
+    assert "these recordings cannot tell" in line
 
 
 def test_an_effect_everywhere_or_of_the_whole_robot_names_no_single_motor(found):

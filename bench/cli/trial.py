@@ -56,7 +56,7 @@ def trial(
     workers: int | None,
     scheduler: str | None,
 ) -> int:
-    """Diagnose simulated machines whose hidden effects are known, and count right and wrong.
+    """Diagnose simulated machines whose hidden effects are known.
 
     ROBOT is a built-in name or a robot folder. Datasets are drawn from seeds; each is diagnosed without access
     to the truth. Finished ones are kept in DIR: stopped and started again, or started with more seeds, the trial

@@ -31,8 +31,8 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
     )
     sentences = [verdict]
     sentences += [
-        f"Instead of {said(one.effect)} it could as well be {or_list([said(name) for name in one.alternatives])}; "
-        f"`bench discriminate` designs a motion that tells."
+        f"Instead of {said(one.effect)} it could as well be {or_list([said(name) for name in one.alternatives])}: "
+        "these recordings cannot tell."
         for one in found
         if one.alternatives
     ]

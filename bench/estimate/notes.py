@@ -8,6 +8,7 @@ from bench.estimate.result import Identification
 
 LOOSE = 0.3  # relative deviation above which a parameter says little
 ILL_CONDITIONED = 1e3
+UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
 SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
 
 
@@ -53,6 +54,20 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
                 f"{gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as "
                 "declared."
             )
+    if result.gains_fitted and all(gain.value < 0 for gain in result.drive_gains.values()):
+        notes.append(
+            "All drive gains came out negative, which cannot be: the recordings with and without payload are "
+            "probably swapped in dataset.toml, or the currents' sign is."
+        )
+    fitted, checked = result.error.identify, result.error.validate
+    if fitted is not None and checked is not None and checked > UNLIKE * fitted:
+        worst = max(
+            (name for name in result.error.by_recording), key=lambda name: result.error.by_recording[name]
+        )
+        notes.append(
+            f"Recordings that were not fitted are modelled far worse ({checked:.2%}) than those that were ({fitted:.2%}), "
+            f"{worst} worst: check its payload and its columns, or move the fitted recordings over the same range."
+        )
     for j, joint in enumerate(result.drive_gains):
         reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
         if not reverses:

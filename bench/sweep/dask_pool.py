@@ -22,6 +22,7 @@ except ImportError as error:
 CONNECTING = 20.0  # s
 COUNT_EVERY = 5.0  # s between two counts of the workers
 MOST_SHARED = 8  # values that stay on the cluster
+SENDINGS = 5  # of a value whose worker dies meanwhile
 
 
 class DaskPool:
@@ -92,16 +93,28 @@ class DaskPool:
         if shared.name not in self._shared:
             while len(self._shared) >= MOST_SHARED:
                 del self._shared[next(iter(self._shared))]
-            self._shared[shared.name] = self._client.scatter(shared.value, hash=False)
+            self._shared[shared.name] = self._scattered(shared.value)
         return self._shared[shared.name]
+
+    def _scattered(self, value: Any) -> Any:
+        """Send a value; the worker that it goes to may die meanwhile, and another takes it then."""
+        for _ in range(SENDINGS):
+            try:
+                return self._client.scatter(value, hash=False, timeout=CONNECTING)
+            except (OSError, TimeoutError):
+                time.sleep(1.0)
+        raise self._gone()
 
     def _outcome(self, key: int) -> Outcome:
         future = self._futures.pop(key)
-        if future.status == "finished":
-            value, fault = future.result(timeout=CONNECTING)
-            return Outcome(key, value, fault)
-        if future.status == "error":
-            error = future.exception(timeout=CONNECTING)
+        try:
+            if future.status == "finished":
+                value, fault = future.result(timeout=CONNECTING)
+                return Outcome(key, value, fault)
+            error = future.exception(timeout=CONNECTING) if future.status == "error" else None
+        except (OSError, TimeoutError) as lost:
+            raise self._gone() from lost
+        if error is not None:
             if isinstance(error, distributed.KilledWorker):
                 return Outcome(key, None, "the worker died, and so did others that tried it again")
             return Outcome(key, None, f"{type(error).__name__}: {error}")
