@@ -30,7 +30,7 @@ SHARES_OF: dict[str, tuple[float, float]] = {
     "drive_flexibility": (0.002, 0.02),
     "encoder_offset": (0.004, 0.08),
     "gain_saturation": (0.01, 0.1),
-    "geometric_error": (0.004, 0.04),
+    "geometric_error": (0.002, 0.02),
     "joint_spring": (0.02, 0.4),
     "platform_force": (0.02, 0.3),
 }
