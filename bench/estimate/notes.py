@@ -47,6 +47,25 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
             f"These data cannot show {', '.join(absorbed)}: other parameters of the model do the same, and take "
             "up the effect."
         )
+    notes += _implausible(result)
+    for j, joint in enumerate(result.drive_gains):
+        reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
+        if not reverses:
+            notes.append(
+                f"Joint {joint} never reverses: move it through zero velocity to tell friction apart."
+            )
+    loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
+    if loose:
+        notes.append(
+            f"{loose} of {len(result.parameters)} parameters are poorly determined (deviation above {LOOSE:.0%} of the "
+            "value); essential parameters (--essential) leave out what does not matter."
+        )
+    return replace(result, notes=tuple(notes))
+
+
+def _implausible(result: Identification) -> list[str]:
+    """What cannot be so: gains far off, all negative, or recordings unlike each other."""
+    notes = []
     for joint, gain in result.drive_gains.items():
         if result.gains_fitted and abs(gain.value / gain.nominal - 1.0) > SUSPICIOUS_GAIN:
             notes.append(
@@ -65,19 +84,7 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
             (name for name in result.error.by_recording), key=lambda name: result.error.by_recording[name]
         )
         notes.append(
-            f"Recordings that were not fitted are modelled far worse ({checked:.2%}) than those that were ({fitted:.2%}), "
-            f"{worst} worst: check its payload and its columns, or move the fitted recordings over the same range."
+            f"Recordings that were not fitted are modelled far worse ({checked:.2%}) than those that were "
+            f"({fitted:.2%}), {worst} worst: check its payload and its columns, or move the fitted recordings over the same range."
         )
-    for j, joint in enumerate(result.drive_gains):
-        reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
-        if not reverses:
-            notes.append(
-                f"Joint {joint} never reverses: move it through zero velocity to tell friction apart."
-            )
-    loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
-    if loose:
-        notes.append(
-            f"{loose} of {len(result.parameters)} parameters are poorly determined (deviation above {LOOSE:.0%} of the "
-            "value); essential parameters (--essential) leave out what does not matter."
-        )
-    return replace(result, notes=tuple(notes))
+    return notes
