@@ -85,6 +85,7 @@ def _implausible(result: Identification) -> list[str]:
         )
         notes.append(
             f"Recordings that were not fitted are modelled far worse ({checked:.2%}) than those that were "
-            f"({fitted:.2%}), {worst} worst: check its payload and its columns, or move the fitted recordings over the same range."
+            f"({fitted:.2%}), {worst} worst: check its payload and its columns, or move the fitted recordings "
+            "over the same range."
         )
     return notes
