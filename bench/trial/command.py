@@ -28,6 +28,8 @@ from bench.trial.run_trial import Request, run_trial
 from bench.trial.setup import Setup, make_setup
 from bench.trial.summary import TrialSummary, summarised
 
+UNBROKEN = ("hidden", "effect")  # columns of names that are copied from the screen
+
 
 def run_command(
     robot: str,
@@ -160,7 +162,9 @@ def _notes(rows: Sequence[Row], seconds: float) -> dict[str, str]:
 
 
 def _table(*heads: str, rows: Iterator[Sequence[object]] | Sequence[Sequence[object]]) -> Table:
-    table = Table(*heads, box=None, header_style="bold")
+    table = Table(box=None, header_style="bold")
+    for head in heads:
+        table.add_column(head, no_wrap=head in UNBROKEN)
     for row in rows:
         table.add_row(*(str(cell).replace("**", "") for cell in row))
     return table
