@@ -56,7 +56,11 @@ def five_bar():
     return simulate(short("five_bar"))
 
 
-ROBOTS = [name for name in built_in_scenarios() if not name.endswith("_clean")]
+ROBOTS = [
+    name
+    for name in built_in_scenarios()
+    if not name.endswith("_clean") and not load_scenario(name).settings.hidden
+]
 
 
 @pytest.mark.parametrize("name", ROBOTS)
