@@ -88,9 +88,11 @@ def write_results(
     summary = summarised(robot, rows)
     table = folder / f"{robot}.parquet"
     _write_rows(table, rows)
+    figures = write_figures(summary, rows, folder / robot)
     page = folder / f"{robot}.md"
-    write_text_atomically(page, trial_markdown(summary, _notes(rows, seconds)))
-    return summary, [page, table, *write_figures(summary, rows, folder / robot)]
+    names = [path.name for path in figures]
+    write_text_atomically(page, trial_markdown(summary, _notes(rows, seconds), names))
+    return summary, [page, table, *figures]
 
 
 def show(summary: TrialSummary, console: Console) -> None:

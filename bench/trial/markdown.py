@@ -12,8 +12,8 @@ COUNTED = (
 )
 
 
-def trial_markdown(summary: TrialSummary, notes: Mapping[str, str]) -> str:
-    """Markdown tables; notes: how the trial was run."""
+def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
+    """Markdown tables; notes: how the trial was run. pictures: files beside the page."""
     parts = [
         f"# Blind trial of the diagnosis: {summary.robot}",
         "\n".join(f"- {name}: {value}" for name, value in notes.items()),
@@ -55,6 +55,7 @@ def trial_markdown(summary: TrialSummary, notes: Mapping[str, str]) -> str:
             "## Cases that came to nothing",
             table(("reason", "cases"), list(summary.failed.items())),
         ]
+    parts += [f"![{name}]({name})" for name in pictures]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
