@@ -1,16 +1,22 @@
 # Needs Python 3.11, git and make; everything else goes into .venv.
 #   make demo    simulate the five-bar, identify it, leave a report under results/demo
 #   make test    lint, types, import rules and tests
+#   make check   the quick reference scenarios beside results/reference (make check-full: all seeds)
+#   make speed   what things cost, beside the last time; history in results/speed
+#   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
 #   make format  put the code into the shape that `make test` asks for
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
+PEERS := .venv-peers
+PEERS_INSTALL := $(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check \
+	--constraint .ci/constraints.txt --constraint .ci/constraints-peers.txt
 INSTALLED := $(VENV)/.installed
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests format constraints clean
+.PHONY: demo test lint types imports tests check check-full speed peers format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -30,6 +36,24 @@ imports: $(INSTALLED)
 tests: $(INSTALLED)
 	$(BIN)/pytest --quiet --numprocesses 2
 
+check: $(INSTALLED)
+	$(BIN)/bench check
+
+check-full: $(INSTALLED)
+	$(BIN)/bench check --full
+
+speed: $(INSTALLED)
+	$(BIN)/python -m bench.speed
+
+peers: $(PEERS)/.installed
+	OPENBLAS_NUM_THREADS=1 $(PEERS)/bin/python -W ignore -m bench.peers
+
+$(PEERS)/.installed: pyproject.toml .ci/constraints.txt .ci/constraints-peers.txt
+	$(PYTHON) -m venv $(PEERS)
+	$(PEERS_INSTALL) hatchling
+	$(PEERS_INSTALL) --no-build-isolation --editable . 'mujoco[sysid]' figaroh
+	@touch $@
+
 format: $(INSTALLED)
 	$(BIN)/ruff check --fix-only .
 	$(BIN)/ruff format .
@@ -48,4 +72,4 @@ constraints:
 	$(BIN)/python -m pip freeze --exclude parabench > .ci/constraints.txt
 
 clean:
-	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build dist
+	rm -rf $(VENV) $(PEERS) .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build dist

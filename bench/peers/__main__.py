@@ -1,0 +1,160 @@
+"""`make peers`: time and error of each solver on the same problems, side by side."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from bench.files import write_json_atomically, write_text_atomically
+from bench.peers.own import Answer, solve_all_unknown, solve_mass_known, solve_two_masses
+from bench.peers.problems import COULOMB_SHARE, DURATION, Problem, make_problem
+from bench.sweep.versions import versions
+
+warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
+RESULT = Path("results/peers")
+MANY, FEW, ONE = 40, 3, 1  # seeds of fast solvers, of slow ones, and of the slowest
+WITHIN = 1.959964
+HEADERS = ("solver", "seeds", "seconds", "gain error", "gains within", "mass error", "masses within")
+
+
+@dataclass(frozen=True)
+class Score:
+    """One solver on one problem: medians over the seeds of time and largest relative errors; coverage."""
+
+    robot: str
+    friction: bool
+    solver: str
+    seeds: int
+    seconds: float
+    gain_error: float
+    gain_within: float | None
+    mass_error: float | None
+    mass_within: float | None
+
+
+Solver = Callable[[Problem], Answer]
+
+
+def score(robot: str, *, friction: bool, solve: Solver, seeds: int) -> Score:
+    """Solve a problem for several seeds of the noise; the first one is solved once more beforehand, to warm up."""
+    problems = [make_problem(robot, seed, friction=friction) for seed in range(1, seeds + 1)]
+    if seeds >= MANY:
+        solve(problems[0])
+    pairs = [(problem, solve(problem)) for problem in problems]
+    gain_errors = [np.abs(answer.gains / problem.gains - 1.0).max() for problem, answer in pairs]
+    mass_errors = [np.abs(a.masses / p.masses - 1.0).max() for p, a in pairs if a.masses is not None]
+    return Score(
+        robot,
+        friction,
+        pairs[0][1].solver,
+        seeds,
+        float(np.median([answer.seconds for _, answer in pairs])),
+        float(np.median(gain_errors)),
+        _within([(p.gains, a.gains, a.gain_stds) for p, a in pairs]),
+        float(np.median(mass_errors)) if mass_errors else None,
+        _within([(p.masses, a.masses, a.mass_stds) for p, a in pairs]),
+    )
+
+
+def _within(triples: Iterable[tuple[np.ndarray, np.ndarray | None, np.ndarray | None]]) -> float | None:
+    held = [
+        np.abs(value - truth) <= WITHIN * std
+        for truth, value, std in triples
+        if value is not None and std is not None
+    ]
+    return float(np.mean(held)) if held else None
+
+
+def five_bar_scores(*, friction: bool) -> list[Score]:
+    """mujoco.sysid and this project; FIGAROH has no closed loops."""
+    from bench.peers import mujoco_sysid  # noqa: PLC0415 - slow to import
+
+    def others(step: float) -> Solver:
+        return lambda problem: mujoco_sysid.solve(problem, step)
+
+    own: list[tuple[Solver, int]] = [
+        (lambda problem: solve_all_unknown(problem)[0], MANY),
+        (solve_two_masses, MANY),
+    ]
+    if friction:
+        own.append((lambda problem: solve_two_masses(problem, ("coulomb_friction",)), MANY))
+    solvers = [*own, (others(1e-3), FEW), (others(2.5e-4), ONE if friction else FEW)]
+    return [score("five_bar", friction=friction, solve=solve, seeds=seeds) for solve, seeds in solvers]
+
+
+def arm_scores(*, friction: bool) -> list[Score]:
+    """FIGAROH and this project, both from the mass of the payload; and all that is known of it used."""
+    from bench.peers import figaroh_arm  # noqa: PLC0415 - slow to import
+
+    settings = solve_all_unknown(make_problem("two_link", 1, friction=friction))[1].settings
+
+    def others(problem: Problem) -> Answer:
+        return figaroh_arm.solve(problem, settings.position_cutoff, settings.decimation)
+
+    own: list[Solver] = [solve_mass_known, lambda problem: solve_all_unknown(problem)[0]]
+    if friction:
+        own.append(lambda problem: solve_all_unknown(problem, ("coulomb_friction",))[0])
+    return [score("two_link", friction=friction, solve=solve, seeds=MANY) for solve in (*own, others)]
+
+
+def title(one: Score) -> str:
+    """What the problem is."""
+    robot = {"five_bar": "Five-bar", "two_link": "Serial arm of two links"}[one.robot]
+    friction = f"Coulomb friction of {COULOMB_SHARE:.0%} of the torque" if one.friction else "no friction"
+    return f"{robot}, two recordings of {DURATION:g} s at 1 kHz, {friction}"
+
+
+def cells(one: Score) -> list[str]:
+    """One row of the table."""
+    shares = (one.gain_error, one.gain_within, one.mass_error, one.mass_within)
+    return [
+        one.solver,
+        str(one.seeds),
+        f"{one.seconds:.3g}",
+        *("–" if x is None else f"{100 * x:.3g} %" for x in shares),
+    ]
+
+
+def main() -> int:
+    """Run all, print, keep."""
+    os.environ.setdefault("MUJOCO_GL", "disable")
+    console = Console()
+    scores: list[Score] = []
+    text = ["# Beside others", ""]
+    for solve in (five_bar_scores, arm_scores):
+        for friction in (False, True):
+            found = solve(friction=friction)
+            scores += found
+            table = Table(box=box.SIMPLE_HEAD, title=title(found[0]), title_justify="left", pad_edge=False)
+            for i, header in enumerate(HEADERS):
+                table.add_column(header, justify="right" if i else "left")
+            for one in found:
+                table.add_row(*cells(one))
+            console.print(table)
+            text += [f"## {title(found[0])}", "", "| " + " | ".join(HEADERS) + " |"]
+            text += ["|---" + "|---:" * (len(HEADERS) - 1) + "|"]
+            text += ["| " + " | ".join(cells(one)) + " |" for one in found] + [""]
+    content: dict[str, Any] = {
+        "scores": [vars(one) for one in scores],
+        "figaroh": version("figaroh"),
+        **versions().columns(),
+    }
+    write_json_atomically(RESULT / "peers.json", json.loads(json.dumps(content)))
+    write_text_atomically(RESULT / "peers.md", "\n".join(text))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
