@@ -97,7 +97,8 @@ class Coverage:
 class TrialSummary:
     """All figures of a trial.
 
-    confusion: hidden effect -> what was named first -> count, of large effects alone and of nothing hidden.
+    confusion: hidden effect -> what was named first -> count, of large effects alone, those that no
+    model knows after the others, and of nothing hidden.
     undecided: hidden effect -> cases in which it was an openly listed alternative. absorbed: effect -> cases in
     which the diagnosis said so, of how many.
     """
@@ -227,9 +228,11 @@ def _honest(row: Row) -> bool:
 
 def _confusion(alone: Sequence[Row], done: Sequence[Row]) -> dict[str, dict[str, int]]:
     counts: dict[str, Counter[str]] = {}
-    for row in (*alone, *(row for row in done if row["kind"] == "nothing")):
+    nothing = [row for row in done if row["kind"] == "nothing"]
+    ordered = sorted(alone, key=lambda row: (row["kind"] == "outside", row["hidden"]))
+    for row in (*ordered, *nothing):
         counts.setdefault(row["hidden"] or NOTHING, Counter())[first_named(row)] += 1
-    return {hidden: dict(counts[hidden].most_common()) for hidden in sorted(counts)}
+    return {hidden: dict(named.most_common()) for hidden, named in counts.items()}
 
 
 def _named_absorbed(name: str, rows: Sequence[Row]) -> tuple[int, int]:
