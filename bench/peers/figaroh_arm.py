@@ -78,7 +78,7 @@ def solve(problem: Problem, cutoff: float, decimation: int) -> Answer:
     )[1]
     seconds = time.perf_counter() - start
     gains = np.abs(found[len(indices) : len(indices) + n])
-    return Answer("FIGAROH, known mass of the payload", seconds, gains, None, None, None)
+    return Answer("FIGAROH, payload's mass alone", seconds, gains, None, None, None)
 
 
 def _mass_last(rows: np.ndarray) -> np.ndarray:

@@ -35,7 +35,7 @@ class Answer:
 
 def solve_all_unknown(problem: Problem, effects: tuple[str, ...] = ()) -> tuple[Answer, Identification]:
     """Gains and all base parameters from the measurements and the payload alone."""
-    name = "parabench, nothing known but the payload" + (f", with {' + '.join(effects)}" if effects else "")
+    name = "parabench" + (f", with {' + '.join(effects)}" if effects else "")
     return _identified(as_dataset(problem.simulation), effects, name)
 
 
@@ -54,7 +54,7 @@ def solve_mass_known(problem: Problem) -> Answer:
     payloads = {
         name: replace(one, center_of_mass=None, inertia=None) for name, one in dataset.payloads.items()
     }
-    return _identified(replace(dataset, payloads=payloads), (), "parabench, known mass of the payload")[0]
+    return _identified(replace(dataset, payloads=payloads), (), "parabench, payload's mass alone")[0]
 
 
 def solve_two_masses(problem: Problem, effects: tuple[str, ...] = ()) -> Answer:
@@ -81,9 +81,7 @@ def solve_two_masses(problem: Problem, effects: tuple[str, ...] = ()) -> Answer:
     solution = np.linalg.lstsq(weighted, weight @ (measured / scale))[0]
     stds = np.sqrt(np.diag(np.linalg.inv(weighted.T @ weighted)))
     seconds = everything.seconds + time.perf_counter() - start
-    name = everything.solver.replace(
-        "nothing known but the payload", "all but two masses and the gains known"
-    )
+    name = everything.solver.replace("parabench", "parabench, rest from CAD")
     return Answer(name, seconds, solution[2:], stds[2:], solution[:2], stds[:2])
 
 

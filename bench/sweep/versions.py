@@ -6,7 +6,7 @@ import platform
 import subprocess
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 PACKAGES = ("parabench", "mujoco", "numpy", "pin", "scipy")
@@ -32,7 +32,15 @@ class Versions:
 @cache
 def versions() -> Versions:
     """The versions in this process."""
-    return Versions(platform.python_version(), tuple((name, version(name)) for name in PACKAGES), _commit())
+    return Versions(platform.python_version(), tuple((name, _version(name)) for name in PACKAGES), _commit())
+
+
+def _version(package: str) -> str:
+    """The version of a package; "" where it is not installed, only on the path."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
 
 
 def _commit() -> str:
