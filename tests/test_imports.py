@@ -22,6 +22,9 @@ MAY_IMPORT_BY_NAME = {
     "bench.cli.lazy",
     "bench.effects.user_file",  # a user's own effect
     "bench.sweep.dask_pool",  # an optional dependency
+    "bench.peers.figaroh_arm",  # versions of the peers
+    "bench.peers.__main__",  # versions of the peers
+    "bench.peers.mujoco_sysid",  # versions of the peers
     "bench.sweep.versions",  # versions of what is installed
 }
 
