@@ -1,5 +1,6 @@
 """The runs of a sweep: their order, what they share, and what is refused before they start."""
 
+import re
 from itertools import pairwise
 
 import pytest
@@ -8,7 +9,7 @@ from bench.errors import BenchError
 from bench.sweep.extent import extent
 from bench.sweep.plan import make_plan
 from bench.sweep.preflight import check_plan
-from bench.sweep.sweep_file import built_in_sweeps, load_sweep
+from bench.sweep.sweep_file import IdentifyTable, SweepTable, built_in_sweeps, load_sweep
 from tests.sweep_stand_in import plan_of
 
 
@@ -166,3 +167,11 @@ def test_built_in_sweeps_are_sound(name):
 
 def test_there_are_a_dozen_sweeps():
     assert len(built_in_sweeps()) >= 12
+
+
+def test_the_readme_names_every_key(project_root):
+    text = (project_root / "scenarios" / "sweeps" / "README.md").read_text()
+    for key in SweepTable.model_fields:
+        assert re.search(rf"^\| `\[*{key}\]*` ", text, re.MULTILINE), key
+    for key in IdentifyTable.model_fields:
+        assert f"`{key}`" in text

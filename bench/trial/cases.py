@@ -37,11 +37,14 @@ SHARES_OF: dict[str, tuple[float, float]] = {
 """The same where a model takes most of the effect up, so that less is seen of it; or where a larger share would be
 a broken machine: play of degrees, links that are centimetres off."""
 
-SETS_FROM = 0.4
+SETS_FROM = 0.6
 """Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
 
-NOISE = (0.004, 0.02)
+NOISE = (0.002, 0.02)
 """Noise of the current over its RMS; drawn likewise."""
+
+RULES = (SHARES, SHARES_OF, SETS_FROM, NOISE)
+"""What draws depend on beside their seeds."""
 
 ENCODER_BITS = (18, 20, 22)
 GAIN_ERROR = 0.1

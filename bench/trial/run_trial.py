@@ -13,7 +13,7 @@ from bench.sweep.drive import Driver, Report
 from bench.sweep.journal import Journal, Row
 from bench.sweep.plan import digest
 from bench.sweep.pool import Pool
-from bench.trial.cases import KINDS, Kind
+from bench.trial.cases import KINDS, RULES, Kind
 from bench.trial.plan import TrialPlan
 from bench.trial.setup import Setup
 from bench.trial.work import TrialWork
@@ -100,10 +100,12 @@ def _claim(plan: TrialPlan, folder: Path) -> None:
         "robot": plan.setup.name,
         "kind": plan.kind,
         "effects": list(plan.effects),
-        "digest": digest([plan.setup.content, list(plan.setup.effects)]),
+        "digest": digest([plan.setup.content, list(plan.setup.effects), RULES]),
     }
     if record.is_file():
         if json.loads(record.read_text(encoding="utf-8")) != content:
-            raise BenchError(f"{folder}: holds another trial of this robot: name another folder with -o DIR")
+            raise BenchError(
+                f"{folder}: holds another trial of this robot, or an older version: name another folder with -o DIR"
+            )
         return
     write_json_atomically(record, content)
