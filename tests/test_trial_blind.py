@@ -102,7 +102,8 @@ def test_workers_give_the_same_rows_and_the_command_writes_them(
     effect = EFFECTS[0]
     options = ["--effects", effect, "--kinds", "one", "--seeds", "1", "--duration", str(DURATION)]
     assert main(["trial", "five_bar", *options, "--workers", "1", "-o", str(tmp_path)]) == 0
-    assert read_rows(tmp_path / "five_bar") == trial[1][:1]
+    (row,) = read_rows(tmp_path / "five_bar")
+    assert row | {"commit": ""} == trial[1][0] | {"commit": ""}  # files may change while tests run
     assert read_table(tmp_path / "five_bar.parquet")["hidden"] == [effect]
     page = (tmp_path / "five_bar.md").read_text(encoding="utf-8")
     assert f"| {effect} | 1 |" in page
