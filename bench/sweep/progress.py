@@ -19,14 +19,13 @@ SAY_EVERY = 30.0  # s between lines where there is no terminal to draw a bar on
 class _Rate(ProgressColumn):
     def render(self, task: Task) -> Text:
         """Runs per second, or per minute where they are slow."""
-        rate = _rate(task.completed - task.fields["before"], task.elapsed or 0.0)
-        return Text(rate_text(rate), "dim")
+        return Text(rate_text(_mean_rate(task)), "dim")
 
 
 class _Left(ProgressColumn):
     def render(self, task: Task) -> Text:
         """Time left at the mean rate since the start."""
-        rate = _rate(task.completed - task.fields["before"], task.elapsed or 0.0)
+        rate = _mean_rate(task)
         left = (task.total or 0) - task.completed
         return Text(f"{duration_text(left / rate)} left" if rate and left else "", "cyan")
 
@@ -96,6 +95,12 @@ def duration_text(seconds: float) -> str:
     if seconds < 6000:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
+
+
+def _mean_rate(task: Task) -> float:
+    """Runs per second since the start; runs kept from an earlier start say nothing about it."""
+    before = task.fields["before"]
+    return 0.0 if before is None else _rate(task.completed - before, task.elapsed or 0.0)
 
 
 def _rate(runs: float, seconds: float) -> float:
