@@ -10,6 +10,8 @@ from rerun.components import Plane3D
 from bench.show.shown import Motor
 
 SUMMARY, PARAMETERS = "/summary", "/parameters"
+FOLLOWING, OPENING = "tool: actual path to reference path [mm]", "largest opening of a loop [µm]"
+SMALLER = (FOLLOWING, OPENING)
 MOTORS_IN_COLUMN = 3
 MOST_LANES = 5  # of the time line of states that are in view at once
 BACKGROUND = (16, 20, 27)
@@ -79,20 +81,25 @@ def _framed(views: rrb.Container) -> rrb.Blueprint:
 
 
 def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
-    pages = [_currents(scene, motors)]
-    if scene.steps:
-        pages.insert(0, _steps(scene, motors))
-    if scene.torques:
-        pages.append(_torques(scene, motors))
-    pages.append(_tool(scene, motors))
     columns = -(-len(motors) // MOTORS_IN_COLUMN)
     lanes = min(len(motors) + 2, MOST_LANES)
     return rrb.Horizontal(
         rrb.Vertical(_robot(scene), _texts(scene), row_shares=[3, 2]),
-        rrb.Vertical(rrb.Tabs(*pages, active_tab=0), _phases(scene), row_shares=[20, 1 + lanes]),
+        rrb.Vertical(
+            rrb.Tabs(*_pages(scene, motors), active_tab=0), _phases(scene), row_shares=[20, 2.0 + 1.4 * lanes]
+        ),
         column_shares=[4.0, 5.0 * columns**0.5],
         name=scene.title,
     )
+
+
+def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
+    """The tabs beside the robot; the one in front comes first."""
+    pages = [_steps(scene, motors)] if scene.steps else []
+    pages.append(_currents(scene, motors))
+    if scene.torques:
+        pages.append(_torques(scene, motors))
+    return [*pages, _tool(scene, motors)]
 
 
 def _beside(scene: Scene, motors: Sequence[Motor], *, first: bool) -> rrb.Container:
@@ -189,21 +196,20 @@ def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
     if scene.tool:
         views.append(_plot(f"{scene.root}/tool", "tool: actual path and reference [m]", legend=True))
     if scene.followed and scene.tool:
-        views.append(
-            _plot(f"{scene.root}/following", "tool: actual path to reference path [mm]", legend=False)
-        )
+        views.append(_plot(f"{scene.root}/following", FOLLOWING, legend=False))
     units = ", ".join(sorted({motor.position_unit for motor in motors}))
     views.append(
         rrb.TimeSeriesView(
             origin=scene.root,
-            contents=[f"{scene.root}/asked/**", f"{scene.root}/position/**"],
+            contents=[f"{scene.root}/position/**", f"{scene.root}/reference/**"],
             name=f"positions [{units}]",
             plot_legend=_legend(),
         )
     )
     if scene.loops:
-        views.append(_plot(f"{scene.root}/loop_gap", "largest opening of a loop [µm]", legend=True))
-    return rrb.Vertical(*views, name="tool, positions, loops")
+        views.append(_plot(f"{scene.root}/loop_gap", OPENING, legend=True))
+    shares = [2.0 if view.name in SMALLER else 3.0 for view in views]
+    return rrb.Vertical(*views, row_shares=shares, name="tool, positions, loops")
 
 
 def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], name: str) -> rrb.Container:

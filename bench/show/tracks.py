@@ -13,6 +13,7 @@ from bench.show.phases import lanes
 from bench.show.shown import Line, Motor, Shown, send_line
 
 POSITION_COLOURS = ("#5BC99B", "#C39BF0", "#E6D55A", "#F08A6B", "#9FC7C9", "#D0A0A0")
+EFFECT_COLOURS = ("#7CC7A1", "#B7A3F0", "#E0908A", "#9FC7C9", "#C9CF7A")
 AXES = ("x", "y", "z")
 LOGGED = Line("logged", ON_DARK.logged, 1.0)
 MEASURED = Line("measured, filtered", ON_DARK.measured, 4.0)
@@ -21,7 +22,7 @@ ERROR = Line("error", ON_DARK.error, 1.4)
 HIDDEN = Line("hidden in the simulated machine", ON_DARK.measured, 4.0)
 FOUND = Line("found: all effects of the model", ON_DARK.modelled, 1.6)
 LEFT = Line("left over: gain × error", ON_DARK.error, 1.0)
-REFERENCE = "#8FA3B5"
+REFERENCE = "#F2F5F8"
 MACHINE = Line("simulated machine", ON_DARK.measured, 1.6)
 CLOSED = Line("as drawn", ON_DARK.modelled, 1.6)
 
@@ -55,7 +56,7 @@ def send_currents(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor
             f"{one.root}/position/{motor.entity}",
             logged,
             recording.position[:, j],
-            Line(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 1.5),
+            Line(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 3.0),
         )
 
 
@@ -99,7 +100,7 @@ def _send_effects(
     if len(shown) < 2:
         return
     for number, (name, torque) in enumerate(shown.items()):
-        line = Line(said(name), LADDER_ON_DARK[(number + 1) % len(LADDER_ON_DARK)], 1.0)
+        line = Line(said(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
         send_line(stream, f"{entity}/2_{name}", column, torque, line)
 
 
@@ -108,11 +109,11 @@ def send_tool(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -
     frames = one.column(one.motion.time)
     if one.motion.tool_position is not None:
         for k, axis in enumerate(AXES):
-            line = Line(axis, POSITION_COLOURS[k], 1.6)
+            line = Line(axis, POSITION_COLOURS[k], 4.0)
             send_line(stream, f"{one.root}/tool/1_{axis}", frames, one.motion.tool_position[:, k], line)
             if one.reference_path is not None:
-                wanted = Line(f"{axis}, reference", REFERENCE, 3.0)
-                send_line(stream, f"{one.root}/tool/0_{axis}", frames, one.reference_path[:, k], wanted)
+                wanted = Line(f"{axis}, reference", REFERENCE, 1.2)
+                send_line(stream, f"{one.root}/tool/2_{axis}", frames, one.reference_path[:, k], wanted)
         if one.reference_path is not None:
             apart = 1e3 * np.linalg.norm(one.motion.tool_position - one.reference_path, axis=1)
             line = Line("actual path to reference path", ON_DARK.error, 1.6)
@@ -128,15 +129,15 @@ def send_tool(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -
         send_line(stream, f"{one.root}/loop_gap/machine", column, 1e6 * known.loop_gap.max(axis=1), MACHINE)
     if known.reference is not None:
         for j, motor in enumerate(motors):
-            line = Line(f"{motor.name}, reference", REFERENCE, 3.0)
-            entity = f"{one.root}/asked/{motor.entity}"
+            line = Line(f"{motor.name}, reference", REFERENCE, 1.2)
+            entity = f"{one.root}/reference/{motor.entity}"
             send_line(stream, entity, column, known.reference[:, j], line)
 
 
 def send_phases(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -> None:
     """States on the time line: start, middle and end, the payload, and how every motor moves."""
     for number, lane in enumerate(lanes(one.series, [motor.name for motor in motors], one.payload)):
-        entity = f"{one.root}/phases/{rr.escape_entity_path_part(f'{number} {lane.name}')}"
+        entity = f"{one.root}/phases/{rr.escape_entity_path_part(f'{number + 1}_{lane.name}')}"
         used = {state: colour for state, colour in lane.colours.items() if state in lane.states}
         look = rr.StateConfiguration(
             values=list(used), labels=list(used), colors=np.array([(*rgb(c), 255) for c in used.values()])
