@@ -48,7 +48,7 @@ def demo(output: Path, scenario: str) -> None:
     result = fit(prepared)
     true = true_values(prepared.model, truth(simulation))
     identification_report(result, console, truth=true)
-    save_model(result, output / "model.json")
+    save_model(result, output / "model.json", dataset.folder)
     write_current_figure(output / "currents.png", result)
     write_rrd(output / "demo.rrd", result, dataset, truth=true)
     click.echo(f"Measurements: {output / 'dataset'}, the truth: {output / 'dataset.truth.json'}")

@@ -37,6 +37,8 @@ class SavedModel:
     left_out: tuple[str, ...]
     effect_parameters: Mapping[str, Mapping[str, Mapping[str, float]]]
     settings: FilterSettings
+    dataset: Path | None = None
+    """The folder that it was identified from, where the file says so."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +93,12 @@ def to_json(result: Identification) -> dict[str, Any]:
     return dict(finite(answer))
 
 
-def save_model(result: Identification, path: str | Path) -> None:
-    """Write the answer as a JSON file, whole or not at all."""
-    write_text_atomically(Path(path), json.dumps(to_json(result), indent=1) + "\n")
+def save_model(result: Identification, path: str | Path, dataset: Path | None = None) -> None:
+    """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from."""
+    answer = to_json(result)
+    if dataset is not None:
+        answer["dataset"] = str(dataset.resolve())
+    write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 
 def saved_form(result: Identification, dataset: Dataset) -> SavedModel:
@@ -145,6 +150,7 @@ def load_model(path: str | Path) -> SavedModel:
                 for effect, joints in content["effect_parameters"].items()
             },
             settings=FilterSettings(**settings),
+            dataset=Path(content["dataset"]) if content.get("dataset") else None,
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
