@@ -1,9 +1,10 @@
 """A recording before decimation: filtered, differentiated, loops closed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from bench.effects.kept import KeptRows
 from bench.errors import BenchError
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
@@ -17,7 +18,7 @@ class Measured:
     """One recording at its own rate, N samples of n motors, border samples dropped.
 
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
-    unit, as logged; tree: the motion of all joints of the opened tree.
+    unit, as logged; tree: the motion of all joints of the opened tree. kept: rows of effects that need no model.
     """
 
     recording: Recording
@@ -28,6 +29,7 @@ class Measured:
     acceleration: np.ndarray
     current: np.ndarray
     tree: Motion
+    kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
 
 def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:
