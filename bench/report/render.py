@@ -5,7 +5,7 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, StrictUndefined
@@ -13,6 +13,9 @@ from markupsafe import Markup
 
 from bench.files import finite
 from bench.report.parts import Figure, Page
+
+
+ASSETS = Path(__file__).with_name("assets")
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class Workbench:
 
 def asset(name: str) -> str:
     """A file of the page's own, as text."""
-    return (files("bench.report") / "assets" / name).read_text(encoding="utf-8")
+    return (ASSETS / name).read_text(encoding="utf-8")
 
 
 def render_page(page: Page, workbench: Workbench | None = None) -> str:

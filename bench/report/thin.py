@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 DIGITS = 1.0 / 4000.0  # of a curve's extent: finer than a pixel
 
@@ -22,9 +23,11 @@ def rounded(values: np.ndarray, extent: float | None = None) -> list[float | Non
     return [None if not np.isfinite(v) else int(v) if decimals <= 0 else v for v in (short + 0.0).tolist()]
 
 
-def significant(values: np.ndarray, digits: int = 5) -> list[float | None]:
+def significant(values: npt.ArrayLike, digits: int = 5) -> list[float | None]:
     """Values (N,) to some significant digits, for logarithmic axes; None for NaN."""
-    return [float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in np.asarray(values).tolist()]
+    return [
+        float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in np.asarray(values, dtype=float).tolist()
+    ]
 
 
 def thinned(
@@ -46,14 +49,14 @@ def thinned(
         return {"start": _short(start), "step": _short(period)}, every, 1
     width = -(-2 * count // most)
     kept = {name: rounded(extremes(values, width)) for name, values in filled.items()}
-    at = start + period * (width - 1) / 4.0
+    at = start + period * (width / 4.0 - 0.5)
     return {"start": _short(at), "step": _short(period * width / 2.0)}, kept, width
 
 
 def extremes(values: np.ndarray, width: int) -> np.ndarray:
-    """The smallest and the largest value of every `width` of N rows, in the order in which they come (2 ceil(N/width),).
+    """The smallest and the largest value of every stretch of `width` values, in the order in which they come.
 
-    NaN where a stretch holds nothing else.
+    Two values a stretch, (2 ceil(N / width),); NaN where it holds nothing else.
     """
     stretches = -(-len(values) // width)
     padded = np.full(stretches * width, np.nan)

@@ -13,7 +13,7 @@ categories: [text], percent: true}; all but the label may be left out.
 
 Values are arrays, in which null is a gap; an x of even steps may be {start, step}. Every series has `kind`, `role` (its
 colour: measured, modelled, error, before, after, noise, forwards, backwards, one ... seven), and `name` for the legend.
-  line       x, y; dashed, marker, faint: true
+  line       x, y; dashed, marker, faint: true; texts beside its points
   envelope   x, low, high: the smallest and the largest value of stretches of samples
   band       low, high: numbers, or arrays with x
   bins       x, mean, spread, low, high: means with markers, ± spread as a band, whiskers to the extreme values
@@ -202,6 +202,10 @@ const Charts = (() => {
       const kind = `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}${one.wide ? " wide" : ""}`;
       node("path", {d: path(one.x, one.y, one.y.length, xs, ys), class: kind}, plot);
       if (one.marker) one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot, 4));
+      (one.texts || []).forEach((text, i) => {
+        const place = {x: (xs.at(valueAt(one.x, i)) + 9).toFixed(1), y: (ys.at(one.y[i]) - 8).toFixed(1), class: "label"};
+        if (text && known(one.y[i])) node("text", place, plot, text);
+      });
     },
     envelope(one, xs, ys, plot) {
       node("path", {d: area(one.x, one.low, one.high, xs, ys), class: `fill ${one.role} edge`}, plot);
