@@ -16,8 +16,8 @@ from bench.report.parts import Chart
 from bench.report.thin import rounded, significant, thinned
 from bench.report.words import INTERVAL
 
-HEIGHT = 210
-BINS = 20
+HEIGHT, TALL = 210, 330  # px
+BINS = 16
 AROUND = 8  # rows before and after a reversal
 OWN_CHARTS = ("recording", "with")  # regions that other charts show
 LONGEST_NAME = 24
@@ -145,7 +145,8 @@ def _against(series: Sequence[MotorSeries], variable: Variable, label: str, curr
         found.append(_bins(role, bins, bins.center, *_extremes(x[way], errors[way], bins.edges)))
     title = f"Against {label.partition(' [')[0].partition(' from')[0]}"
     aid = "Level with the band: nothing depends on it."
-    return Chart(title, aid, _spec({"label": label}, {"label": f"error [{current}]"}, found, title))
+    y = {"label": f"error [{current}]"}
+    return Chart(title, aid, _spec({"label": label}, y, found, title, shared=True, legend=False))
 
 
 def _reversals(series: Sequence[MotorSeries], current: str) -> Chart:
@@ -166,7 +167,8 @@ def _reversals(series: Sequence[MotorSeries], current: str) -> Chart:
         aid = "The motor never reverses while it moves: nothing to show."
     title = "Around reversals"
     x = {"label": "time from the nearest reversal [s]", "include": [-AROUND / rate, AROUND / rate]}
-    return Chart(title, aid, _spec(x, {"label": f"error [{current}]"}, found, title))
+    y = {"label": f"error [{current}]"}
+    return Chart(title, aid, _spec(x, y, found, title, shared=True, legend=False))
 
 
 def _recordings(series: Sequence[MotorSeries]) -> Chart:
@@ -176,7 +178,7 @@ def _recordings(series: Sequence[MotorSeries]) -> Chart:
     title = "By recording and payload"
     spec = {
         "label": title,
-        "height": max(HEIGHT, 70 + 24 * len(series)),
+        "height": max(TALL, 70 + 24 * len(series)),
         "x": {"label": "error of the current [%]", "percent": True, "include": [0.0]},
         "panels": [
             {
@@ -217,7 +219,7 @@ def _opposing(series: Sequence[MotorSeries], current: str) -> Chart:
     aid = "Right of zero: more friction than modelled. Thirds that differ: warming up."
     y = {"scale": "band", "categories": [name for name, _ in known]}
     x = {"label": f"mean of error · direction [{current}]", "room": True}
-    return Chart(title, aid, _spec(x, y, [zero, points], title))
+    return Chart(title, aid, {**_spec(x, y, [zero, points], title), "height": TALL})
 
 
 def _shares(series: Sequence[MotorSeries], unit: str, current: str) -> Chart:
@@ -226,7 +228,7 @@ def _shares(series: Sequence[MotorSeries], unit: str, current: str) -> Chart:
     title = "Where the squared error lies"
     spec = {
         "label": title,
-        "height": max(HEIGHT, 70 + 17 * len(found)),
+        "height": max(TALL, 70 + 17 * len(found)),
         "x": {"label": "share [%]", "percent": True, "include": [0.0]},
         "panels": [
             {

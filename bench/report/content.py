@@ -51,7 +51,7 @@ def diagnosis_page(diagnosis: Diagnosis, dataset: Dataset, again: Sequence[str])
     old = before if diagnosis.missing else None
     return Page(
         title=f"What the model of {diagnosis.robot} is missing",
-        facts=_facts(dataset, after.method, f"judged on {diagnosis.split}"),
+        facts=_facts(dataset, f"estimator {after.method}", f"judged on {diagnosis.split}"),
         verdict=diagnosis_verdict(diagnosis),
         tiles=diagnosis_tiles(diagnosis),
         sections=(
@@ -76,7 +76,7 @@ def identification_page(result: Identification, dataset: Dataset, again: Sequenc
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
     return Page(
         title=f"Drive gains and parameters of {result.robot}",
-        facts=_facts(dataset, result.method, ", ".join(result.effects) or "rigid bodies only"),
+        facts=_facts(dataset, f"estimator {result.method}", ", ".join(result.effects) or "rigid bodies only"),
         verdict=identification_verdict(result, model.where, noise),
         tiles=identification_tiles(result, noise),
         sections=(

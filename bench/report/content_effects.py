@@ -3,11 +3,20 @@
 import numpy as np
 
 from bench.diagnose.result import Diagnosis, EffectVerdict
-from bench.diagnose.summary import effort_unit, error_share, reason, said
+from bench.diagnose.summary import effort_unit, error_share, reason
 from bench.estimate.result import DriveGain, Identification
 from bench.report.parts import Cell, Column, Items, Part, Row, Section, Table, one_figure, row
 from bench.report.thin import significant
-from bench.report.words import INTERVAL, said_list, share, short, typeset, with_interval, with_std
+from bench.report.words import (
+    INTERVAL,
+    effect_name,
+    said_list,
+    share,
+    short,
+    typeset,
+    with_interval,
+    with_std,
+)
 from bench.show.numbers import flat_effects, gain_change, pretty_unit
 
 UNSUPPORTED = ("not supported", "absorbed")
@@ -35,7 +44,7 @@ def ranking_section(diagnosis: Diagnosis) -> Section:
     if rest:
         rows = tuple(
             row(
-                said(one.effect),
+                effect_name(one.effect),
                 share(one.error_before),
                 share(one.error_after),
                 short(one.evidence),
@@ -56,7 +65,7 @@ def ranking_section(diagnosis: Diagnosis) -> Section:
         )
     if absorbed:
         title = f"{len(absorbed)} effects that no data of this robot could show"
-        rows = tuple(row(said(one.effect), typeset(one.why)) for one in absorbed)
+        rows = tuple(row(effect_name(one.effect), typeset(one.why)) for one in absorbed)
         aid = "The model's own parameters take them up completely, so they do no harm to its currents."
         parts.append(
             Table(title, aid, (Column("effect", "keep"), Column("reason", "words")), rows, folded=True)
@@ -97,17 +106,24 @@ def _row(diagnosis: Diagnosis, one: EffectVerdict) -> Row:
         for joint, size in one.size.items()
     ]
     return row(
-        said(one.effect),
+        effect_name(one.effect),
         Cell(one.verdict, f"badge {one.verdict}"),
         said_list(one.actuators),
         share(one.error_before),
         share(one.error_after),
         short(one.evidence),
         said_list(sizes),
-        share(error_share(one)),
-        said_list([said(name) for name in one.alternatives]),
+        _most(error_share(one)),
+        said_list([effect_name(name) for name in one.alternatives]),
         kind="strong" if one.effect in diagnosis.missing else "",
     )
+
+
+def _most(part: float | None) -> str:
+    """A share near one to the digits that tell it from one."""
+    if part is None:
+        return "–"
+    return "> 99.9\u00a0%" if part > 0.999 else f"{typeset(f'{100.0 * part:.3g}')}\u00a0%"
 
 
 def gains_section(after: Identification, before: Identification | None) -> Section:
@@ -195,7 +211,7 @@ def effects_table(result: Identification) -> Table:
     rows = []
     last = ""
     for effect, joint, name, one in flat_effects(result):
-        first = said(effect) if effect != last else ""
+        first = effect_name(effect) if effect != last else ""
         rows.append(
             row(first, joint, name, with_std(one), pretty_unit(one.unit), share_of(one.std, one.value))
         )

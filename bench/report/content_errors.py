@@ -5,13 +5,12 @@ from itertools import pairwise
 
 from bench.compare.motor import MotorSeries
 from bench.diagnose.result import Diagnosis
-from bench.diagnose.summary import said
 from bench.estimate.result import CurrentSeries, relative_error
 from bench.report.chart_motor import currents_spec
 from bench.report.parts import Chart, Choice, Column, Figure, Row, Section, Table, Variant, one_figure, row
 from bench.report.shown import Shown
 from bench.report.thin import significant
-from bench.report.words import plural, share
+from bench.report.words import effect_name, plural, share
 from bench.show.numbers import USES
 
 MOST_NUMBERS = 250_000  # of all curves of the currents together: about 1.5 MB
@@ -26,7 +25,7 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
     steps = diagnosis.ladder
     names = ["model as it is"]
     names += [
-        "+ " + ", ".join(said(one) for one in after.effects if one not in before.effects)
+        "+ " + ", ".join(effect_name(one) for one in after.effects if one not in before.effects)
         for before, after in pairwise(steps)
     ]
     floor = diagnosis.unexplained.noise_floor
@@ -55,7 +54,7 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
         "x": {"label": "", "scale": "band", "categories": names},
         "panels": [
             {
-                "y": {"label": "error of the current [%]", "scale": "log", "percent": True},
+                "y": {"label": "error of the current [%]", "scale": "log", "percent": True, "room": True},
                 "series": [rule, *lines],
             }
         ],

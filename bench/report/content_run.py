@@ -6,10 +6,9 @@ from typing import Any
 
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
-from bench.diagnose.summary import said
 from bench.estimate.result import Identification
 from bench.report.parts import Column, Commands, Items, Part, Section, Table, row
-from bench.report.words import short, typeset
+from bench.report.words import effect_name, short, typeset
 from bench.show.numbers import USES, fit_rate
 from bench.signals.settings import FilterSettings
 from bench.sweep.versions import versions
@@ -93,10 +92,12 @@ def limits_section(
         "that a controller passes on from the encoders below it counts as error."
     )
     if diagnosis is not None:
-        hidden = [said(one.effect) for one in diagnosis.ranking if one.verdict == "absorbed"]
+        hidden = [effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "absorbed"]
         if hidden:
             found.append(f"No data of this robot with these payloads could show: {', '.join(hidden)}.")
-        doubtful = [said(one.effect) for one in diagnosis.ranking if one.verdict == "indistinguishable"]
+        doubtful = [
+            effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "indistinguishable"
+        ]
         if doubtful:
             found.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
         if diagnosis.unexplained.significant:

@@ -21,7 +21,7 @@ from bench.files import finite, write_json_atomically
 from bench.report.content_run import Run
 
 RUN_FILE = "report.json"
-MODEL_FILE, BEFORE_FILE = "model.json", "model_before.json"
+MODEL_FILE, AFTER_FILE, BEFORE_FILE = "model.json", "model_after.json", "model_before.json"
 FORMAT = 1
 
 
@@ -45,7 +45,7 @@ def keep_run(
     model: str = "",
 ) -> None:
     """Write report.json and the models beside it, each whole or not at all."""
-    save_model(result, folder / MODEL_FILE, dataset.folder)
+    save_model(result, folder / (MODEL_FILE if diagnosis is None else AFTER_FILE), dataset.folder)
     content: dict[str, Any] = {
         "format": FORMAT,
         "run": asdict(run),
@@ -77,7 +77,7 @@ def read_run(folder: Path) -> Kept:
     dataset = load_dataset(path)
     catalogue = catalogue_for(dataset.effect_files, [Path(one) for one in run.effect_files])
     judged = with_judged_parts(dataset)[0] if found is not None else dataset
-    after = read_identification(folder / MODEL_FILE, judged, catalogue)
+    after = read_identification(folder / (MODEL_FILE if found is None else AFTER_FILE), judged, catalogue)
     diagnosis = None
     if found is not None:
         before = read_identification(folder / BEFORE_FILE, judged, catalogue)

@@ -14,7 +14,6 @@ from markupsafe import Markup
 from bench.files import finite
 from bench.report.parts import Figure, Page
 
-
 ASSETS = Path(__file__).with_name("assets")
 
 

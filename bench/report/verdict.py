@@ -2,10 +2,10 @@
 
 from bench.compare.where import WhereItFails
 from bench.diagnose.result import Diagnosis
-from bench.diagnose.summary import and_list, found_effects, or_list, said, summary_sentences
+from bench.diagnose.summary import and_list, found_effects, or_list, summary_sentences
 from bench.estimate.result import ErrorSummary, Identification
 from bench.report.parts import Tile
-from bench.report.words import INTERVAL, share, short, typeset
+from bench.report.words import INTERVAL, effect_name, share, short, typeset
 from bench.show.numbers import gain_change, pretty_unit
 
 
@@ -15,7 +15,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     moved = next((one for one in sentences[1:-1] if "drive gain" in one), None)
     middle = (moved or gains_sentence(diagnosis.after)).rstrip(".")
     doubtful = [
-        f"instead of {said(one.effect)} it could as well be {or_list([said(name) for name in one.alternatives])}"
+        f"instead of {effect_name(one.effect)} it could as well be {or_list(list(map(effect_name, one.alternatives)))}"
         for one in found_effects(diagnosis)
         if one.alternatives
     ]
@@ -61,7 +61,7 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     kind = "not fitted" if last.validate is not None else "fitted"
     before = f"from {share(known[0])} without" if diagnosis.missing else "nothing to add"
     found = str(len(diagnosis.missing)) if diagnosis.missing else "none"
-    names = ", ".join(said(one) for one in diagnosis.missing) or "that the catalogue knows"
+    names = ", ".join(effect_name(one) for one in diagnosis.missing) or "that the catalogue knows"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
         Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Sequence
 
+from bench.diagnose.summary import said
 from bench.estimate.result import Quantity
 from bench.report.parts import Cell
 from bench.show.numbers import GIVEN, is_poor, percent, value_and_deviation
@@ -13,11 +14,12 @@ _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def typeset(text: str) -> str:
-    """A text with true minus signs, and powers of ten in place of "e-05"."""
+    """A text with true minus signs, powers of ten in place of "e-05", a space before "%", and names as names."""
     text = re.sub(
         r"(?<=\d)e([+-]?\d+)\b", lambda m: f"·10{str(int(m.group(1))).translate(_SUPERSCRIPT)}", text
     )
-    return re.sub(r"(?<![\w.])-(?=\d)", "−", text)
+    text = re.sub(r"(?<=\d) ?%", "\u00a0%", re.sub(r"(?<![\w.])-(?=\d)", "−", text))
+    return re.sub(r"\b(coulomb|stribeck)\b", lambda m: m.group().capitalize(), text)
 
 
 def share(value: float | None, *, signed: bool = False) -> str:
@@ -45,6 +47,11 @@ def relative_std(one: Quantity) -> Cell:
     if one.std == 0.0:
         return Cell("–")
     return Cell(share(one.relative_std), "poor" if is_poor(one) else "")
+
+
+def effect_name(name: str) -> str:
+    """An effect's name as it is said."""
+    return typeset(said(name))
 
 
 def said_list(names: Sequence[str]) -> str:

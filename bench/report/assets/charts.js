@@ -6,6 +6,7 @@ Charts: small figures in SVG, drawn from plain data; colours come from the style
   chart.update({panels: [...]});                  // keys that are given replace those of the figure
   chart.draw(width);                              // again, at a width of one's own (print)
   chart.destroy();
+  Charts.legend(figure, element);                 // a legend apart from its chart
 
 A figure is {label, height, x: axis, panels: [{weight, y: axis, series: [...]}], legend: true}; panels stand below each
 other and share x. An axis is {label, scale: "linear" | "log" | "band", domain: [low, high], include: [values],
@@ -132,7 +133,7 @@ const Charts = (() => {
     if (axis.scale === "log") {
       low = low > 0 ? low : known(range[2]) ? range[2] : high / 1000 || 1;
       high = Math.max(high, low * 1.001);
-      if (!axis.domain) [low, high] = [low / 1.25, high * 1.25];
+      if (!axis.domain) [low, high] = [low / 1.25, high * (axis.room ? 2 : 1.25)];
       const [a, b] = [Math.log10(low), Math.log10(high)];
       const every = b - a > 2.2 * wanted ? 2 : 1;
       const inner = b - a > 3 ? [1] : b - a > 1.4 ? [1, 3] : [1, 2, 5];
@@ -347,7 +348,7 @@ const Charts = (() => {
     const wide = scales.map((scale) => Math.max(...scale.ticks.map((t) => scale.text(t).length), 1) * CHARACTER + 12);
     const left = Math.min(Math.max(...wide, 34), 0.42 * width);
     const right = width - 12;
-    const xs = scaleOf(figure.x, all, "x", left, right, Math.max(2, Math.floor((right - left) / 90)));
+    const xs = scaleOf(figure.x, all, "x", left, right, Math.max(2, Math.floor((right - left) / 64)));
     const bottom = boxes[count - 1].bottom;
     figure.panels.forEach((panel, i) => {
       const box = {...boxes[i], left, right};
@@ -431,5 +432,5 @@ const Charts = (() => {
     return chart;
   }
 
-  return {create, formatNumber, formatPercent};
+  return {create, legend: legendOf, formatNumber, formatPercent};
 })();

@@ -49,6 +49,8 @@
       const list = element("ul", "notes", holder);
       for (const note of variant.notes) element("li", "", list, note);
     }
+    const shared = variant.charts.find((one) => one.spec.shared);
+    if (shared) Charts.legend({...shared.spec, legend: true}, holder);
     const grid = element("div", figure.wide ? "charts" : "charts grid", holder);
     return variant.charts.map((one) => {
       const frame = element("figure", "", grid);
