@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from effects_kit import moving_robot
 
 from bench.effects import CATALOGUE, EffectInstance
 from bench.effects.kept import KeptRows
 from bench.estimate import observation
+from tests.effects_kit import moving_robot
 
 
 def test_rows_come_back_as_they_were_and_the_oldest_go_first() -> None:
