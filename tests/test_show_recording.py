@@ -1,7 +1,5 @@
 """Rerun recordings, read back with Rerun's own reader: nothing is lost, and the robot moves as it was logged."""
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,35 +15,10 @@ from bench.show import recording as writer
 from bench.show.numbers import error_deviation
 from bench.show.recording import entity_roots, write_rrd
 from bench.show.scene import PAYLOAD_DENSITY
+from tests.rrd_reader import batches, columns, numbers, static_value, verified
 from tests.shown import DISC, dataset_of, identification_of
 
 SECONDS = 1e-9
-
-
-def batches(path, entity, static):
-    stream = RrdReader(path).stream().filter(content=entity, is_static=static)
-    return [chunk.to_record_batch() for chunk in stream]
-
-
-def columns(path, entity):
-    """Times [s], and every component's values (N, ...), of an entity that changes in time."""
-    found = batches(path, entity, static=False)
-    assert found, entity
-    times = np.concatenate([batch.column("time").to_numpy() for batch in found])
-    names = [name for name in found[0].schema.names if ":" in name]
-    values = {
-        name.split(":")[1]: np.concatenate(
-            [np.array(batch.column(name).to_pylist(), dtype=object) for batch in found]
-        )
-        for name in names
-    }
-    order = np.argsort(times)
-    return times[order].astype(np.int64), {name: value[order] for name, value in values.items()}
-
-
-def numbers(path, entity, component="scalars"):
-    times, values = columns(path, entity)
-    return times, np.array(values[component].tolist(), dtype=float)[:, 0]
 
 
 def poses(path, entity):
@@ -56,11 +29,6 @@ def poses(path, entity):
     for rotation, (x, y, z, w) in zip(rotations, quaternions, strict=True):
         mujoco.mju_quat2Mat(rotation, np.array([w, x, y, z]))
     return times, np.array(values["translation"].tolist(), dtype=float)[:, 0], rotations.reshape(-1, 3, 3)
-
-
-def static_value(path, entity, component):
-    (batch,) = batches(path, entity, static=True)
-    return batch.column(component).to_pylist()[0]
 
 
 @pytest.fixture(scope="module", params=["five_bar", "delta"])
@@ -208,12 +176,6 @@ def test_rerun_verifies_the_file_and_not_a_part_of_it(written, tmp_path):
     part.write_bytes(path.read_bytes()[:-2000])
     assert verified(path)
     assert not verified(part)
-
-
-def verified(path):
-    program = Path(sys.executable).with_name("rerun")
-    command = [str(program), "rrd", "verify", str(path)]
-    return subprocess.run(command, capture_output=True, timeout=60, check=False).returncode == 0
 
 
 def test_twenty_seconds_of_a_delta_are_small(tmp_path):

@@ -31,6 +31,12 @@ COMMANDS = {
     "report": LazyCommand(
         "bench.cli.report:report", "Write one page, in one file, that shows what a run found."
     ),
+    "view": LazyCommand(
+        "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer."
+    ),
+    "discriminate": LazyCommand(
+        "bench.cli.discriminate:discriminate", "Design the motion that tells two effects apart."
+    ),
     "simulate": LazyCommand(
         "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset."
     ),

@@ -1,7 +1,7 @@
 """What the viewer shows when a recording is opened: one tab for each of the dataset's recordings."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import rerun.blueprint as rrb
@@ -50,10 +50,17 @@ def blueprint(scenes: Sequence[Scene], motors: Sequence[Motor]) -> rrb.Blueprint
     return _framed(rrb.Tabs(*(_tab(scene, motors) for scene in scenes), active_tab=0))
 
 
-def side_by_side(groups: Sequence[tuple[str, Sequence[Scene]]], motors: Sequence[Motor]) -> rrb.Blueprint:
-    """A tab for each group, its scenes beside each other: robot above, errors below, then the text."""
+def side_by_side(
+    groups: Sequence[tuple[str, Sequence[Scene]]], motors: Sequence[Motor], reach: np.ndarray
+) -> rrb.Blueprint:
+    """A tab for each group, its scenes beside each other: robot above, errors below, then the text.
+
+    reach (n,): the errors that all axes hold, drive units.
+    """
     tabs = [
-        rrb.Horizontal(*(_beside(scene, motors, first=not k) for k, scene in enumerate(scenes)), name=name)
+        rrb.Horizontal(
+            *(_beside(scene, motors, reach, first=not k) for k, scene in enumerate(scenes)), name=name
+        )
         for name, scenes in groups
     ]
     return _framed(rrb.Tabs(*tabs, active_tab=0))
@@ -102,17 +109,18 @@ def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
     return [*pages, _tool(scene, motors)]
 
 
-def _beside(scene: Scene, motors: Sequence[Motor], *, first: bool) -> rrb.Container:
+def _beside(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
     errors = [
         _plot(
             f"{scene.root}/error/{motor.entity}",
             f"{motor.name}: error [{motor.current_unit}], {error} of the current",
             legend=first and not k,
+            reach=float(reach[k]),
         )
         for k, (motor, error) in enumerate(zip(motors, scene.errors, strict=True))
     ]
     return rrb.Vertical(
-        _robot(scene),
+        _robot(replace(scene, path="")),
         *errors,
         rrb.TextDocumentView(origin=scene.summary, name="summary"),
         row_shares=[4.0, *[5.0 / len(errors)] * len(errors), 3.0],
@@ -227,9 +235,10 @@ def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], na
     return rrb.Horizontal(*columns, name=name)
 
 
-def _plot(origin: str, name: str, *, legend: bool) -> rrb.View:
+def _plot(origin: str, name: str, *, legend: bool, reach: float | None = None) -> rrb.View:
     shown = _legend() if legend else rrb.PlotLegend(visible=False)
-    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=shown)
+    axis = None if reach is None else rrb.ScalarAxis(range=(-reach, reach))
+    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=shown, axis_y=axis)
 
 
 def _legend() -> rrb.PlotLegend:

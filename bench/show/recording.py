@@ -21,7 +21,7 @@ from bench.model.geometry import Geometry, read_geometry
 from bench.recording import Recording
 from bench.show.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
 from bench.show.body_motion import BodyMotion, body_motion, tool_path
-from bench.show.numbers import USES, Truth, current_unit, error_deviation, percent
+from bench.show.numbers import USES, Truth, current_unit, error_deviation, judged_error, percent
 from bench.show.scene import TOP, error_share, send_payload, send_robot
 from bench.show.shown import Motor, Shown
 from bench.show.story import Known, Story
@@ -107,7 +107,9 @@ def write_side_by_side(path: str | Path, told: Sequence[Told]) -> None:
     for run in runs:
         for one, scene in zip(run.shown, _scenes(run, largest, run.told.title), strict=True):
             by_name.setdefault(PurePath(one.series.name).stem, []).append(scene)
-    views = side_by_side(list(by_name.items()), runs[0].motors)
+    errors = [np.concatenate([judged_error(one.series) for one in run.shown]) for run in runs]
+    reach = 1.05 * np.nanmax(np.abs(np.concatenate(errors)), axis=0, initial=1e-12)
+    views = side_by_side(list(by_name.items()), runs[0].motors, reach)
     with _stream(path, f"{len(runs)} identifications", runs, views) as stream:
         for run in runs:
             summary, parameters = _texts_of(run)
@@ -181,6 +183,7 @@ def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -
                 deviation=deviation,
                 payload=dataset.payloads[recording.payload] if recording.payload else None,
                 steps=steps_of(series.name, steps),
+                label=story.label,
                 torques=story.torques.get(series.name),
                 known=known,
                 reference_path=_reference_path(model, geometry, motion, known),

@@ -32,8 +32,8 @@ class Motor:
 class Shown:
     """One recording. root: the entity below which all lies; deviation (n,): of the fitted errors, drive unit.
 
-    steps: words and currents of the models before the one that is shown. reference_path (F, 3) m: where the
-    controller wanted the tool, in the same frames as the motion.
+    steps: words and currents of the models before the one that is shown, whose own word is label.
+    reference_path (F, 3) m: where the controller wanted the tool, in the same frames as the motion.
     """
 
     root: str
@@ -43,6 +43,7 @@ class Shown:
     deviation: np.ndarray
     payload: Payload | None
     steps: tuple[tuple[str, CurrentSeries], ...] = ()
+    label: str = ""
     torques: EffectTorques | None = None
     known: Known | None = None
     reference_path: np.ndarray | None = None

@@ -24,6 +24,16 @@ class Known:
     torque: np.ndarray | None = None
     loop_gap: np.ndarray | None = None
 
+    def within(self, first: float, last: float) -> "Known":
+        """The samples from one time to another, s."""
+        inside = (self.time >= first) & (self.time <= last)
+        if inside.all():
+            return self
+        values = [
+            None if one is None else one[inside] for one in (self.reference, self.torque, self.loop_gap)
+        ]
+        return Known(self.time[inside], *values)
+
 
 @dataclass(frozen=True, eq=False)
 class Step:
@@ -38,7 +48,8 @@ class Story:
     """Everything that is shown beside an identification.
 
     steps: the models before it, the first one first. torques: of the model's effects, and known, by recording
-    name. truth: true values to compare with. text: Markdown that stands above the summary.
+    name. truth: true values to compare with. text: Markdown that stands above the summary. label: of the errors
+    of the model that is shown, where there are steps.
     """
 
     steps: tuple[Step, ...] = ()
@@ -46,3 +57,4 @@ class Story:
     known: Mapping[str, Known] = field(default_factory=dict)
     truth: Truth | None = None
     text: str = ""
+    label: str = "the model shown"

@@ -64,14 +64,12 @@ def send_steps(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) 
     """The errors of the models before the one that is shown and, above all of them, of that one."""
     if not one.steps:
         return
-    last = ("error", one.series)
-    for number, (label, series) in enumerate((*one.steps, last)):
+    for number, (label, series) in enumerate((*one.steps, (one.label, one.series))):
         column, errors = one.column(series.time), judged_error(series)
         colour = ON_DARK.error if series is one.series else LADDER_ON_DARK[number % len(LADDER_ON_DARK)]
-        name = "the model shown" if series is one.series else label
         for j, motor in enumerate(motors):
             entity = f"{one.root}/steps/{motor.entity}/{number}"
-            send_line(stream, entity, column, errors[:, j], Line(name, colour, 1.4))
+            send_line(stream, entity, column, errors[:, j], Line(label, colour, 1.4))
 
 
 def send_torques(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -> None:

@@ -1,0 +1,83 @@
+"""What a simulation knows of the dataset that it wrote: true values, and what its hidden effects did."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.errors import BenchError
+from bench.model.model import build_model
+from bench.show.numbers import effect_key
+from bench.show.story import Known
+from bench.sweep.true_parameters import true_values
+from bench.trial.true_effects import true_values as true_effect_values
+from bench.truth.dataset import truth_path
+from bench.truth.hidden_torque import hidden_torque, plain_machine
+from bench.truth.repeat import repeated
+from bench.truth.report import truth
+from bench.truth.simulate import Simulation
+
+WHOLE_ROBOT = "robot"
+
+
+def truth_beside(dataset: Dataset) -> dict[str, Any] | None:
+    """The content of the truth file beside a dataset's folder; None where there is none, as of a real robot."""
+    path = truth_path(dataset.folder)
+    if not path.is_file():
+        return None
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: cannot be read ({error})") from None
+    if not isinstance(content, dict):
+        raise BenchError(f"{path}: not a truth file")
+    return content
+
+
+def simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation | None:
+    """The simulation that wrote a dataset; None where the dataset was changed since."""
+    origin = str(truth_path(dataset.folder))
+    simulation = repeated(content, origin)
+    made = {
+        f"{one.name}.{simulation.scenario.settings.file_format}": one.log for one in simulation.recordings
+    }
+    for logged in dataset.recordings:
+        log = made.get(logged.name)
+        if log is None or log.current.shape != logged.current.shape:
+            return None
+        if not (
+            np.array_equal(log.position, logged.position) and np.array_equal(log.current, logged.current)
+        ):
+            return None
+    return simulation
+
+
+def known_of(simulation: Simulation) -> dict[str, Known]:
+    """References, hidden torques and the openings of loops, by recording of the dataset."""
+    plain = plain_machine(simulation)
+    suffix = simulation.scenario.settings.file_format
+    found = {}
+    for one in simulation.recordings:
+        told = hidden_torque(simulation, one, plain)
+        torque = told.torque if simulation.machine.hidden else None
+        found[f"{one.name}.{suffix}"] = Known(told.time, told.reference, torque, told.loop_gap)
+    return found
+
+
+def truth_values(dataset: Dataset, content: Mapping[str, Any]) -> dict[str, float]:
+    """True gains, base parameters and parameters of hidden effects, named as in an identification."""
+    model = build_model(dataset.robot)
+    values = true_values(model, content)
+    slides = {joint.name for joint in model.geometry.joints if joint.kind == "slide"}
+    for hidden in content["hidden"]:
+        joint = hidden.get("joint") or WHOLE_ROBOT
+        found = true_effect_values(hidden["effect"], hidden, slide=joint in slides)
+        values |= {effect_key(hidden["effect"], joint, name): value for name, value in found.items()}
+    return values
+
+
+def truth_of(simulation: Simulation) -> dict[str, Any]:
+    """What the truth file of a simulation would hold."""
+    return truth(simulation)

@@ -1,0 +1,61 @@
+"""`bench view`: a dataset, a model or results in the Rerun viewer."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.cli.options import effect_file_option, filter_options, given_filters, with_option
+
+
+@click.command("view")
+@click.argument("source", type=click.Path(path_type=Path))
+@with_option
+@effect_file_option
+@click.option(
+    "--data",
+    type=click.Path(path_type=Path),
+    metavar="DATASET",
+    help="The recordings beside which a model file is shown. [default: those that it is from]",
+)
+@click.option("--run", "runs", type=int, multiple=True, metavar="N", help="Run of a sweep. Repeat for each.")
+@click.option("--no-truth", is_flag=True, help="Leave out what a simulation knows of its hidden effects.")
+@filter_options
+@click.option(
+    "--save", type=click.Path(path_type=Path), metavar="FILE.rrd", help="Only write the recording, here."
+)
+def view(
+    source: Path,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    data: Path | None,
+    runs: tuple[int, ...],
+    no_truth: bool,
+    save: Path | None,
+    **filters: Any,
+) -> None:
+    """Show the moving robot, currents and errors in the Rerun viewer.
+
+    SOURCE is a dataset, which is identified (with the effects named, one after the other); a model file of
+    `bench identify --json`; a folder that `bench identify`, `compare` or `diagnose` wrote with -o; or the folder of
+    a sweep, of which a good, a middling and a bad run are simulated again and shown side by side.
+
+    The recording goes to SOURCE.rrd, beside SOURCE, and opens; with --save it is only written.
+    """
+    from bench.cli.told import Asked, told_of
+    from bench.show.recording import write_rrd, write_side_by_side
+
+    given = given_filters(**filters)
+    asked = Asked(effects, effect_files, given, data, runs, not no_truth)
+    told = told_of(source, asked)
+    resolved = source.resolve()
+    path = resolved.with_name(f"{resolved.name.removesuffix('.json')}.rrd") if save is None else save
+    if len(told) == 1:
+        write_rrd(path, told[0].result, told[0].dataset, story=told[0].story)
+    else:
+        write_side_by_side(path, told)
+    click.echo(f"Recording: {path}")
+    if save is None:
+        from bench.cli.open_viewer import open_viewer
+
+        click.echo(open_viewer(path))
