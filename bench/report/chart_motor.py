@@ -172,7 +172,10 @@ def _reversals(series: Sequence[MotorSeries], current: str) -> Chart:
 
 
 def _recordings(series: Sequence[MotorSeries]) -> Chart:
-    names = [f"{_cut(one.recording)}, {_cut(one.payload) if one.payload else 'no payload'}" for one in series]
+    stems = [one.recording.removesuffix(".csv").removesuffix(".parquet") for one in series]
+    names = [
+        f"{stem}, {one.payload}" if one.payload else stem for stem, one in zip(stems, series, strict=True)
+    ]
     errors = np.array([relative_error_of([one]) or 0.0 for one in series])
     noise = np.array([relative_noise([one]) for one in series])
     title = "By recording and payload"

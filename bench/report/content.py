@@ -24,7 +24,7 @@ from bench.report.verdict import (
     identification_tiles,
     identification_verdict,
 )
-from bench.report.words import plural
+from bench.report.words import plural, typeset
 from bench.sweep.versions import versions
 
 AS_IT_IS, COMPLETED = "of the model as it is", "with what is missing"
@@ -51,7 +51,7 @@ def diagnosis_page(diagnosis: Diagnosis, dataset: Dataset, again: Sequence[str])
     old = before if diagnosis.missing else None
     return Page(
         title=f"What the model of {diagnosis.robot} is missing",
-        facts=_facts(dataset, f"estimator {after.method}", f"judged on {diagnosis.split}"),
+        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {diagnosis.split}")),
         verdict=diagnosis_verdict(diagnosis),
         tiles=diagnosis_tiles(diagnosis),
         sections=(

@@ -73,7 +73,7 @@ def ranking_section(diagnosis: Diagnosis) -> Section:
     lead = (
         f"Every effect of the catalogue, and every set of a few, was fitted and judged on {diagnosis.split}."
     )
-    return Section("ranking", "Which effects are missing", lead, tuple(parts), "Missing effects")
+    return Section("ranking", "Which effects are missing", typeset(lead), tuple(parts), "Missing effects")
 
 
 def not_ranked_section() -> Section:
@@ -93,30 +93,38 @@ _COLUMNS = (
     Column("error without", "right"),
     Column("error with", "right"),
     Column("evidence", "right"),
-    Column("RMS size", "keep"),
+    Column("RMS size, largest"),
     Column("of squared error", "right"),
     Column("alternatives"),
 )
 
 
 def _row(diagnosis: Diagnosis, one: EffectVerdict) -> Row:
-    sizes = [
-        f"{short(size, 3)} {effort_unit(diagnosis.after, joint)}"
-        + (f" at {joint}" if len(one.size) > 1 else "")
-        for joint, size in one.size.items()
-    ]
+    size = ""
+    if one.size:
+        joint = max(one.size, key=lambda name: one.size[name])
+        size = f"{short(one.size[joint], 3)} {effort_unit(diagnosis.after, joint)}"
+        size += f" at {joint}" if len(one.size) > 1 else ""
     return row(
         effect_name(one.effect),
         Cell(one.verdict, f"badge {one.verdict}"),
-        said_list(one.actuators),
+        _places(diagnosis, one),
         share(one.error_before),
         share(one.error_after),
         short(one.evidence),
-        said_list(sizes),
+        size or "–",
         _most(error_share(one)),
         said_list([effect_name(name) for name in one.alternatives]),
         kind="strong" if one.effect in diagnosis.missing else "",
     )
+
+
+def _places(diagnosis: Diagnosis, one: EffectVerdict) -> str:
+    """Where an effect shows, in few words: the sentence beside has them all."""
+    motors = list(diagnosis.after.drive_gains)
+    if list(one.actuators) == motors and len(motors) > 1:
+        return "all motors"
+    return f"{len(one.actuators)} joints" if len(one.actuators) > 3 else said_list(one.actuators)
 
 
 def _most(part: float | None) -> str:

@@ -10,7 +10,7 @@ from bench.report.chart_motor import currents_spec
 from bench.report.parts import Chart, Choice, Column, Figure, Row, Section, Table, Variant, one_figure, row
 from bench.report.shown import Shown
 from bench.report.thin import significant
-from bench.report.words import effect_name, plural, share
+from bench.report.words import effect_name, plural, share, typeset
 from bench.show.numbers import USES
 
 MOST_NUMBERS = 250_000  # of all curves of the currents together: about 1.5 MB
@@ -70,7 +70,7 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
     return Section(
         "ladder",
         "The ladder",
-        lead,
+        typeset(lead),
         (
             one_figure("Error after each added effect", aid, spec),
             Table("The same in numbers", ERROR_AID, columns, tuple(rows)),

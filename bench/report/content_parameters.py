@@ -8,7 +8,7 @@ from bench.estimate.result import CurrentSeries, Identification
 from bench.report.content_effects import effects_table
 from bench.report.parts import Cell, Column, Items, Part, Section, Table, one_figure, row
 from bench.report.thin import significant
-from bench.report.words import relative_std, share, short, typeset, with_std
+from bench.report.words import plural, relative_std, share, short, typeset, with_std
 from bench.show.numbers import (
     POOR,
     current_unit,
@@ -39,19 +39,20 @@ def parameters_section(after: Identification, before: Identification | None) -> 
         cells: list[str | Cell] = [one.name, with_std(one), pretty_unit(one.unit), relative_std(one)]
         if before is not None:
             cells.append(with_std(old[one.name]) if one.name in old else "–")
-        rows.append(row(*cells, typeset(terms) or "alone", kind="weak" if is_poor(one) else ""))
+        rows.append(row(*cells, terms.replace("- ", "− ") or "alone", kind="weak" if is_poor(one) else ""))
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
         f"where the deviation is above {POOR:.0%} of the value: then it says little."
     ).replace("%", " %")
-    parts: list[Part] = [_deviations_figure(after)] if after.parameters else []
+    parts: list[Part] = [_deviations_figure(after)] if len(after.parameters) > 1 else []
     parts.append(Table("Base and payload parameters", aid, tuple(columns), tuple(rows)))
     if after.effect_parameters:
         parts.append(effects_table(after))
     if after.left_out:
         parts.append(Items("Left out, as the data do not need them", "", after.left_out))
     scale = "" if after.gains_fitted else " They scale with the nominal gains."
-    lead = f"{len(after.parameters)} parameters describe all that the rigid bodies do in these recordings.{scale}"
+    count = plural(len(after.parameters), "parameter")
+    lead = f"All that the rigid bodies do in these recordings, in {count}.{scale}"
     return Section("parameters", "Dynamic parameters", lead, tuple(parts), "Parameters")
 
 
@@ -127,16 +128,10 @@ def _motion_table(result: Identification) -> Table:
     fitted = _fitted(result)
     columns = (
         Column("motor"),
-        Column("position from", "right"),
-        Column("to", "right"),
-        Column("", "keep"),
-        Column("speed, RMS", "right"),
-        Column("largest", "right"),
-        Column("", "keep"),
+        Column("position", "right"),
+        Column("speed, RMS and largest", "right"),
         Column("acceleration, RMS", "right"),
-        Column("", "keep"),
         Column("current, RMS", "right"),
-        Column("", "keep"),
         Column("reversals", "right"),
         Column("moves", "right"),
     )
@@ -150,16 +145,10 @@ def _motion_table(result: Identification) -> Table:
         rows.append(
             row(
                 joint,
-                short(position.min(), 3),
-                short(position.max(), 3),
-                unit,
-                short(_rms(velocity), 3),
-                short(np.abs(velocity).max(), 3),
-                f"{unit}/s",
-                short(_rms(acceleration), 3),
-                f"{unit}/s²",
-                short(_rms(measured), 3),
-                current_unit(gain.unit),
+                f"{_at(position.min(), position)} to {_at(position.max(), position)} {unit}",
+                f"{short(_rms(velocity), 3)} and {short(np.abs(velocity).max(), 3)} {unit}/s",
+                f"{short(_rms(acceleration), 3)} {unit}/s²",
+                f"{short(_rms(measured), 3)} {current_unit(gain.unit)}",
                 str(sum(_reversals(one, j) for one in fitted)),
                 share(float(moving.mean())),
             )
@@ -168,6 +157,12 @@ def _motion_table(result: Identification) -> Table:
         "Over the fitted recordings, after the filters of the fit. moves: share of the rows in which it does."
     )
     return Table("What the motors did", aid, columns, tuple(rows))
+
+
+def _at(value: float, values: np.ndarray) -> str:
+    """A position to a thousandth of the range."""
+    extent = float(np.ptp(values)) or 1.0
+    return typeset(f"{value:.{max(0, 3 - int(np.ceil(np.log10(extent))))}f}")
 
 
 def _rms(values: np.ndarray) -> float:

@@ -73,7 +73,8 @@ def limits_section(
     validated = any(one.use == "validate" for one in dataset.recordings)
     if not validated and diagnosis is not None:
         found.append(
-            f"No recording is kept for validation: judged on {diagnosis.split}. Another movement is a harder judge."
+            typeset(f"No recording is kept for validation: judged on {diagnosis.split}.")
+            + " Another movement is a harder judge."
         )
     elif not validated:
         found.append(

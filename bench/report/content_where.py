@@ -12,25 +12,29 @@ ON_PAPER = 6  # motors that are printed
 
 
 def where_section(models: Sequence[Shown]) -> Section:
-    """Words and charts for every motor and every model, the last model's first."""
+    """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
     joints = models[-1].joints
-    options = tuple(one.name.capitalize() for one in models)
+    options = tuple(one.name.removeprefix("of the ").capitalize() for one in models)
     variants = {}
     for m, model in enumerate(models):
         by_joint = {one.joint: one for one in model.where.motors}
         for j, joint in enumerate(joints):
             motor = by_joint[joint]
             notes = tuple(
-                typeset(f"{one[:1].upper()}{one[1:]}.")
+                typeset(f"{'Motor' + one[5:] if one.startswith('motor ') else one}.")
                 for one in (level_sentence(motor), *finding_sentences(motor))
             )
             charts = error_charts(model.what.of(joint), model.what.units[joint])
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             variants[key] = Variant(charts, notes)
-    choices = [Choice("Motor", joints)]
+    loud = [m for m, model in enumerate(models) if any(one.above_noise for one in model.where.motors)]
+    first = loud[-1] if loud else len(models) - 1
+    motors = models[first].where.motors
+    worst = max(motors, key=lambda one: one.error / max(one.noise, 1e-12), default=None)
+    choices = [Choice("Motor", joints, joints.index(worst.joint) if worst is not None else 0)]
     if len(models) > 1:
-        choices.append(Choice("Model", options, len(models) - 1))
-    last = f"|{len(models) - 1}" if len(models) > 1 else ""
+        choices.append(Choice("Model", options, first))
+    paper = f"|{first}" if len(models) > 1 else ""
     figure = Figure(
         "Error of one motor, all recordings together",
         "Line and dots: means of bins with equally many rows. Shade: their standard deviation. Thin lines: the "
@@ -38,7 +42,7 @@ def where_section(models: Sequence[Shown]) -> Section:
         False,
         tuple(choices),
         variants,
-        tuple(f"{j}{last}" for j in range(len(joints)))[:ON_PAPER],
+        tuple(f"{j}{paper}" for j in range(len(joints)))[:ON_PAPER],
     )
     lead = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
     return Section("where", "Where it fails", lead, (figure,))

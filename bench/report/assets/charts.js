@@ -199,13 +199,16 @@ const Charts = (() => {
   }
 
   const DRAW = {
-    line(one, xs, ys, plot) {
+    line(one, xs, ys, plot, box) {
       const kind = `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}${one.wide ? " wide" : ""}`;
       node("path", {d: path(one.x, one.y, one.y.length, xs, ys), class: kind}, plot);
       if (one.marker) one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot, 4));
       (one.texts || []).forEach((text, i) => {
-        const place = {x: (xs.at(valueAt(one.x, i)) + 9).toFixed(1), y: (ys.at(one.y[i]) - 8).toFixed(1), class: "label"};
-        if (text && known(one.y[i])) node("text", place, plot, text);
+        if (!text || !known(one.y[i])) return;
+        const at = xs.at(valueAt(one.x, i));
+        const back = at + 9 + text.length * CHARACTER > box.right;
+        const place = {x: (back ? at + 6 : at + 9).toFixed(1), y: (ys.at(one.y[i]) - (back ? 10 : 8)).toFixed(1)};
+        node("text", {...place, class: "label", "text-anchor": back ? "end" : "start"}, plot, text);
       });
     },
     envelope(one, xs, ys, plot) {
@@ -294,18 +297,34 @@ const Charts = (() => {
     return text.length > most ? `${text.slice(0, most - 1)}…` : text;
   }
 
-  /* Ticks that leave each other room along x; of a band all that fit. */
+  /* A text in lines of so many px, each at least a word. */
+  function wrapped(text, room) {
+    const lines = [];
+    for (const word of text.split(" ")) {
+      const last = lines.length - 1;
+      if (last >= 0 && (lines[last].length + 1 + word.length) * CHARACTER <= room) lines[last] += ` ${word}`;
+      else lines.push(word);
+    }
+    return lines.map((line) => shortened(line, room));
+  }
+
+  /* Ticks that leave each other room along x; of a band all, in several lines where they are long. */
   function xTicks(scale, left, right, top, bottom, svg) {
     let last = -Infinity;
     for (const tick of scale.ticks) {
       const at = scale.at(tick);
-      const text = scale.band ? shortened(scale.text(tick), scale.width - 6) : scale.text(tick);
+      const whole = scale.text(tick);
+      if (scale.band) {
+        const mark = node("text", {y: bottom + 15, class: "tick", "text-anchor": "middle"}, svg);
+        wrapped(whole, scale.width - 8).forEach((text, i) => node("tspan", {x: at.toFixed(1), dy: i ? 14 : 0}, mark, text));
+        continue;
+      }
+      const text = whole;
       const half = (text.length * CHARACTER) / 2;
-      if (!scale.band) node("path", {d: `M${at.toFixed(1)} ${top}V${bottom}`, class: "grid"}, svg);
+      node("path", {d: `M${at.toFixed(1)} ${top}V${bottom}`, class: "grid"}, svg);
       if (at - half < last + 6) continue;
       last = at + half;
-      const mark = node("text", {x: Math.min(at, right - half + 10).toFixed(1), y: bottom + 15, class: "tick", "text-anchor": "middle"}, svg, text);
-      if (scale.band && text !== scale.text(tick)) node("title", {}, mark, scale.text(tick));
+      node("text", {x: Math.min(at, right - half + 10).toFixed(1), y: bottom + 15, class: "tick", "text-anchor": "middle"}, svg, text);
     }
   }
 
@@ -331,7 +350,9 @@ const Charts = (() => {
     const weights = figure.panels.map((panel) => panel.weight || 1);
     const sum = weights.reduce((a, b) => a + b, 0);
     const head = 20;
-    const foot = figure.x.label ? 38 : 22;
+    const bands = figure.x.scale === "band" ? figure.x.categories : [];
+    const lines = Math.max(1, ...bands.map((text) => wrapped(text, (width - 60) / bands.length - 8).length));
+    const foot = (figure.x.label ? 38 : 22) + 14 * (lines - 1);
     const room = total - foot - head * count;
     const all = figure.panels.flatMap((panel) => panel.series);
     let top = 0;
@@ -343,12 +364,12 @@ const Charts = (() => {
     const scales = figure.panels.map((panel, i) => {
       const {top: high, bottom: low} = boxes[i];
       const down = panel.y.scale === "band" ? [high, low] : [low, high];
-      return scaleOf(panel.y, panel.series, "y", down[0], down[1], Math.max(2, Math.floor((low - high) / 36)));
+      return scaleOf(panel.y, panel.series, "y", down[0], down[1], Math.max(3, Math.floor((low - high) / 32)));
     });
     const wide = scales.map((scale) => Math.max(...scale.ticks.map((t) => scale.text(t).length), 1) * CHARACTER + 12);
     const left = Math.min(Math.max(...wide, 34), 0.42 * width);
     const right = width - 12;
-    const xs = scaleOf(figure.x, all, "x", left, right, Math.max(2, Math.floor((right - left) / 64)));
+    const xs = scaleOf(figure.x, all, "x", left, right, Math.max(3, Math.floor((right - left) / 64)));
     const bottom = boxes[count - 1].bottom;
     figure.panels.forEach((panel, i) => {
       const box = {...boxes[i], left, right};

@@ -82,8 +82,8 @@
         const copy = element("div", "printed", part);
         state.printed.push(copy);
         copy.style.display = "block"; // so that it has a width to be drawn at
-        const name = key.split("|").map((value, i) => figure.choices[i].options[Number(value)]).join(", ");
-        if (figure.choices.length) element("h4", "", copy, name);
+        const name = figure.choices.map((choice, i) => choice.options[Number(key.split("|")[i])]).join(", ");
+        if (name) element("h4", "", copy, name);
         fill(element("div", "", copy), figure, figure.variants[key], figure.wide ? PRINTED.wide : PRINTED.grid);
         copy.style.display = "";
       }
