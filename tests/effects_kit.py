@@ -33,6 +33,7 @@ def joint_signals(
         acceleration -= size * rate**2 * np.sin(rate * time + phase)
     current = 0.8 * np.sin(5.0 * time + 0.4) + 0.3 * np.cos(11.0 * time)
     rate = (samples - 1) / (time[-1] - time[0])
+    needed = 2.5 * current
     return JointSignals(
         time=time,
         position=position,
@@ -44,6 +45,7 @@ def joint_signals(
         rate=rate,
         band=band,
         rotates=rotates,
+        needs=lambda: needed,
     )
 
 

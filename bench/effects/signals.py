@@ -24,6 +24,7 @@ class JointSignals:
     filtered; current in drive units, as logged; gain: the drive gain, N*m or N per drive unit, as the present
     model has it (nominal at first). `speed` is the joint's RMS speed over all fitted recordings, `rate` the
     sampling rate in Hz, `band` the highest frequency in Hz that the fit sees; rotates: a hinge, not a slide.
+    `needs` computes `needed_torque`.
     """
 
     time: np.ndarray
@@ -36,14 +37,24 @@ class JointSignals:
     rate: float
     band: float
     rotates: bool
+    needs: Callable[[], np.ndarray]
+
+    @cached_property
+    def needed_torque(self) -> np.ndarray:
+        """What the present model and its effects ask of the motor (N,), N*m or N: free of the current's noise.
+
+        Without the effects that stand between current and torque, and without what lies above the fit's band.
+        """
+        return self._smooth(self.needs())
 
     @cached_property
     def motor_torque(self) -> np.ndarray:
         """Gain times current (N,), N*m or N, without the noise above the fit's band."""
+        return self._smooth(self.gain * self.current)
+
+    def _smooth(self, values: np.ndarray) -> np.ndarray:
         cutoff = WIDER * self.band
-        if cutoff >= 0.45 * self.rate:
-            return self.gain * self.current
-        return self.gain * low_pass(self.current, self.rate, cutoff)
+        return values if cutoff >= 0.45 * self.rate else low_pass(values, self.rate, cutoff)
 
 
 class TorqueModel(Protocol):

@@ -43,7 +43,14 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
             values[layout.payloads[name]] = solution.theta[layout.payload_slice(name)]
         payloads[name] = values
     base = solution.theta[: layout.base]
-    return replace(prepared.present, gains=solution.gains, base=base, payloads=payloads)
+    effects, at = [], layout.size - layout.effects
+    for one in prepared.effects:
+        count = len(one.effect.parameters)
+        effects.append((one, solution.theta[at : at + count]))
+        at += count
+    return replace(
+        prepared.present, gains=solution.gains, base=base, payloads=payloads, effects=tuple(effects)
+    )
 
 
 def linearised(instances: Sequence[EffectInstance], solution: Solution) -> tuple[EffectInstance, ...]:
