@@ -8,6 +8,7 @@ import numpy as np
 from bench.effects import JointSignals, RobotSignals
 from bench.estimate.effect_columns import PresentModel, robot_signals
 from bench.estimate.measured import Measured
+from bench.estimate.standstill import no_gaps
 from bench.model.geometry import Geometry
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
@@ -73,6 +74,7 @@ def moving_robot(
         acceleration=active[2],
         current=current,
         tree=motion_of(model.geometry, time, *active),
+        gaps=no_gaps(n),
     )
     payloads = {} if payload is None else {payload: PAYLOAD}
     present = PresentModel(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.effects import CATALOGUE, ActuatorEffect, JointSamples, JointSignals
-from tests.effects_kit import RATE, joint_signals, still
+from tests.effects_kit import joint_signals, still
 
 Law = Callable[[JointSignals], list[np.ndarray]]
 

@@ -98,7 +98,8 @@ class RobotSignals:
     joints: the actuated ones by name, in actuator order. tree: the motion of all joints of the opened tree.
     payload: the name of what it carries, None without; payload_mass kg, as declared, zero where unknown;
     `carried` computes `payload_torque`. torque: the rigid-body torque of the present model. An effect that
-    depends on it is linearised about the present model, and the fit repeats until it is settled.
+    depends on it is linearised about the present model, and the fit repeats until it is settled. gaps: stretches
+    of samples in which each joint stands still.
     """
 
     joints: Mapping[str, JointSignals]
@@ -108,6 +109,7 @@ class RobotSignals:
     payload_mass: float
     carried: Callable[[], np.ndarray]
     torque: TorqueModel
+    gaps: tuple[np.ndarray, ...]
 
     @cached_property
     def payload_torque(self) -> np.ndarray:

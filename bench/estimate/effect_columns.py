@@ -103,7 +103,9 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         return total
 
     mass = 0.0 if payload is None else float(present.declared[payload][0])
-    signals = RobotSignals(joints, model.geometry, measured.tree, payload, mass, carried, torque)
+    signals = RobotSignals(
+        joints, model.geometry, measured.tree, payload, mass, carried, torque, measured.gaps
+    )
     return signals
 
 

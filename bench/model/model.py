@@ -62,7 +62,7 @@ def _files(robot: Robot) -> tuple[tuple[str, int, int], ...]:
 
 
 @lru_cache(maxsize=KEPT)
-def _built(robot: Robot, files: tuple[tuple[str, int, int], ...]) -> IdentificationModel:
+def _built(robot: Robot, _files: tuple[tuple[str, int, int], ...]) -> IdentificationModel:
     geometry = read_geometry(robot)
     check_assembled(geometry)
     check_mobility(geometry)
