@@ -8,7 +8,15 @@ from tests.import_graph import chain, imports_in, modules_of, read_graph, within
 
 TRUTH = ("bench.scenario", "bench.truth")
 MODEL = ("bench.compare", "bench.diagnose", "bench.effects", "bench.estimate", "bench.model", "bench.signals")
-ABOVE = ("bench.cli", "bench.demo", "bench.excite", "bench.robot_check", "bench.show", "bench.sweep")
+ABOVE = (
+    "bench.cli",
+    "bench.demo",
+    "bench.excite",
+    "bench.report",
+    "bench.robot_check",
+    "bench.show",
+    "bench.sweep",
+)
 
 # The one place of the model that reads the MJCF, and all that it may call there: names, no dynamics.
 GEOMETRY = "bench.model.geometry"

@@ -15,7 +15,8 @@ from bench.robot import load_robot
 from bench.show import body_motion
 from bench.show import recording as writer
 from bench.show.numbers import error_deviation
-from bench.show.recording import PAYLOAD_DENSITY, entity_roots, write_rrd
+from bench.show.recording import entity_roots, write_rrd
+from bench.show.scene import PAYLOAD_DENSITY
 from tests.shown import DISC, dataset_of, identification_of
 
 SECONDS = 1e-9
@@ -146,8 +147,9 @@ def test_a_payload_is_drawn_where_it_is_carried_with_its_mass(written):
     tool = np.empty(9)
     mujoco.mju_quat2Mat(tool, site.quat)
     np.testing.assert_allclose(turned, rotations @ tool.reshape(3, 3), atol=2e-6)
-    (strip,) = static_value(path, "/loaded/robot/tool_path", "LineStrips3D:strips")
-    np.testing.assert_allclose(strip, held, atol=1e-6)
+    pieces = np.array(static_value(path, "/loaded/robot/tool_path", "LineStrips3D:strips"))
+    np.testing.assert_allclose(pieces[:, 0], held[:-1], atol=1e-6)
+    np.testing.assert_allclose(pieces[:, 1], held[1:], atol=1e-6)
 
 
 def test_text_tells_gains_parameters_effects_errors_and_notes(written):
@@ -190,7 +192,7 @@ def test_the_saved_views_show_every_recording(written):
                 origins.update(values)
     assert {"unloaded (fitted)", "loaded (fitted)", "check (not fitted)"} <= names
     for root in ("/unloaded", "/loaded", "/check"):
-        wanted = {f"{root}/robot", f"{root}/position"}
+        wanted = {f"{root}/robot", f"{root}/phases", f"{root}/loop_gap"}
         wanted |= {
             f"{root}/{kind}/{joint}" for kind in ("current", "error") for joint in dataset.robot.joints
         }
@@ -280,7 +282,7 @@ def test_an_interrupted_command_leaves_the_older_file(small, tmp_path, monkeypat
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(writer, "_send_robot", interrupted)
+    monkeypatch.setattr(writer, "send_robot", interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_rrd(path, *small)
     assert path.read_bytes() == b"older"

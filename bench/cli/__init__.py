@@ -28,6 +28,9 @@ COMMANDS = {
     "diagnose": LazyCommand(
         "bench.cli.diagnose:diagnose", "Find the physical effects that a model lacks, and how sure it is."
     ),
+    "report": LazyCommand(
+        "bench.cli.report:report", "Write one page, in one file, that shows what a run found."
+    ),
     "simulate": LazyCommand(
         "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset."
     ),

@@ -33,7 +33,7 @@ from bench.cli.options import (
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder for figures: the currents, and a page of errors for every motor.",
+    help="Folder for report and figures: the currents, and a page of errors for every motor.",
 )
 def compare(
     dataset: Path,
@@ -67,6 +67,7 @@ def compare(
         raise click.UsageError("--model brings its own effects and filters; leave the others out")
     data = load_dataset(dataset)
     catalogue = catalogue_for(data.effect_files, effect_files)
+    result = None
     if model_file is not None:
         saved = load_model(model_file)
         comparison, settings = apply_model(data, saved, catalogue), saved.settings
@@ -88,3 +89,15 @@ def compare(
 
         for path in write_comparison_figures(output, what):
             click.echo(f"Figure: {path}")
+
+        from bench.report.content_run import Run
+        from bench.report.folder import read_identification
+        from bench.report.write import write_identification_report
+
+        options = {"model": str(model_file), **given} if model_file is not None else given
+        run = Run("compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
+        if result is None and model_file is not None:
+            result = read_identification(model_file, data, catalogue)
+        if result is not None:
+            name = str(model_file) if model_file is not None else ""
+            click.echo(f"Report: {write_identification_report(output, result, data, run, name)}")

@@ -21,9 +21,12 @@ def demo(output: Path, scenario: str) -> None:
     from rich.console import Console
 
     from bench.dataset import load_dataset
+    from bench.diagnose.find import find_missing_effects
     from bench.estimate.identify import fit, prepare
     from bench.estimate.model_file import save_model
     from bench.excite.scenario import designer
+    from bench.report.content_run import Run
+    from bench.report.write import write_diagnosis_report
     from bench.scenario import load_scenario, resolve_trajectories
     from bench.show.figures import write_current_figure
     from bench.show.recording import write_rrd
@@ -48,9 +51,12 @@ def demo(output: Path, scenario: str) -> None:
     result = fit(prepared)
     true = true_values(prepared.model, truth(simulation))
     identification_report(result, console, truth=true)
-    save_model(result, output / "model.json")
+    save_model(result, output / "model.json", dataset.folder)
     write_current_figure(output / "currents.png", result)
     write_rrd(output / "demo.rrd", result, dataset, truth=true)
+    console.print("Looking for physical effects that the model lacks ...")
+    run = Run("diagnose", str(output / "dataset"), output=str(output))
+    report = write_diagnosis_report(output, find_missing_effects(dataset), dataset, run)
     click.echo(f"Measurements: {output / 'dataset'}, the truth: {output / 'dataset.truth.json'}")
     click.echo(f"Model:        {output / 'model.json'}")
-    click.echo(f"Open {output / 'currents.png'}, and the robot in motion with: rerun {output / 'demo.rrd'}")
+    click.echo(f"Open {report} in a browser, and the robot in motion with: rerun {output / 'demo.rrd'}")

@@ -28,7 +28,9 @@ from bench.cli.options import (
     metavar="MODEL.json",
     help="Write the model with what is missing.",
 )
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder for figures.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder for report and figures."
+)
 @click.option("-v", "--verbose", is_flag=True, help="Print every effect and every parameter.")
 def diagnose(
     dataset: Path,
@@ -62,10 +64,16 @@ def diagnose(
         write_json_atomically(json_file, diagnosis_json(diagnosis))
         click.echo(f"Diagnosis: {json_file}")
     if model_file is not None:
-        save_model(diagnosis.after, model_file)
+        save_model(diagnosis.after, model_file, data.folder)
         click.echo(f"Model: {model_file}")
     if output is not None:
         from bench.show.diagnosis_figures import write_diagnosis_figures
 
         for path in write_diagnosis_figures(output, diagnosis, data):
             click.echo(f"Figure: {path}")
+
+        from bench.report.content_run import Run
+        from bench.report.write import write_diagnosis_report
+
+        run = Run("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given, str(output))
+        click.echo(f"Report: {write_diagnosis_report(output, diagnosis, data, run)}")

@@ -43,6 +43,7 @@ from bench.cli.options import (
 @click.option(
     "--rrd", "rrd_file", type=click.Path(path_type=Path), metavar="FILE", help="Write a Rerun recording."
 )
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the report.")
 @click.option("-v", "--verbose", is_flag=True, help="Print groupings in full.")
 def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,
@@ -54,6 +55,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     deviations: Any,
     json_file: Path | None,
     rrd_file: Path | None,
+    output: Path | None,
     verbose: bool,
     **filters: Any,
 ) -> None:
@@ -71,11 +73,12 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.show.tables import identification_report
 
     data = load_dataset(dataset)
+    given = given_filters(**filters)
     result = run(
         data,
         effects,
         method,
-        filters=given_filters(**filters),
+        filters=given,
         deviations=deviations,
         fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
         essential=essential,
@@ -83,10 +86,23 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     )
     identification_report(result, Console(), verbose=verbose)
     if json_file is not None:
-        save_model(result, json_file)
+        save_model(result, json_file, data.folder)
         click.echo(f"Model: {json_file}")
     if rrd_file is not None:
         from bench.show.recording import write_rrd
 
         write_rrd(rrd_file, result, data)
         click.echo(f"Recording: {rrd_file} (open it with: rerun {rrd_file})")
+    if output is not None:
+        from bench.report.content_run import Run
+        from bench.report.write import write_identification_report
+
+        options = {
+            "method": method,
+            "gains": gains,
+            "essential": essential,
+            "deviations": deviations,
+            **given,
+        }
+        command = Run("identify", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
+        click.echo(f"Report: {write_identification_report(output, result, data, command)}")

@@ -1,13 +1,14 @@
 """What an effect may know of a recording and of the model as it is at present."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from bench.effects.kept import KeptRows
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion
 from bench.signals.filtering import low_pass
@@ -99,7 +100,8 @@ class RobotSignals:
     payload: the name of what it carries, None without; payload_mass kg, as declared, zero where unknown;
     `carried` computes `payload_torque`. torque: the rigid-body torque of the present model. An effect that
     depends on it is linearised about the present model, and the fit repeats until it is settled. gaps: stretches
-    of samples in which each joint stands still.
+    of samples in which each joint stands still. lasting: rows of effects that do not depend on the present model,
+    kept as long as the recording; passing: those that do.
     """
 
     joints: Mapping[str, JointSignals]
@@ -110,6 +112,8 @@ class RobotSignals:
     carried: Callable[[], np.ndarray]
     torque: TorqueModel
     gaps: tuple[np.ndarray, ...]
+    lasting: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+    passing: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
     @cached_property
     def payload_torque(self) -> np.ndarray:

@@ -83,7 +83,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         else:
             logged = (measured.position, measured.velocity, measured.acceleration)
             active = [x[step] if y is None else y for x, y in zip(logged, given, strict=True)]
-            tree = motion_of(changed, measured.time[step], *active)
+            tree = motion_of(changed, measured.time[step], *active, near=_every(measured.tree, step))
         rows = projected_regressor(changed, tree, model.base.columns) @ present.base
         if payload is not None:
             rows = rows + _carried(model, changed, tree, present.payloads[payload])
@@ -104,7 +104,15 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
 
     mass = 0.0 if payload is None else float(present.declared[payload][0])
     signals = RobotSignals(
-        joints, model.geometry, measured.tree, payload, mass, carried, torque, measured.gaps
+        joints,
+        model.geometry,
+        measured.tree,
+        payload,
+        mass,
+        carried,
+        torque,
+        measured.gaps,
+        lasting=measured.kept,
     )
     return signals
 

@@ -1,9 +1,10 @@
 """A recording before decimation: filtered, differentiated, loops closed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from bench.effects.kept import KeptRows
 from bench.errors import BenchError
 from bench.estimate.standstill import Gaps, no_gaps, standstills
 from bench.model.model import IdentificationModel
@@ -18,7 +19,8 @@ class Measured:
     """One recording at its own rate, N samples of n motors, border samples dropped.
 
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
-    unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still.
+    unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. kept: rows
+    of effects that need no model.
     """
 
     recording: Recording
@@ -30,6 +32,7 @@ class Measured:
     current: np.ndarray
     tree: Motion
     gaps: Gaps
+    kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
 
 def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:

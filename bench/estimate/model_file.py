@@ -37,6 +37,8 @@ class SavedModel:
     left_out: tuple[str, ...]
     effect_parameters: Mapping[str, Mapping[str, Mapping[str, float]]]
     settings: FilterSettings
+    dataset: Path | None = None
+    """The folder that it was identified from, where the file says so."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +93,32 @@ def to_json(result: Identification) -> dict[str, Any]:
     return dict(finite(answer))
 
 
-def save_model(result: Identification, path: str | Path) -> None:
-    """Write the answer as a JSON file, whole or not at all."""
-    write_text_atomically(Path(path), json.dumps(to_json(result), indent=1) + "\n")
+def save_model(result: Identification, path: str | Path, dataset: Path | None = None) -> None:
+    """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from."""
+    answer = to_json(result)
+    if dataset is not None:
+        answer["dataset"] = str(dataset.resolve())
+    write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
+
+
+def saved_form(result: Identification, dataset: Dataset) -> SavedModel:
+    """What a model file would hold of an answer; named after the dataset that it was identified from."""
+    return SavedModel(
+        path=dataset.folder,
+        robot=result.robot,
+        effects=result.effects,
+        drive_gains={joint: gain.value for joint, gain in result.drive_gains.items()},
+        parameters={one.name: one.value for one in result.parameters},
+        left_out=result.left_out,
+        effect_parameters={
+            effect: {
+                joint: {name: quantity.value for name, quantity in values.items()}
+                for joint, values in joints.items()
+            }
+            for effect, joints in result.effect_parameters.items()
+        },
+        settings=result.settings,
+    )
 
 
 def load_model(path: str | Path) -> SavedModel:
@@ -125,6 +150,7 @@ def load_model(path: str | Path) -> SavedModel:
                 for effect, joints in content["effect_parameters"].items()
             },
             settings=FilterSettings(**settings),
+            dataset=Path(content["dataset"]) if content.get("dataset") else None,
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
@@ -144,6 +170,16 @@ def apply_model(
     Raises BenchError where model and dataset do not go together: another robot, or a payload whose
     parameters are neither declared in the dataset nor in the model.
     """
+    prepared, solution = applied(dataset, saved, catalogue)
+    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    joints = [actuator.joint for actuator in dataset.robot.actuators]
+    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints))
+
+
+def applied(
+    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
+) -> tuple[Prepared, Solution]:
+    """The equations of every recording of a dataset, and a saved model as their solution; see `apply_model`."""
     joints = [actuator.joint for actuator in dataset.robot.actuators]
     if saved.robot != dataset.robot.name or set(joints) != set(saved.drive_gains):
         raise BenchError(
@@ -159,9 +195,7 @@ def apply_model(
         domain="current",
         gains_fitted=False,
     )
-    prepared = with_effects(prepared, instances, present_model(prepared, solution))
-    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
-    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints))
+    return with_effects(prepared, instances, present_model(prepared, solution)), solution
 
 
 def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:

@@ -84,11 +84,28 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
 def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
     """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne)."""
     samples, n = len(signals.time), len(signals.joints)
-    if not effects:
-        return np.zeros((len(decimated_indices(samples, decimation)), n, 0))
-    columns = np.concatenate([effect_columns(one, signals) for one in effects], axis=2)
-    flat = bridged(columns, signals.gaps).reshape(samples, -1)
+    nothing = np.zeros((len(decimated_indices(samples, decimation)), n, 0))
+    return np.concatenate([nothing, *(_rows_of(signals, decimation, one) for one in effects)], axis=2)
+
+
+def _rows_of(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray:
+    """The rows (M, n, k) of one effect, computed only where they are not known yet."""
+    kept = signals.passing if instance.effect.depends_on_model else signals.lasting
+    key = instance.effect, instance.joint, decimation
+    try:
+        rows = kept.get(key)
+    except TypeError:  # a user's class need not be hashable
+        return _computed(signals, decimation, instance)
+    if rows is None:
+        rows = _computed(signals, decimation, instance)
+        kept.keep(key, rows)
+    return rows
+
+
+def _computed(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray:
+    columns = effect_columns(instance, signals)
+    flat = bridged(columns, signals.gaps).reshape(len(columns), -1)
     filled = np.flatnonzero(flat.any(axis=0))
-    rows = np.zeros((len(decimated_indices(samples, decimation)), flat.shape[1]))
+    rows = np.zeros((len(decimated_indices(len(columns), decimation)), flat.shape[1]))
     rows[:, filled] = decimate(flat[:, filled], decimation)
-    return rows.reshape(len(rows), n, -1)
+    return rows.reshape(len(rows), *columns.shape[1:])

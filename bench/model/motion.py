@@ -43,19 +43,31 @@ class Motion:
 
 
 def motion_of(
-    geometry: Geometry, time: np.ndarray, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
+    geometry: Geometry,
+    time: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    *,
+    near: Motion | None = None,
 ) -> Motion:
     """Close all loops along a trajectory of the active joints, each (N, n), positions as logged.
 
     The closures are followed continuously from the home pose: a few nodes one after the other, then about
     every STRIDE-th sample from their interpolation, then all samples from theirs. Loops are closed to rounding;
-    the Jacobian is taken at most CLOSED away from the closed pose, and rates have its relative error. Raises
-    BenchError that names the time of a sample which is out of reach or singular.
+    the Jacobian is taken at most CLOSED away from the closed pose, and rates have its relative error. near: the
+    motion of nearly this trajectory or geometry at the same samples, from which the closures are tried at once.
+    Raises BenchError that names the time of a sample which is out of reach or singular.
     """
     closures = closures_of(geometry)
     track = _Track(time, position - geometry.active_offset, velocity, acceleration)
     if not geometry.loops:
         return _solved(geometry, closures, track, lambda block: np.zeros((geometry.nq, len(time[block]))))
+    if near is not None:
+        try:
+            return _solved(geometry, closures, track, _beside(geometry, near, track))
+        except BenchError:
+            pass  # too far: all the way from home
     nodes = _nodes(geometry, track.position, TRAVEL, len(time))
     followed = _followed(geometry, track, nodes).T
     coarse = _solved(geometry, closures, track.at(nodes), lambda block: followed[:, block], NODE_CLOSED)
@@ -185,6 +197,19 @@ def _between(geometry: Geometry, nodes: Motion, track: _Track) -> _Guess:
         off = track.position[block] - q[geometry.active_configuration].T
         nearest = nodes.jacobian[np.searchsorted(middles, time)]
         return integrate(geometry, q, np.einsum("kvj,kj->vk", nearest, off))
+
+    return guess
+
+
+def _beside(geometry: Geometry, near: Motion, track: _Track) -> _Guess:
+    """Poses of another motion at the same samples, moved by what they are off at the active joints."""
+
+    def guess(block: slice) -> np.ndarray:
+        q = np.ascontiguousarray(near.q[block].T)
+        off = track.position[block] - q[geometry.active_configuration].T
+        if not off.any():
+            return q
+        return integrate(geometry, q, np.einsum("kvj,kj->vk", near.jacobian[block], off))
 
     return guess
 

@@ -7,8 +7,13 @@ import numpy as np
 import rerun.blueprint as rrb
 from rerun.components import Plane3D
 
+from bench.show.shown import Motor
+
 SUMMARY, PARAMETERS = "/summary", "/parameters"
+FOLLOWING, OPENING = "tool: actual path to reference path [mm]", "largest opening of a loop [µm]"
+SMALLER = (FOLLOWING, OPENING)
 MOTORS_IN_COLUMN = 3
+MOST_LANES = 5  # of the time line of states that are in view at once
 BACKGROUND = (16, 20, 27)
 GRID = (120, 140, 165, 45)
 FIT = 0.9  # distance of the eye, in diagonals of the box that the robot stays in
@@ -19,37 +24,39 @@ class Scene:
     """How one recording of the dataset appears.
 
     title names its tab; root is the entity below which all of it lies; errors are those of the motors, as
-    text; eye and target (3,) m place the camera, low (m) the ground.
+    text; path says how its colours read; eye and target (3,) m place the camera, low (m) the ground. summary,
+    parameters: entities of the texts. steps, torques, tool, loops, followed: whether there are errors of earlier
+    models, torques of effects, a tool, loops, and a reference to follow.
     """
 
     title: str
     root: str
     errors: tuple[str, ...]
+    path: str
     eye: np.ndarray
     target: np.ndarray
     low: float
-
-
-@dataclass(frozen=True)
-class Motor:
-    """A driven joint: its name, its part of an entity path, the units of its current and its position."""
-
-    name: str
-    entity: str
-    current_unit: str
-    position_unit: str
+    summary: str = SUMMARY
+    parameters: str = PARAMETERS
+    steps: bool = False
+    torques: bool = False
+    tool: bool = False
+    loops: bool = False
+    followed: bool = False
 
 
 def blueprint(scenes: Sequence[Scene], motors: Sequence[Motor]) -> rrb.Blueprint:
     """The views of all recordings, the first one in front."""
-    return rrb.Blueprint(
-        rrb.Tabs(*(_tab(scene, motors) for scene in scenes), active_tab=0),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline="time", play_state="playing", loop_mode="all"),
-        auto_views=False,
-        auto_layout=False,
-    )
+    return _framed(rrb.Tabs(*(_tab(scene, motors) for scene in scenes), active_tab=0))
+
+
+def side_by_side(groups: Sequence[tuple[str, Sequence[Scene]]], motors: Sequence[Motor]) -> rrb.Blueprint:
+    """A tab for each group, its scenes beside each other: robot above, errors below, then the text."""
+    tabs = [
+        rrb.Horizontal(*(_beside(scene, motors, first=not k) for k, scene in enumerate(scenes)), name=name)
+        for name, scenes in groups
+    ]
+    return _framed(rrb.Tabs(*tabs, active_tab=0))
 
 
 def eye_of(
@@ -62,14 +69,53 @@ def eye_of(
     return target - FIT * float(np.linalg.norm(high - low)) * ahead, target
 
 
+def _framed(views: rrb.Container) -> rrb.Blueprint:
+    return rrb.Blueprint(
+        views,
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="time", play_state="playing", loop_mode="all"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
 def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
-    pairs = list(zip(motors, scene.errors, strict=True))
-    columns = [pairs[i : i + MOTORS_IN_COLUMN] for i in range(0, len(pairs), MOTORS_IN_COLUMN)]
-    plots = [_plots(scene, column) for column in columns]
+    columns = -(-len(motors) // MOTORS_IN_COLUMN)
+    lanes = min(len(motors) + 2, MOST_LANES)
     return rrb.Horizontal(
-        rrb.Vertical(_robot(scene), _texts(scene, motors), row_shares=[3, 2]),
-        *plots,
-        column_shares=[4.0] + [5.0 / len(plots) ** 0.5] * len(plots),
+        rrb.Vertical(_robot(scene), _texts(scene), row_shares=[3, 2]),
+        rrb.Vertical(
+            rrb.Tabs(*_pages(scene, motors), active_tab=0), _phases(scene), row_shares=[20, 2.0 + 1.4 * lanes]
+        ),
+        column_shares=[4.0, 5.0 * columns**0.5],
+        name=scene.title,
+    )
+
+
+def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
+    """The tabs beside the robot; the one in front comes first."""
+    pages = [_steps(scene, motors)] if scene.steps else []
+    pages.append(_currents(scene, motors))
+    if scene.torques:
+        pages.append(_torques(scene, motors))
+    return [*pages, _tool(scene, motors)]
+
+
+def _beside(scene: Scene, motors: Sequence[Motor], *, first: bool) -> rrb.Container:
+    errors = [
+        _plot(
+            f"{scene.root}/error/{motor.entity}",
+            f"{motor.name}: error [{motor.current_unit}], {error} of the current",
+            legend=first and not k,
+        )
+        for k, (motor, error) in enumerate(zip(motors, scene.errors, strict=True))
+    ]
+    return rrb.Vertical(
+        _robot(scene),
+        *errors,
+        rrb.TextDocumentView(origin=scene.summary, name="summary"),
+        row_shares=[4.0, *[5.0 / len(errors)] * len(errors), 3.0],
         name=scene.title,
     )
 
@@ -77,7 +123,7 @@ def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 def _robot(scene: Scene) -> rrb.View:
     return rrb.Spatial3DView(
         origin=f"{scene.root}/robot",
-        name="robot",
+        name=f"{scene.title} · {scene.path}" if scene.path else scene.title,
         background=BACKGROUND,
         line_grid=rrb.LineGrid3D(
             visible=True, plane=Plane3D((0.0, 0.0, 1.0), scene.low), spacing=0.1, stroke_width=0.7, color=GRID
@@ -88,37 +134,102 @@ def _robot(scene: Scene) -> rrb.View:
     )
 
 
-def _texts(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
-    units = sorted({motor.position_unit for motor in motors})
+def _texts(scene: Scene) -> rrb.Container:
     return rrb.Tabs(
-        rrb.TextDocumentView(origin=SUMMARY, name="summary"),
-        rrb.TextDocumentView(origin=PARAMETERS, name="parameters"),
-        rrb.TimeSeriesView(
-            origin=f"{scene.root}/position", name=f"positions [{', '.join(units)}]", plot_legend=_legend()
-        ),
+        rrb.TextDocumentView(origin=scene.summary, name="summary"),
+        rrb.TextDocumentView(origin=scene.parameters, name="parameters"),
         active_tab=0,
     )
 
 
-def _plots(scene: Scene, motors: Sequence[tuple[Motor, str]]) -> rrb.Container:
-    views: list[rrb.View] = []
-    for place, (motor, error) in enumerate(motors):
+def _phases(scene: Scene) -> rrb.View:
+    return rrb.StateTimelineView(origin=f"{scene.root}/phases", name="phases")
+
+
+def _currents(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views = []
+    for place, (motor, error) in enumerate(zip(motors, scene.errors, strict=True)):
         unit = motor.current_unit
-        views.append(
-            rrb.TimeSeriesView(
-                origin=f"{scene.root}/current/{motor.entity}",
-                name=f"{motor.name}: current [{unit}]",
-                plot_legend=_legend() if place == 0 else rrb.PlotLegend(visible=False),
-            )
+        name, wrong = (
+            f"{motor.name}: current [{unit}]",
+            f"{motor.name}: error [{unit}], {error} of the current",
         )
         views.append(
-            rrb.TimeSeriesView(
-                origin=f"{scene.root}/error/{motor.entity}",
-                name=f"{motor.name}: error [{unit}], {error} of the current",
-                plot_legend=rrb.PlotLegend(visible=False),
-            )
+            [
+                _plot(f"{scene.root}/current/{motor.entity}", name, legend=not place),
+                _plot(f"{scene.root}/error/{motor.entity}", wrong, legend=False),
+            ]
         )
-    return rrb.Vertical(*views, row_shares=[3, 2] * len(motors))
+    return _in_columns(views, [3.0, 2.0], "currents and errors")
+
+
+def _steps(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views = [
+        [
+            _plot(
+                f"{scene.root}/steps/{motor.entity}",
+                f"{motor.name}: error after each added effect [{motor.current_unit}]",
+                legend=not place,
+            )
+        ]
+        for place, motor in enumerate(motors)
+    ]
+    return _in_columns(views, [1.0], "error after each added effect")
+
+
+def _torques(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views = [
+        [
+            _plot(
+                f"{scene.root}/torque/{motor.entity}",
+                f"{motor.name}: torque of effects [{motor.effort_unit}]",
+                legend=True,
+            )
+        ]
+        for motor in motors
+    ]
+    return _in_columns(views, [1.0], "torque of effects")
+
+
+def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views: list[rrb.View] = []
+    if scene.tool:
+        views.append(_plot(f"{scene.root}/tool", "tool: actual path and reference [m]", legend=True))
+    if scene.followed and scene.tool:
+        views.append(_plot(f"{scene.root}/following", FOLLOWING, legend=False))
+    units = ", ".join(sorted({motor.position_unit for motor in motors}))
+    views.append(
+        rrb.TimeSeriesView(
+            origin=scene.root,
+            contents=[f"{scene.root}/position/**", f"{scene.root}/reference/**"],
+            name=f"positions [{units}]",
+            plot_legend=_legend(),
+        )
+    )
+    if scene.loops:
+        views.append(_plot(f"{scene.root}/loop_gap", OPENING, legend=True))
+    shares = [2.0 if view.name in SMALLER else 3.0 for view in views]
+    return rrb.Vertical(*views, row_shares=shares, name="tool, positions, loops")
+
+
+def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], name: str) -> rrb.Container:
+    """The views of each motor under each other, and the motors in as many columns as it takes."""
+    size = MOTORS_IN_COLUMN
+    groups = [views[i : i + size] for i in range(0, len(views), size)]
+    columns = [
+        rrb.Vertical(*(view for own in group for view in own), row_shares=[*shares] * len(group))
+        for group in groups
+    ]
+    if len(columns) == 1:
+        return rrb.Vertical(
+            *(view for own in views for view in own), row_shares=[*shares] * len(views), name=name
+        )
+    return rrb.Horizontal(*columns, name=name)
+
+
+def _plot(origin: str, name: str, *, legend: bool) -> rrb.View:
+    shown = _legend() if legend else rrb.PlotLegend(visible=False)
+    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=shown)
 
 
 def _legend() -> rrb.PlotLegend:

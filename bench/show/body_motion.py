@@ -21,7 +21,8 @@ class BodyMotion:
     """Poses in the world.
 
     time (F,) s, as logged; positions (F, nbody, 3) m; quaternions (F, nbody, 4), x y z w; tool_position
-    (F, 3) m and tool_quaternion (F, 4), None without a tool; low, high (3,) m: the box that holds all shapes.
+    (F, 3) m and tool_quaternion (F, 4), None without a tool; loop_gap (F, loops) m: how far apart the two halves
+    of each closed loop are drawn; low, high (3,) m: the box that holds all shapes.
     """
 
     time: np.ndarray
@@ -29,6 +30,7 @@ class BodyMotion:
     quaternions: np.ndarray
     tool_position: np.ndarray | None
     tool_quaternion: np.ndarray | None
+    loop_gap: np.ndarray
     low: np.ndarray
     high: np.ndarray
 
@@ -57,6 +59,20 @@ def body_motion(
     return placed(model, geometry.robot.tool_site, time[frames], to_mujoco(geometry.joints, tree.q))
 
 
+def tool_path(
+    model: mujoco.MjModel, geometry: Geometry, time: np.ndarray, position: np.ndarray
+) -> np.ndarray | None:
+    """Where the tool (F, 3) m is at positions (F, n) of the actuated joints, such as a controller's references.
+
+    None without a tool. Raises BenchError for a sample out of reach or singular.
+    """
+    if geometry.robot.tool_site is None or len(time) < 2:
+        return None
+    velocity = np.gradient(position, time, axis=0)
+    tree = motion_of(geometry, time, position, velocity, np.gradient(velocity, time, axis=0))
+    return placed(model, geometry.robot.tool_site, time, to_mujoco(geometry.joints, tree.q)).tool_position
+
+
 def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos: np.ndarray) -> BodyMotion:
     """The bodies at MuJoCo positions qpos (F, nq)."""
     data = mujoco.MjData(model)
@@ -66,6 +82,8 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
     count = len(time)
     positions, quaternions = np.empty((count, model.nbody, 3)), np.empty((count, model.nbody, 4))
     tool_position, tool_rotation = np.empty((count, 3)), np.empty((count, 9))
+    loops = [loop for loop in range(model.neq) if model.eq_active0[loop]]
+    gap = np.zeros((count, len(loops)))
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for frame in range(count):
         data.qpos[:] = qpos[frame]
@@ -73,6 +91,7 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
         positions[frame], quaternions[frame] = data.xpos, data.xquat
         if site >= 0:
             tool_position[frame], tool_rotation[frame] = data.site_xpos[site], data.site_xmat[site]
+        gap[frame] = [_gap(model, data, loop) for loop in loops]
         if len(geoms):
             turn = data.geom_xmat[geoms].reshape(-1, 3, 3)
             middle = data.geom_xpos[geoms] + (turn @ center)[..., 0]
@@ -87,9 +106,25 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
         quaternions=np.roll(quaternions, -1, axis=2),
         tool_position=tool_position if site >= 0 else None,
         tool_quaternion=_quaternions(tool_rotation) if site >= 0 else None,
+        loop_gap=gap,
         low=low,
         high=high,
     )
+
+
+def _gap(model: mujoco.MjModel, data: mujoco.MjData, loop: int) -> float:
+    """Distance in m between the two points that an equality (connect or weld) holds together."""
+    first, second = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
+    if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):
+        return float(np.linalg.norm(data.site_xpos[first] - data.site_xpos[second]))
+    here, there = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
+    if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):  # its anchor lies in the second body
+        here, there = there, here
+    ends = [
+        data.xpos[body] + data.xmat[body].reshape(3, 3) @ anchor
+        for body, anchor in ((first, here), (second, there))
+    ]
+    return float(np.linalg.norm(ends[0] - ends[1]))
 
 
 def _quaternions(rotations: np.ndarray) -> np.ndarray:

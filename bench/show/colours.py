@@ -5,6 +5,8 @@ The hues are those of Okabe and Ito (2008), lightened where the ground is dark.
 
 from typing import NamedTuple
 
+import numpy as np
+
 
 class Palette(NamedTuple):
     """Colours as #rrggbb."""
@@ -18,6 +20,30 @@ class Palette(NamedTuple):
 
 ON_WHITE = Palette(measured="#0072B2", modelled="#C44E00", error="#A0306E", band="#D9A5C4", logged="#BFD7E6")
 ON_DARK = Palette(measured="#56B4E9", modelled="#FFB000", error="#E78AC3", band="#F4C6E1", logged="#3C5A70")
+
+
+LADDER_ON_DARK = ("#F28C5A", "#E6D55A", "#7CC7A1", "#B7A3F0")
+"""Errors of the models on the way to the one that is shown, the first one first."""
+
+FORWARDS_ON_DARK, BACKWARDS_ON_DARK, REVERSAL_ON_DARK, STILL_ON_DARK = (
+    "#2C6FA3",
+    "#A85A1C",
+    "#E9DB4A",
+    "#4B525C",
+)
+"""Which way a joint moves; the text on them is white, and dark on the light one."""
+
+SMALL_TO_LARGE = ("#5B4B9E", "#A9509E", "#E0666F", "#F7A64A", "#FBE96A")
+"""A scale from small to large, in steps of lightness that every eye sees, the smallest still off the ground."""
+
+
+def scale_colours(share: np.ndarray) -> np.ndarray:
+    """Colours (N, 3), 0 to 255, of shares (N,) between 0 and 1 on `SMALL_TO_LARGE`; grey where there is none."""
+    stops = np.array([rgb(colour) for colour in SMALL_TO_LARGE], dtype=float)
+    at = np.clip(np.nan_to_num(share), 0.0, 1.0) * (len(stops) - 1)
+    colours = np.stack([np.interp(at, np.arange(len(stops)), stops[:, k]) for k in range(3)], axis=1)
+    colours[np.isnan(share)] = rgb(STILL_ON_DARK)
+    return np.asarray(np.rint(colours), dtype=np.uint8)
 
 
 def rgb(colour: str) -> tuple[int, int, int]:

@@ -1,114 +1,118 @@
-"""An identification for the Rerun viewer: currents, errors, parameters and the moving robot."""
+"""An identification for the Rerun viewer: the moving robot, currents, errors, torques, phases and parameters."""
 
 import re
 import zlib
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 
 import mujoco
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 
 from bench.dataset import Dataset
 from bench.errors import BenchError
-from bench.estimate.result import CurrentSeries, Identification, relative_error
+from bench.estimate.result import Identification, relative_error
 from bench.files import atomic_path
 from bench.model.geometry import Geometry, read_geometry
-from bench.payload import Payload
 from bench.recording import Recording
-from bench.show.blueprint import PARAMETERS, SUMMARY, Motor, Scene, blueprint, eye_of
-from bench.show.body_motion import BodyMotion, body_motion
-from bench.show.colours import ON_DARK, rgb
-from bench.show.geoms import shapes
-from bench.show.numbers import USES, Truth, current_unit, error_deviation, judged_error, percent
+from bench.show.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
+from bench.show.body_motion import BodyMotion, body_motion, tool_path
+from bench.show.numbers import USES, Truth, current_unit, error_deviation, percent
+from bench.show.scene import TOP, error_share, send_payload, send_robot
+from bench.show.shown import Motor, Shown
+from bench.show.story import Known, Story
 from bench.show.summary import parameters_markdown, summary_markdown
+from bench.show.tracks import (
+    send_currents,
+    send_phases,
+    send_steps,
+    send_tool,
+    send_torques,
+    steps_of,
+)
 
-TIMELINE = "time"
-PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a ball of steel that weighs the same
-PAYLOAD_COLOUR = (250, 214, 92)
-PATH_COLOUR = (235, 96, 126)
-POSITION_COLOURS = ("#5BC99B", "#C39BF0", "#E6D55A", "#F08A6B", "#9FC7C9", "#D0A0A0")
-
-
-@dataclass(frozen=True)
-class _Line:
-    """How a series is drawn; width in points."""
-
-    name: str
-    colour: str
-    width: float
-
-
-LOGGED = _Line("logged", ON_DARK.logged, 1.0)
-MEASURED = _Line("measured, filtered", ON_DARK.measured, 4.0)
-MODELLED = _Line("modelled", ON_DARK.modelled, 1.5)
-ERROR = _Line("error", ON_DARK.error, 1.2)
+REFERENCE_COLUMN = "reference."  # column of a log: what the controller asked of a joint
 
 
 @dataclass(frozen=True)
-class _Shown:
-    """One recording of the dataset, with all that is drawn of it."""
+class Told:
+    """One identification among several that are shown beside each other; title: in a few words, what sets it apart."""
 
-    root: str
-    recording: Recording
-    series: CurrentSeries
-    motion: BodyMotion
+    title: str
+    result: Identification
+    dataset: Dataset
+    story: Story = field(default_factory=Story)
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """One identification with all that is drawn of it. prefix: of its entities."""
+
+    told: Told
+    prefix: str
+    model: mujoco.MjModel
+    motors: list[Motor]
+    shown: list[Shown]
 
 
 def write_rrd(
-    path: str | Path, result: Identification, dataset: Dataset, *, truth: Truth | None = None
+    path: str | Path,
+    result: Identification,
+    dataset: Dataset,
+    *,
+    truth: Truth | None = None,
+    story: Story | None = None,
 ) -> None:
     """Write the identification of a dataset as an .rrd file, whole or not at all.
 
     Below the name of each recording lie robot (moving at 50 Hz, loops closed), current/JOINT (logged at the
-    log's rate; measured and modelled at the fit's), error/JOINT with the deviation of the fitted errors, and
-    position/JOINT; /summary and /parameters hold the answer as text. Every recording starts at time 0.
+    log's rate; measured and modelled at the fit's), error/JOINT with the deviation of the fitted errors,
+    position/JOINT, phases, tool and loop_gap; with a story steps/JOINT (the errors of earlier models) and
+    torque/JOINT (of effects); /summary and /parameters hold the answer as text. Every recording starts at time 0.
     truth: true values to compare with, by joint, parameter name or EFFECT:JOINT.PARAMETER.
 
     Raises BenchError for another suffix than .rrd, and for a result that is not of this dataset.
     """
-    if Path(path).suffix.lower() != ".rrd":
-        raise BenchError(f"{path}: a Rerun recording is an .rrd file")
-    geometry = read_geometry(dataset.robot)
-    model = mujoco.MjModel.from_xml_path(str(dataset.robot.model_path))
-    shown = _shown(result, dataset, model, geometry)
-    motors = _motors(result, geometry)
-    spread = error_deviation(result)
-    with atomic_path(path) as partial:
-        stream = rr.RecordingStream(_application(result.robot, shown))
-        stream.save(partial, default_blueprint=blueprint(_scenes(shown, model), motors))
-        stream.send_recording_name(f"{result.robot}, {result.method}")
-        _send_text(stream, result, truth)
-        for one in shown:
-            _send_currents(stream, one, motors, spread)
-            _send_robot(stream, one, model)
-            if one.recording.payload is not None:
-                _send_payload(stream, one, dataset.payloads[one.recording.payload])
-        stream.flush()
-        stream.disconnect()
+    story = story or Story()
+    truth = truth if truth is not None else story.truth
+    _check_suffix(path)
+    run = _run(Told(result.robot, result, dataset, story), "")
+    largest = _largest_error([run])
+    views = blueprint(_scenes(run, largest), run.motors)
+    with _stream(path, f"{result.robot}, {result.method}", [run], views) as stream:
+        _send_text(stream, run, truth, SUMMARY, PARAMETERS)
+        _send(stream, run, largest)
 
 
-def _application(robot: str, shown: Sequence[_Shown]) -> str:
-    """The viewer keeps one set of views for each application: other recordings are another one."""
-    layout = zlib.crc32("\n".join(one.root for one in shown).encode())
-    return f"parabench_{re.sub(r'[^A-Za-z0-9]', '_', robot)}_{layout:08x}"
+def write_side_by_side(path: str | Path, told: Sequence[Told]) -> None:
+    """Write several identifications as one .rrd file, recordings of the same name beside each other.
 
-
-def _shown(
-    result: Identification, dataset: Dataset, model: mujoco.MjModel, geometry: Geometry
-) -> list[_Shown]:
-    by_name = {recording.name: recording for recording in dataset.recordings}
-    roots = entity_roots([series.name for series in result.recordings])
-    shown = []
-    for series in result.recordings:
-        recording = by_name.get(series.name)
-        if recording is None or recording.current.shape[1] != series.measured.shape[1]:
-            raise BenchError(f"{dataset.folder}: has no recording {series.name!r} as the result does")
-        motion = body_motion(model, geometry, recording, result.settings)
-        shown.append(_Shown(roots[series.name], recording, series, motion))
-    return shown
+    Entities lie below the title of each, otherwise as those of `write_rrd`. Raises BenchError for another suffix
+    than .rrd, for none to show, and for robots whose motors differ.
+    """
+    _check_suffix(path)
+    if not told:
+        raise BenchError(f"{path}: nothing to show")
+    runs = [_run(one, rr.new_entity_path([f"{k} {one.title}"])) for k, one in enumerate(told)]
+    for run in runs:
+        if [motor.name for motor in run.motors] != [motor.name for motor in runs[0].motors]:
+            names = f"{runs[0].told.result.robot} and {run.told.result.robot}"
+            raise BenchError(f"{path}: {names} have other motors: they cannot stand beside each other")
+    largest = _largest_error(runs)
+    by_name: dict[str, list[Scene]] = {}
+    for run in runs:
+        for one, scene in zip(run.shown, _scenes(run, largest, run.told.title), strict=True):
+            by_name.setdefault(PurePath(one.series.name).stem, []).append(scene)
+    views = side_by_side(list(by_name.items()), runs[0].motors)
+    with _stream(path, f"{len(runs)} identifications", runs, views) as stream:
+        for run in runs:
+            summary, parameters = _texts_of(run)
+            _send_text(stream, run, run.told.story.truth, summary, parameters)
+            _send(stream, run, largest)
 
 
 def entity_roots(names: Sequence[str]) -> Mapping[str, str]:
@@ -120,6 +124,93 @@ def entity_roots(names: Sequence[str]) -> Mapping[str, str]:
     }
 
 
+def _check_suffix(path: str | Path) -> None:
+    if Path(path).suffix.lower() != ".rrd":
+        raise BenchError(f"{path}: a Rerun recording is an .rrd file")
+
+
+@contextmanager
+def _stream(
+    path: str | Path, name: str, runs: Sequence[_Run], views: rrb.Blueprint
+) -> Iterator[rr.RecordingStream]:
+    with atomic_path(path) as partial:
+        stream = rr.RecordingStream(_application(runs))
+        stream.save(partial, default_blueprint=views)
+        stream.send_recording_name(name)
+        yield stream
+        stream.flush()
+        stream.disconnect()
+
+
+def _application(runs: Sequence[_Run]) -> str:
+    """The viewer keeps one set of views for each application: what else is shown is another one."""
+    parts = [
+        f"{one.root} {bool(one.steps)} {one.has_torques} {one.reference_path is not None}"
+        for run in runs
+        for one in run.shown
+    ]
+    robot = re.sub(r"[^A-Za-z0-9]", "_", runs[0].told.result.robot)
+    return f"parabench_{robot}_{zlib.crc32(chr(10).join(parts).encode()):08x}"
+
+
+def _run(told: Told, prefix: str) -> _Run:
+    geometry = read_geometry(told.dataset.robot)
+    model = mujoco.MjModel.from_xml_path(str(told.dataset.robot.model_path))
+    return _Run(told, prefix, model, _motors(told.result, geometry), _shown(told, prefix, model, geometry))
+
+
+def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -> list[Shown]:
+    result, dataset, story = told.result, told.dataset, told.story
+    by_name = {recording.name: recording for recording in dataset.recordings}
+    roots = entity_roots([series.name for series in result.recordings])
+    deviation = error_deviation(result)
+    steps = [(step.label, step.recordings) for step in story.steps]
+    shown = []
+    for series in result.recordings:
+        recording = by_name.get(series.name)
+        if recording is None or recording.current.shape[1] != series.measured.shape[1]:
+            raise BenchError(f"{dataset.folder}: has no recording {series.name!r} as the result does")
+        motion = body_motion(model, geometry, recording, result.settings)
+        known = story.known.get(series.name) or _logged_reference(recording, dataset.robot.joints)
+        shown.append(
+            Shown(
+                root=f"{prefix}{roots[series.name]}",
+                recording=recording,
+                series=series,
+                motion=motion,
+                deviation=deviation,
+                payload=dataset.payloads[recording.payload] if recording.payload else None,
+                steps=steps_of(series.name, steps),
+                torques=story.torques.get(series.name),
+                known=known,
+                reference_path=_reference_path(model, geometry, motion, known),
+            )
+        )
+    return shown
+
+
+def _logged_reference(recording: Recording, joints: Sequence[str]) -> Known | None:
+    """The reference positions, where the log has them as reference.JOINT for every motor."""
+    columns = [recording.extra.get(f"{REFERENCE_COLUMN}{joint}") for joint in joints]
+    found = [one for one in columns if one is not None]
+    if len(found) < len(joints) or not np.isfinite(found).all():
+        return None
+    return Known(recording.time, reference=np.stack(found, axis=1))
+
+
+def _reference_path(
+    model: mujoco.MjModel, geometry: Geometry, motion: BodyMotion, known: Known | None
+) -> np.ndarray | None:
+    """Where the controller wanted the tool (F, 3) m; None where that is not known, or out of the robot's reach."""
+    if known is None or known.reference is None:
+        return None
+    wanted = np.stack([np.interp(motion.time, known.time, one) for one in known.reference.T], axis=1)
+    try:
+        return tool_path(model, geometry, motion.time, wanted)
+    except BenchError:
+        return None
+
+
 def _motors(result: Identification, geometry: Geometry) -> list[Motor]:
     kinds = {joint.name: joint.kind for joint in geometry.joints}
     return [
@@ -128,134 +219,73 @@ def _motors(result: Identification, geometry: Geometry) -> list[Motor]:
             entity=rr.escape_entity_path_part(joint),
             current_unit=current_unit(gain.unit),
             position_unit="m" if kinds[joint] == "slide" else "rad",
+            effort_unit="N" if kinds[joint] == "slide" else "N·m",
+            gain=gain.value,
         )
         for joint, gain in result.drive_gains.items()
     ]
 
 
-def _scenes(shown: Sequence[_Shown], model: mujoco.MjModel) -> list[Scene]:
+def _largest_error(runs: Sequence[_Run]) -> float:
+    """The error share at the far end of the path's colours: nearly the largest of all recordings."""
+    shares = np.concatenate([error_share(one.series) for run in runs for one in run.shown])
+    known = shares[np.isfinite(shares)]
+    return float(np.percentile(known, TOP)) if len(known) and known.any() else 1.0
+
+
+def _texts_of(run: _Run) -> tuple[str, str]:
+    return f"{run.prefix}{SUMMARY}", f"{run.prefix}{PARAMETERS}"
+
+
+def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
     """Tabs of all recordings, seen from the same place."""
-    low = np.min([one.motion.low for one in shown], axis=0)
-    high = np.max([one.motion.high for one in shown], axis=0)
-    eye, target = eye_of(low, high, model.vis.global_.azimuth, model.vis.global_.elevation)
+    low = np.min([one.motion.low for one in run.shown], axis=0)
+    high = np.max([one.motion.high for one in run.shown], axis=0)
+    eye, target = eye_of(low, high, run.model.vis.global_.azimuth, run.model.vis.global_.elevation)
+    summary, parameters = _texts_of(run)
     return [
         Scene(
-            title=f"{PurePath(one.series.name).stem} ({USES[one.series.use]})",
+            title=title or f"{PurePath(one.series.name).stem} ({USES[one.series.use]})",
             root=one.root,
             errors=tuple(
                 percent(relative_error([one.series], j)) for j in range(one.series.measured.shape[1])
             ),
+            path=f"path: error from 0 (violet) to {percent(largest)} (yellow)"
+            if one.motion.tool_position is not None
+            else "",
             eye=eye,
             target=target,
             low=float(low[2]),
+            summary=summary,
+            parameters=parameters,
+            steps=bool(one.steps),
+            torques=one.has_torques,
+            tool=one.motion.tool_position is not None,
+            loops=bool(one.motion.loop_gap.size),
+            followed=one.reference_path is not None,
         )
-        for one in shown
+        for one in run.shown
     ]
 
 
-def _send_text(stream: rr.RecordingStream, result: Identification, truth: Truth | None) -> None:
+def _send_text(
+    stream: rr.RecordingStream, run: _Run, truth: Truth | None, summary: str, parameters: str
+) -> None:
+    above = f"{run.told.story.text.rstrip()}\n\n" if run.told.story.text else ""
     for entity, text in (
-        (SUMMARY, summary_markdown(result, truth)),
-        (PARAMETERS, parameters_markdown(result, truth)),
+        (summary, above + summary_markdown(run.told.result, truth)),
+        (parameters, parameters_markdown(run.told.result, truth)),
     ):
         stream.log(entity, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
 
 
-def _column(time: np.ndarray, start: float) -> rr.TimeColumn:
-    """Times in whole nanoseconds since the recording's first sample."""
-    nanoseconds = np.rint((time - start) * 1e9).astype("timedelta64[ns]")
-    return rr.TimeColumn(TIMELINE, duration=nanoseconds)
-
-
-def _send_line(
-    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, values: np.ndarray, line: _Line
-) -> None:
-    style = rr.SeriesLines(names=line.name, colors=rgb(line.colour), widths=line.width)
-    stream.log(entity, style, static=True)
-    stream.send_columns(entity, indexes=[column], columns=rr.Scalars.columns(scalars=values))
-
-
-def _send_currents(
-    stream: rr.RecordingStream, one: _Shown, motors: Sequence[Motor], spread: np.ndarray
-) -> None:
-    recording, series = one.recording, one.series
-    errors = judged_error(series)
-    start = float(recording.time[0])
-    logged, fitted = _column(recording.time, start), _column(series.time, start)
-    ends = _column(series.time[[0, -1]], start)
-    for j, motor in enumerate(motors):
-        current, error = f"{one.root}/current/{motor.entity}", f"{one.root}/error/{motor.entity}"
-        # The viewer draws in the order of the alphabet, later ones over earlier ones.
-        _send_line(stream, f"{current}/logged", logged, recording.current[:, j], LOGGED)
-        _send_line(stream, f"{current}/measured", fitted, series.measured[:, j], MEASURED)
-        _send_line(stream, f"{current}/modelled", fitted, series.modelled[:, j], MODELLED)
-        deviation = rr.Measurements.columns(
-            values=np.zeros(2),
-            variances=np.full(2, spread[j] ** 2),
-            units=[motor.current_unit] * 2,
-            names=["± deviation of the fitted errors"] * 2,
-            colors=[rgb(ON_DARK.band)] * 2,
-        )
-        stream.send_columns(f"{error}/deviation", indexes=[ends], columns=deviation)
-        _send_line(stream, f"{error}/error", fitted, errors[:, j], ERROR)
-        line = _Line(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 1.5)
-        _send_line(stream, f"{one.root}/position/{motor.entity}", logged, recording.position[:, j], line)
-
-
-def _send_robot(stream: rr.RecordingStream, one: _Shown, model: mujoco.MjModel) -> None:
-    robot = f"{one.root}/robot"
-    stream.log(robot, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    names = [
-        mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
-        for body in range(model.nbody)
-    ]
-    entities = [f"{robot}/bodies/{rr.escape_entity_path_part(name)}" for name in names]
-    for shape in shapes(model):
-        stream.log(f"{entities[shape.body]}/{shape.name}", *shape.archetypes, static=True)
-    column = _column(one.motion.time, float(one.recording.time[0]))
-    for body in range(1, model.nbody):
-        positions, quaternions = one.motion.positions[:, body], one.motion.quaternions[:, body]
-        if model.body_weldid[body] == 0:  # fixed to the world
-            fixed = rr.Transform3D(translation=positions[0], quaternion=rr.Quaternion(xyzw=quaternions[0]))
-            stream.log(entities[body], fixed, static=True)
-        else:
-            _send_poses(stream, entities[body], column, positions, quaternions)
-    if one.motion.tool_position is not None:
-        reach = float(np.linalg.norm(one.motion.high - one.motion.low))
-        path = rr.LineStrips3D([one.motion.tool_position], colors=PATH_COLOUR, radii=0.0012 * reach)
-        stream.log(f"{robot}/tool_path", path, static=True)
-
-
-def _send_payload(stream: rr.RecordingStream, one: _Shown, payload: Payload) -> None:
-    """A ball of the payload's mass, at its centre of mass where that is known, else at the tool."""
-    motion = one.motion
-    if motion.tool_position is None or motion.tool_quaternion is None:
-        return
-    entity = f"{one.root}/robot/payload"
-    if payload.mass is None:
-        radius = 0.03 * float(np.linalg.norm(motion.high - motion.low))
-    else:
-        radius = float((3.0 * payload.mass / (4.0 * np.pi * PAYLOAD_DENSITY)) ** (1.0 / 3.0))
-    center = np.zeros(3) if payload.center_of_mass is None else payload.center_of_mass
-    ball = rr.Ellipsoids3D(
-        centers=[center],
-        radii=[radius],
-        colors=PAYLOAD_COLOUR,
-        fill_mode=rr.components.FillMode.Solid,
-        labels=payload.name if payload.mass is None else f"{payload.name}, {payload.mass:g} kg",
-        show_labels=False,
-    )
-    stream.log(f"{entity}/ball", ball, static=True)
-    column = _column(motion.time, float(one.recording.time[0]))
-    _send_poses(stream, entity, column, motion.tool_position, motion.tool_quaternion)
-
-
-def _send_poses(
-    stream: rr.RecordingStream,
-    entity: str,
-    column: rr.TimeColumn,
-    positions: np.ndarray,
-    quaternions: np.ndarray,
-) -> None:
-    poses = rr.Transform3D.columns(translation=positions, quaternion=quaternions)
-    stream.send_columns(entity, indexes=[column], columns=poses)
+def _send(stream: rr.RecordingStream, run: _Run, largest: float) -> None:
+    for one in run.shown:
+        send_currents(stream, one, run.motors)
+        send_steps(stream, one, run.motors)
+        send_torques(stream, one, run.motors)
+        send_tool(stream, one, run.motors)
+        send_phases(stream, one, run.motors)
+        send_robot(stream, one, run.model, largest)
+        if one.payload is not None:
+            send_payload(stream, one, one.payload)

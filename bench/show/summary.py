@@ -36,7 +36,7 @@ def summary_markdown(result: Identification, truth: Truth | None = None) -> str:
         for joint, gain in result.drive_gains.items()
     ]
     headers = ["joint", "value", "unit", "rel. std", "nominal", "change"]
-    parts.append(_table(headers + _truth_headers(truth), gains))
+    parts.append(markdown_table(headers + _truth_headers(truth), gains))
     if result.effect_parameters:
         parts += ["### Effects", effects_markdown(result, truth)]
     parts += ["### Error of the modelled current", _errors(result, joints)]
@@ -53,7 +53,7 @@ def parameters_markdown(result: Identification, truth: Truth | None = None) -> s
         for one in result.parameters
     ]
     headers = ["parameter", "value", "unit", "rel. std", *_truth_headers(truth), "stands for"]
-    text = f"### Dynamic parameters\n\n{_table(headers, rows)}\n"
+    text = f"### Dynamic parameters\n\n{markdown_table(headers, rows)}\n"
     if result.left_out:
         text += f"\nLeft out, as the data do not need them: {', '.join(result.left_out)}.\n"
     return text
@@ -65,7 +65,9 @@ def effects_markdown(result: Identification, truth: Truth | None = None) -> str:
         [effect, joint, name, *_cells(one), *_truth_cells(one, truth, effect_key(effect, joint, name))]
         for effect, joint, name, one in flat_effects(result)
     ]
-    return _table(["effect", "joint", "parameter", "value", "unit", "rel. std", *_truth_headers(truth)], rows)
+    return markdown_table(
+        ["effect", "joint", "parameter", "value", "unit", "rel. std", *_truth_headers(truth)], rows
+    )
 
 
 def _title(result: Identification) -> str:
@@ -85,7 +87,7 @@ def _errors(result: Identification, joints: Sequence[str]) -> str:
         + [percent(relative_error(chosen))]
         for name, use, payload, chosen in groups
     ]
-    return _table(["recording", "use", "payload", *joints, "all"], rows)
+    return markdown_table(["recording", "use", "payload", *joints, "all"], rows)
 
 
 def _cells(quantity: Quantity) -> list[str]:
@@ -108,6 +110,7 @@ def _truth_cells(quantity: Quantity, truth: Truth | None, key: str) -> list[str]
     return [text, relative_error_to(quantity, truth[key]), deviations_away(quantity, truth[key])]
 
 
-def _table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def markdown_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown; a bar in a cell stays a bar."""
     lines = [headers, ["---"] * len(headers), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)

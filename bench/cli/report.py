@@ -1,0 +1,113 @@
+"""`bench report`: one page in one file on a dataset, a result or a model."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.cli.options import effect_file_option, filter_options, given_filters, with_option
+
+
+@click.command("report")
+@click.argument("source", metavar="DIR_OR_MODEL", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    default=Path("report.html"),
+    show_default=True,
+    metavar="FILE.html",
+    help="The file to write.",
+)
+@click.option(
+    "--data",
+    type=click.Path(path_type=Path),
+    metavar="DATASET",
+    help="The recordings beside which a model is shown. [default: those that it is from]",
+)
+@with_option
+@effect_file_option
+@filter_options
+def report(
+    source: Path,
+    output: Path,
+    data: Path | None,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    **filters: Any,
+) -> None:
+    """Write one page, in one file, that shows what a run found.
+
+    DIR_OR_MODEL is a dataset folder, which is diagnosed; or a folder that `bench diagnose -o`, `identify -o` or
+    `compare -o` wrote; or a model file. The page opens in any browser, offline.
+    """
+    from bench.errors import BenchError
+    from bench.report.folder import RUN_FILE, read_run
+    from bench.report.write import REPORT_FILE, write_kept
+
+    given = given_filters(**filters)
+    output = output / REPORT_FILE if output.is_dir() else output
+    if (source / "dataset.toml").is_file() or source.name == "dataset.toml":
+        _refuse({"--data": data}, "a dataset, which is diagnosed")
+        _of_dataset(source, effects, effect_files, given, output)
+    elif (source / RUN_FILE).is_file():
+        _refuse(
+            {"--data": data, "--with": effects, "--effect-file": effect_files, "filters": given}, "a result"
+        )
+        write_kept(output, read_run(source), source)
+    elif source.is_file():
+        _refuse({"--with": effects, "filters": given}, "a model file")
+        _of_model(source, data, effect_files, output)
+    elif source.is_dir():
+        raise BenchError(
+            f"{source}: neither a dataset nor a result: it holds no dataset.toml and no {RUN_FILE}"
+        )
+    else:
+        raise BenchError(f"{source}: no such file or folder")
+    click.echo(f"Report: {output}")
+
+
+def _refuse(options: dict[str, Any], what: str) -> None:
+    for name, value in options.items():
+        if value:
+            raise click.UsageError(f"{name} does not go with {what}")
+
+
+def _of_dataset(
+    source: Path,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    given: dict[str, Any],
+    output: Path,
+) -> None:
+    from bench.dataset import load_dataset
+    from bench.diagnose.find import find_missing_effects
+    from bench.report.content_run import Run
+    from bench.report.folder import Kept
+    from bench.report.write import write_kept
+
+    dataset = load_dataset(source)
+    diagnosis = find_missing_effects(dataset, effects, filters=given, effect_files=effect_files)
+    files = tuple(map(str, effect_files))
+    run = Run("report", str(source), tuple(effects), files, given, str(output))
+    write_kept(output, Kept(run, dataset, diagnosis.after, diagnosis, ""))
+
+
+def _of_model(source: Path, data: Path | None, effect_files: tuple[Path, ...], output: Path) -> None:
+    from bench.dataset import load_dataset
+    from bench.effects import catalogue_for
+    from bench.errors import BenchError
+    from bench.estimate.model_file import load_model
+    from bench.report.content_run import Run
+    from bench.report.folder import Kept, read_identification
+    from bench.report.write import write_kept
+
+    saved = load_model(source)
+    data = data or saved.dataset
+    if data is None:
+        raise BenchError(f"{source}: a model file without the path of its recordings: name them with --data")
+    dataset = load_dataset(data)
+    result = read_identification(source, dataset, catalogue_for(dataset.effect_files, effect_files))
+    files = tuple(map(str, effect_files))
+    run = Run("report", str(source), effect_files=files, options={"data": str(data)}, output=str(output))
+    write_kept(output, Kept(run, dataset, result, None, str(source)))

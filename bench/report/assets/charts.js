@@ -1,0 +1,436 @@
+"use strict";
+/*
+Charts: small figures in SVG, drawn from plain data; colours come from the style sheet, so that they follow the theme.
+
+  const chart = Charts.create(element, figure);   // element: an empty block; it decides the width
+  chart.update({panels: [...]});                  // keys that are given replace those of the figure
+  chart.draw(width);                              // again, at a width of one's own (print)
+  chart.destroy();
+  Charts.legend(figure, element);                 // a legend apart from its chart
+
+A figure is {label, height, x: axis, panels: [{weight, y: axis, series: [...]}], legend: true}; panels stand below each
+other and share x. An axis is {label, scale: "linear" | "log" | "band", domain: [low, high], include: [values],
+categories: [text], percent: true}; all but the label may be left out.
+
+Values are arrays, in which null is a gap; an x of even steps may be {start, step}. Every series has `kind`, `role` (its
+colour: measured, modelled, error, before, after, noise, forwards, backwards, one ... seven), and `name` for the legend.
+  line       x, y; dashed, marker, faint: true; texts beside its points
+  envelope   x, low, high: the smallest and the largest value of stretches of samples
+  band       low, high: numbers, or arrays with x
+  bins       x, mean, spread, low, high: means with markers, ± spread as a band, whiskers to the extreme values
+  points     x, y
+  stems      x, y
+  histogram  edges, y; curve beside it: a line
+  bars       y: vertical bars over a band of categories; several series stand side by side
+  hbars      x: horizontal bars over a band of categories on y; thin: true for a mark inside
+  intervals  y: numbers of categories, x, low, high: points with whiskers over a band on y; shift
+  rule       at, axis: "x" | "y"; a straight line across
+*/
+const Charts = (() => {
+  const SPACE = "http://www.w3.org/2000/svg";
+  const CHARACTER = 6.7; // px, of a digit in a tick label
+  const LINE = 17; // px between lines of text
+  let number = 0;
+
+  function node(name, attributes, parent, text) {
+    const made = document.createElementNS(SPACE, name);
+    for (const key in attributes) made.setAttribute(key, attributes[key]);
+    if (text !== undefined) made.textContent = text;
+    if (parent) parent.appendChild(made);
+    return made;
+  }
+
+  function block(name, kind, parent, text) {
+    const made = document.createElement(name);
+    if (kind) made.className = kind;
+    if (text !== undefined) made.textContent = text;
+    if (parent) parent.appendChild(made);
+    return made;
+  }
+
+  const SUPERSCRIPT = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"};
+
+  /* A number to some significant digits, as it is printed: 0.0123, 12 300, 1.2·10⁻⁷. */
+  function formatNumber(value, digits = 4) {
+    if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+    if (value === 0) return "0";
+    const size = Math.abs(value);
+    if (size < 1e-4 || size >= 1e6) {
+      const [mantissa, exponent] = value.toExponential(Math.max(digits - 1, 0)).split("e");
+      const power = String(Number(exponent)).replace(/./g, (c) => SUPERSCRIPT[c]);
+      const short = mantissa.includes(".") ? mantissa.replace(/0+$/, "").replace(/\.$/, "") : mantissa;
+      return `${short === "1" ? "" : short === "-1" ? "−" : `${short.replace("-", "−")}·`}10${power}`;
+    }
+    return String(Number(value.toPrecision(digits))).replace("-", "−");
+  }
+
+  /* A share as a percentage of three digits. */
+  function formatPercent(share) {
+    return Number.isFinite(share) ? `${formatNumber(100 * share, 3)} %` : "–";
+  }
+
+  function valueAt(values, i) {
+    return Array.isArray(values) || ArrayBuffer.isView(values) ? values[i] : values.start + values.step * i;
+  }
+
+  function known(value) {
+    return value !== null && value !== undefined && Number.isFinite(value);
+  }
+
+  function widen(range, values) {
+    if (typeof values === "number") values = [values];
+    if (!values || values.length === undefined) return;
+    for (let i = 0; i < values.length; i++) {
+      const value = values[i];
+      if (!known(value)) continue;
+      if (value < range[0]) range[0] = value;
+      if (value > range[1]) range[1] = value;
+      if (value > 0 && value < range[2]) range[2] = value;
+    }
+  }
+
+  /* Smallest, largest and smallest positive value of an axis over its series. */
+  function extent(axis, series, which) {
+    const range = [Infinity, -Infinity, Infinity];
+    for (const one of series) {
+      if (which === "x") {
+        const count = (one.y || one.mean || one.low || []).length;
+        if (one.x && one.x.step !== undefined) widen(range, [one.x.start, one.x.start + one.x.step * (count - 1)]);
+        else widen(range, one.x);
+        widen(range, one.edges);
+        if (one.kind === "hbars") widen(range, [0]);
+        if (one.kind === "intervals") [one.low, one.high].forEach((ends) => widen(range, ends));
+        if (one.kind === "rule" && one.axis === "x") widen(range, one.at);
+      } else {
+        if (one.kind !== "intervals") [one.y, one.low, one.high, one.mean].forEach((values) => widen(range, values));
+        if (one.spread) widen(range, one.mean.map((m, i) => (known(m) ? m - one.spread[i] : null)));
+        if (one.spread) widen(range, one.mean.map((m, i) => (known(m) ? m + one.spread[i] : null)));
+        if (["bars", "stems", "histogram"].includes(one.kind)) widen(range, [0]);
+        if (one.kind === "rule" && one.axis !== "x") widen(range, one.at);
+      }
+    }
+    if (axis.include) widen(range, axis.include);
+    return range;
+  }
+
+  function steps(low, high, wanted) {
+    const rough = (high - low) / Math.max(wanted, 1);
+    const power = 10 ** Math.floor(Math.log10(rough));
+    return power * [1, 2, 5, 10].find((one) => one * power >= rough * 0.999);
+  }
+
+  /* A scale: at(value) in px, ticks, label of a tick. */
+  function scaleOf(axis, series, which, from, to, wanted) {
+    if (axis.scale === "band") {
+      const count = Math.max(axis.categories.length, 1);
+      const width = (to - from) / count;
+      return {band: true, width, at: (i) => from + (i + 0.5) * width, ticks: axis.categories.map((_, i) => i), text: (i) => axis.categories[i]};
+    }
+    const range = extent(axis, series, which);
+    let [low, high] = axis.domain || range;
+    if (!known(low) || !known(high)) [low, high] = [0, 1];
+    const factor = axis.percent ? 100 : 1;
+    if (axis.scale === "log") {
+      low = low > 0 ? low : known(range[2]) ? range[2] : high / 1000 || 1;
+      high = Math.max(high, low * 1.001);
+      if (!axis.domain) [low, high] = [low / 1.25, high * (axis.room ? 2 : 1.25)];
+      const [a, b] = [Math.log10(low), Math.log10(high)];
+      const every = b - a > 2.2 * wanted ? 2 : 1;
+      const inner = b - a > 3 ? [1] : b - a > 1.4 ? [1, 3] : [1, 2, 5];
+      let ticks = [];
+      for (let e = Math.floor(a); e <= Math.ceil(b); e += every) for (const m of inner) ticks.push(m * 10 ** e);
+      ticks = ticks.filter((t) => t >= low * 0.999 && t <= high * 1.001);
+      if (ticks.length < 2) ticks = [low, high].map((v) => Number(v.toPrecision(2)));
+      const at = (v) => from + ((Math.log10(Math.max(v, 1e-300)) - a) / (b - a)) * (to - from);
+      return {low, high, at, ticks, text: (t) => formatNumber(t * factor, 3)};
+    }
+    if (high === low) [low, high] = [low - (Math.abs(low) || 1) / 2, high + (Math.abs(high) || 1) / 2];
+    const room = axis.domain || (which === "x" && !axis.room) ? 0 : 0.06 * (high - low);
+    if (low !== 0 || !axis.include) low -= room;
+    high += room;
+    const step = steps(low, high, wanted);
+    const ticks = [];
+    for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i++) ticks.push(i * step);
+    const digits = Math.max(1, Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / step)) + 1);
+    const at = (v) => from + ((v - low) / (high - low)) * (to - from);
+    return {low, high, at, ticks, text: (t) => formatNumber(Math.abs(t) < step / 1e6 ? 0 : t * factor, digits)};
+  }
+
+  function path(x, y, count, xs, ys) {
+    const parts = [];
+    let open = false;
+    for (let i = 0; i < count; i++) {
+      const value = y[i];
+      if (!known(value)) {
+        open = false;
+        continue;
+      }
+      parts.push(open ? "L" : "M", xs.at(valueAt(x, i)).toFixed(1), " ", ys.at(value).toFixed(1));
+      open = true;
+    }
+    return parts.join("");
+  }
+
+  /* The outline of what lies between two curves, stretch by stretch. */
+  function area(x, low, high, xs, ys) {
+    const parts = [];
+    let start = -1;
+    for (let i = 0; i <= low.length; i++) {
+      const there = i < low.length && known(low[i]) && known(high[i]);
+      if (there && start < 0) start = i;
+      if (there || start < 0) continue;
+      const points = [];
+      for (let k = start; k < i; k++) points.push(`${xs.at(valueAt(x, k)).toFixed(1)} ${ys.at(high[k]).toFixed(1)}`);
+      for (let k = i - 1; k >= start; k--) points.push(`${xs.at(valueAt(x, k)).toFixed(1)} ${ys.at(low[k]).toFixed(1)}`);
+      parts.push(`M${points.join("L")}Z`);
+      start = -1;
+    }
+    return parts.join("");
+  }
+
+  function dot(x, y, role, parent, size = 2.6) {
+    return node("circle", {cx: x.toFixed(1), cy: y.toFixed(1), r: size, class: `fill ${role}`}, parent);
+  }
+
+  function rectangle(x0, x1, y0, y1, kind, parent) {
+    const place = {x: Math.min(x0, x1).toFixed(1), y: Math.min(y0, y1).toFixed(1)};
+    const size = {width: Math.abs(x1 - x0).toFixed(1), height: Math.abs(y1 - y0).toFixed(1)};
+    return node("rect", {...place, ...size, class: kind}, parent);
+  }
+
+  const DRAW = {
+    line(one, xs, ys, plot) {
+      const kind = `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}${one.wide ? " wide" : ""}`;
+      node("path", {d: path(one.x, one.y, one.y.length, xs, ys), class: kind}, plot);
+      if (one.marker) one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot, 4));
+      (one.texts || []).forEach((text, i) => {
+        const place = {x: (xs.at(valueAt(one.x, i)) + 9).toFixed(1), y: (ys.at(one.y[i]) - 8).toFixed(1), class: "label"};
+        if (text && known(one.y[i])) node("text", place, plot, text);
+      });
+    },
+    envelope(one, xs, ys, plot) {
+      node("path", {d: area(one.x, one.low, one.high, xs, ys), class: `fill ${one.role} edge`}, plot);
+    },
+    band(one, xs, ys, plot, box) {
+      if (typeof one.low === "number") rectangle(box.left, box.right, ys.at(one.low), ys.at(one.high), `band ${one.role}`, plot);
+      else node("path", {d: area(one.x, one.low, one.high, xs, ys), class: `band ${one.role}`}, plot);
+    },
+    bins(one, xs, ys, plot) {
+      const between = (sign) => one.mean.map((m, i) => (known(m) ? m + sign * one.spread[i] : null));
+      if (one.low) {
+        const whiskers = one.low.map((low, i) => (known(low) ? `M${xs.at(one.x[i]).toFixed(1)} ${ys.at(low).toFixed(1)}V${ys.at(one.high[i]).toFixed(1)}` : ""));
+        node("path", {d: whiskers.join(""), class: `line thin ${one.role}`}, plot);
+      }
+      node("path", {d: area(one.x, between(-1), between(1), xs, ys), class: `band ${one.role}`}, plot);
+      node("path", {d: path(one.x, one.mean, one.mean.length, xs, ys), class: `line ${one.role}`}, plot);
+      one.mean.forEach((m, i) => known(m) && dot(xs.at(one.x[i]), ys.at(m), one.role, plot));
+    },
+    points(one, xs, ys, plot) {
+      one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot));
+    },
+    stems(one, xs, ys, plot) {
+      const zero = ys.at(0).toFixed(1);
+      const all = one.y.map((y, i) => (known(y) ? `M${xs.at(valueAt(one.x, i)).toFixed(1)} ${zero}V${ys.at(y).toFixed(1)}` : ""));
+      node("path", {d: all.join(""), class: `line ${one.role}`}, plot);
+      one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot, 2.2));
+    },
+    histogram(one, xs, ys, plot) {
+      const base = ys.low > 0 ? ys.at(ys.low) : ys.at(0);
+      one.y.forEach((y, i) => y > 0 && rectangle(xs.at(one.edges[i]), xs.at(one.edges[i + 1]), base, ys.at(y), `fill ${one.role} slab`, plot));
+    },
+    bars(one, xs, ys, plot, box, place) {
+      const base = ys.low > 0 ? ys.at(ys.low) : ys.at(0);
+      const width = (0.72 * xs.width) / place.count;
+      one.y.forEach((y, i) => {
+        if (!known(y)) return;
+        const left = xs.at(i) + (place.index - place.count / 2) * width;
+        rectangle(left + 1, left + width - 1, base, ys.at(y), `fill ${one.role}`, plot);
+      });
+    },
+    hbars(one, xs, ys, plot) {
+      const half = (one.thin ? 0.42 : 0.28) * Math.abs(ys.width);
+      one.x.forEach((x, i) => known(x) && rectangle(xs.at(0), xs.at(x), ys.at(i) - half, ys.at(i) + half, one.thin ? `band ${one.role}` : `fill ${one.role}`, plot));
+    },
+    intervals(one, xs, ys, plot) {
+      one.x.forEach((x, i) => {
+        if (!known(x)) return;
+        const y = ys.at(one.y[i]) + (one.shift || 0) * Math.abs(ys.width);
+        if (one.low && known(one.low[i])) {
+          const [a, b] = [xs.at(one.low[i]), xs.at(one.high[i])];
+          const ends = b - a > 3 ? `M${a.toFixed(1)} ${y - 4}V${y + 4}M${b.toFixed(1)} ${y - 4}V${y + 4}` : "";
+          node("path", {d: `M${a.toFixed(1)} ${y}H${b.toFixed(1)}${ends}`, class: `line ${one.role}`}, plot);
+        }
+        dot(xs.at(x), y, one.role, plot, 4);
+      });
+    },
+    rule(one, xs, ys, plot, box) {
+      const kind = `line ${one.role}${one.dashed ? " dashed" : ""}`;
+      const at = one.axis === "x" ? xs.at(one.at) : ys.at(one.at);
+      const d = one.axis === "x" ? `M${at.toFixed(1)} ${box.top}V${box.bottom}` : `M${box.left} ${at.toFixed(1)}H${box.right}`;
+      node("path", {d, class: kind}, plot);
+    },
+  };
+
+  const FLAT = ["band", "envelope", "bars", "hbars", "histogram"]; // shown in a legend as a patch, others as a line
+
+  function legendOf(figure, parent) {
+    const seen = new Map();
+    for (const panel of figure.panels) for (const one of panel.series) if (one.name && !seen.has(one.name)) seen.set(one.name, one);
+    if (figure.legend === false || seen.size < 1) return;
+    const list = block("ul", "legend", parent);
+    for (const [name, one] of seen) {
+      const item = block("li", "", list);
+      const mark = node("svg", {viewBox: "0 0 22 12", width: 22, height: 12, "aria-hidden": "true"}, item);
+      const soft = one.kind === "band" || one.thin;
+      if (FLAT.includes(one.kind)) node("rect", {x: 1, y: 1, width: 20, height: 10, class: `${soft ? "band" : "fill"} ${one.role}`}, mark);
+      else if (one.kind !== "intervals" && one.kind !== "points") node("path", {d: "M1 6H21", class: `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}`}, mark);
+      if (one.marker || ["bins", "points", "intervals", "stems"].includes(one.kind)) dot(11, 6, one.role, mark, 3.4);
+      item.appendChild(document.createTextNode(name));
+    }
+  }
+
+  function shortened(text, room) {
+    const most = Math.max(4, Math.floor(room / CHARACTER));
+    return text.length > most ? `${text.slice(0, most - 1)}…` : text;
+  }
+
+  /* Ticks that leave each other room along x; of a band all that fit. */
+  function xTicks(scale, left, right, top, bottom, svg) {
+    let last = -Infinity;
+    for (const tick of scale.ticks) {
+      const at = scale.at(tick);
+      const text = scale.band ? shortened(scale.text(tick), scale.width - 6) : scale.text(tick);
+      const half = (text.length * CHARACTER) / 2;
+      if (!scale.band) node("path", {d: `M${at.toFixed(1)} ${top}V${bottom}`, class: "grid"}, svg);
+      if (at - half < last + 6) continue;
+      last = at + half;
+      const mark = node("text", {x: Math.min(at, right - half + 10).toFixed(1), y: bottom + 15, class: "tick", "text-anchor": "middle"}, svg, text);
+      if (scale.band && text !== scale.text(tick)) node("title", {}, mark, scale.text(tick));
+    }
+  }
+
+  function yTicks(scale, left, right, svg) {
+    for (const tick of scale.ticks) {
+      const y = scale.at(tick);
+      const whole = scale.text(tick);
+      const text = scale.band ? shortened(whole, left - 8) : whole;
+      if (!scale.band) node("path", {d: `M${left} ${y.toFixed(1)}H${right}`, class: "grid"}, svg);
+      const mark = node("text", {x: left - 7, y: (y + 4).toFixed(1), class: "tick", "text-anchor": "end"}, svg, text);
+      if (text !== whole) node("title", {}, mark, whole);
+    }
+  }
+
+  function draw(chart, width) {
+    const {figure} = chart;
+    chart.element.replaceChildren();
+    legendOf(figure, chart.element);
+    const total = figure.height || 240;
+    const holder = block("div", "plot", chart.element);
+    const svg = node("svg", {viewBox: `0 0 ${width} ${total}`, width, height: total, role: "img", "aria-label": figure.label || ""}, holder);
+    const count = figure.panels.length;
+    const weights = figure.panels.map((panel) => panel.weight || 1);
+    const sum = weights.reduce((a, b) => a + b, 0);
+    const head = 20;
+    const foot = figure.x.label ? 38 : 22;
+    const room = total - foot - head * count;
+    const all = figure.panels.flatMap((panel) => panel.series);
+    let top = 0;
+    const boxes = weights.map((weight) => {
+      const box = {top: top + head, bottom: top + head + (room * weight) / sum};
+      top = box.bottom;
+      return box;
+    });
+    const scales = figure.panels.map((panel, i) => {
+      const {top: high, bottom: low} = boxes[i];
+      const down = panel.y.scale === "band" ? [high, low] : [low, high];
+      return scaleOf(panel.y, panel.series, "y", down[0], down[1], Math.max(2, Math.floor((low - high) / 36)));
+    });
+    const wide = scales.map((scale) => Math.max(...scale.ticks.map((t) => scale.text(t).length), 1) * CHARACTER + 12);
+    const left = Math.min(Math.max(...wide, 34), 0.42 * width);
+    const right = width - 12;
+    const xs = scaleOf(figure.x, all, "x", left, right, Math.max(2, Math.floor((right - left) / 64)));
+    const bottom = boxes[count - 1].bottom;
+    figure.panels.forEach((panel, i) => {
+      const box = {...boxes[i], left, right};
+      const group = node("g", {}, svg);
+      if (i === count - 1) xTicks(xs, left, right, box.top, box.bottom, group);
+      else if (!xs.band) for (const t of xs.ticks) node("path", {d: `M${xs.at(t).toFixed(1)} ${box.top}V${box.bottom}`, class: "grid"}, group);
+      yTicks(scales[i], left, right, group);
+      if (panel.y.label) node("text", {x: Math.max(0, Math.min(left - 34, 6)), y: box.top - 7, class: "label"}, group, panel.y.label);
+      const clip = `clip-${(number += 1)}`;
+      const shape = node("clipPath", {id: clip}, svg);
+      rectangle(left - 1, right + 1, box.top - 1, box.bottom + 1, "", shape);
+      const plot = node("g", {"clip-path": `url(#${clip})`}, svg);
+      const bars = panel.series.filter((one) => one.kind === "bars");
+      for (const one of panel.series) DRAW[one.kind](one, xs, scales[i], plot, box, {index: bars.indexOf(one), count: bars.length});
+      const axis = scales[i].band || !(scales[i].low < 0 && scales[i].high > 0) ? box.bottom : scales[i].at(0);
+      node("path", {d: `M${left} ${axis.toFixed(1)}H${right}`, class: "axis"}, svg);
+    });
+    if (figure.x.label) node("text", {x: (left + right) / 2, y: bottom + LINE + 15, class: "label", "text-anchor": "middle"}, svg, figure.x.label);
+    if (!xs.band) watch(chart, svg, holder, {xs, left, right, top: boxes[0].top, bottom, width});
+  }
+
+  /* Values under the pointer. */
+  function watch(chart, svg, holder, box) {
+    const readable = chart.figure.panels.flatMap((p) => p.series).filter((one) => one.name && ["line", "bins", "stems"].includes(one.kind));
+    if (!readable.length) return;
+    const cursor = node("path", {class: "cursor"}, svg);
+    const note = block("div", "values", holder);
+    note.hidden = true;
+    const leave = () => {
+      note.hidden = true;
+      cursor.setAttribute("d", "");
+    };
+    svg.addEventListener("pointerleave", leave);
+    svg.addEventListener("pointermove", (event) => {
+      const frame = svg.getBoundingClientRect();
+      const px = ((event.clientX - frame.left) * box.width) / frame.width;
+      if (px < box.left || px > box.right) return leave();
+      cursor.setAttribute("d", `M${px.toFixed(1)} ${box.top}V${box.bottom}`);
+      note.replaceChildren();
+      const unit = (chart.figure.x.label || "").match(/\[[^\]]*\]$/);
+      readable.forEach((one, k) => {
+        const values = one.y || one.mean;
+        let best = -1;
+        let gap = Infinity;
+        for (let i = 0; i < values.length; i++) {
+          if (!known(values[i])) continue;
+          const distance = Math.abs(box.xs.at(valueAt(one.x, i)) - px);
+          if (distance < gap) [gap, best] = [distance, i];
+        }
+        if (best < 0) return;
+        if (k === 0) block("p", "", note, `at ${formatNumber(valueAt(one.x, best))} ${unit ? unit[0].slice(1, -1) : ""}`);
+        block("p", `key ${one.role}`, note, `${one.name} ${formatNumber(values[best], 3)}`);
+      });
+      note.hidden = false;
+      const beside = px / box.width > 0.6 ? px - note.offsetWidth - 12 : px + 12;
+      note.style.left = `${Math.max(0, beside)}px`;
+    });
+  }
+
+  function create(element, figure) {
+    const chart = {element, figure, width: 0};
+    chart.draw = (width) => {
+      const room = width || element.clientWidth;
+      if (room < 40) return;
+      chart.width = room;
+      draw(chart, Math.round(room));
+    };
+    chart.update = (changes) => {
+      chart.figure = {...chart.figure, ...changes};
+      chart.draw();
+    };
+    const observer = new ResizeObserver(() => {
+      if (Math.abs(element.clientWidth - chart.width) > 1) chart.draw();
+    });
+    chart.destroy = () => {
+      observer.disconnect();
+      element.replaceChildren();
+    };
+    chart.draw();
+    observer.observe(element);
+    return chart;
+  }
+
+  return {create, legend: legendOf, formatNumber, formatPercent};
+})();

@@ -1,0 +1,150 @@
+"use strict";
+/* The page: theme, choices of figures, contents, and print. */
+(() => {
+  const THEMES = ["auto", "light", "dark"];
+  const root = document.documentElement;
+  const figures = JSON.parse(document.getElementById("figures").textContent);
+  const PRINTED = {wide: 690, grid: 332}; // px, of a chart on paper
+
+  function remembered() {
+    try {
+      return localStorage.getItem("theme");
+    } catch {
+      return null; // a browser may not let a file remember
+    }
+  }
+
+  function setTheme(theme) {
+    if (theme === "auto") delete root.dataset.theme;
+    else root.dataset.theme = theme;
+    const button = document.getElementById("theme");
+    button.textContent = `Colours: ${theme}`;
+    button.dataset.now = theme;
+    try {
+      localStorage.setItem("theme", theme);
+    } catch {
+      // as above
+    }
+  }
+
+  function startTheme() {
+    const button = document.getElementById("theme");
+    const before = remembered();
+    setTheme(THEMES.includes(before) ? before : "auto");
+    button.addEventListener("click", () => setTheme(THEMES[(THEMES.indexOf(button.dataset.now) + 1) % THEMES.length]));
+  }
+
+  function element(name, kind, parent, text) {
+    const made = document.createElement(name);
+    if (kind) made.className = kind;
+    if (text) made.textContent = text;
+    parent.appendChild(made);
+    return made;
+  }
+
+  /* Notes and charts of one variant; the charts come back. */
+  function fill(holder, figure, variant, width) {
+    holder.replaceChildren();
+    if (variant.notes.length) {
+      const list = element("ul", "notes", holder);
+      for (const note of variant.notes) element("li", "", list, note);
+    }
+    const shared = variant.charts.find((one) => one.spec.shared);
+    if (shared) Charts.legend({...shared.spec, legend: true}, holder);
+    const grid = element("div", figure.wide ? "charts" : "charts grid", holder);
+    return variant.charts.map((one) => {
+      const frame = element("figure", "", grid);
+      const title = one.title ? element("figcaption", "", frame) : null;
+      if (title) element("h4", "", title, one.title);
+      if (title && one.aid) element("p", "aid", title, one.aid);
+      const chart = Charts.create(element("div", "chart", frame), one.spec);
+      if (width) chart.draw(width);
+      return chart;
+    });
+  }
+
+  function startFigure(holder) {
+    const figure = figures[holder.dataset.figure];
+    const part = holder.closest(".part");
+    const inputs = [...part.querySelectorAll(".choices select, .choices fieldset")];
+    const state = {figure, holder, charts: [], shown: false, printed: []};
+    const chosen = () =>
+      inputs.filter((one) => one.tagName === "SELECT" || !one.querySelector("select"))
+        .map((one) => (one.tagName === "SELECT" ? one.value : one.querySelector(":checked").value))
+        .join("|");
+    state.show = () => {
+      state.charts.forEach((chart) => chart.destroy());
+      state.charts = fill(holder, figure, figure.variants[chosen()]);
+      state.shown = true;
+    };
+    state.paper = () => {
+      for (const key of figure.printed) {
+        const copy = element("div", "printed", part);
+        state.printed.push(copy);
+        copy.style.display = "block"; // so that it has a width to be drawn at
+        const name = key.split("|").map((value, i) => figure.choices[i].options[Number(value)]).join(", ");
+        if (figure.choices.length) element("h4", "", copy, name);
+        fill(element("div", "", copy), figure, figure.variants[key], figure.wide ? PRINTED.wide : PRINTED.grid);
+        copy.style.display = "";
+      }
+    };
+    state.screen = () => {
+      state.printed.forEach((copy) => copy.remove());
+      state.printed = [];
+    };
+    part.addEventListener("change", state.show);
+    return state;
+  }
+
+  function startFigures() {
+    const states = new Map([...document.querySelectorAll("[data-figure]")].map((one) => [one, startFigure(one)]));
+    const near = new IntersectionObserver(
+      (entries) => {
+        for (const entry of entries) {
+          const state = states.get(entry.target);
+          if (entry.isIntersecting && !state.shown) state.show();
+        }
+      },
+      {rootMargin: "600px"},
+    );
+    for (const one of states.keys()) near.observe(one);
+    const closed = [];
+    addEventListener("beforeprint", () => {
+      for (const one of document.querySelectorAll("details:not([open])")) {
+        closed.push(one);
+        one.open = true;
+      }
+      for (const state of states.values()) state.paper();
+    });
+    addEventListener("afterprint", () => {
+      closed.splice(0).forEach((one) => (one.open = false));
+      for (const state of states.values()) state.screen();
+    });
+  }
+
+  /* Marks in the contents which section is being read. */
+  function startContents() {
+    const links = [...document.querySelectorAll("nav.contents a")];
+    const mark = () => {
+      let current = links[0];
+      for (const link of links) {
+        const target = document.getElementById(link.hash.slice(1));
+        if (target && target.getBoundingClientRect().top < innerHeight / 3) current = link;
+      }
+      for (const link of links) {
+        if (link === current) link.setAttribute("aria-current", "true");
+        else link.removeAttribute("aria-current");
+      }
+    };
+    addEventListener("scroll", mark, {passive: true});
+    mark();
+  }
+
+  startTheme();
+  startFigures();
+  startContents();
+  const workbench = document.getElementById("workbench");
+  if (workbench && window.Workbench) {
+    window.Workbench.start(workbench, JSON.parse(document.getElementById("workbench-data").textContent), Charts);
+  }
+})();

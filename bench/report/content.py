@@ -1,0 +1,144 @@
+"""The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+from bench.dataset import Dataset
+from bench.diagnose.result import Diagnosis
+from bench.diagnose.split import with_judged_parts
+from bench.diagnose.unexplained import relative_noise_floor
+from bench.estimate.model_file import Comparison
+from bench.estimate.result import CurrentSeries, Identification
+from bench.report.content_effects import gains_section, not_ranked_section, ranking_section
+from bench.report.content_errors import currents_section, errors_section, errors_table, ladder_section
+from bench.report.content_parameters import conditioning_section, parameters_section
+from bench.report.content_run import limits_section, run_section
+from bench.report.content_where import where_section
+from bench.report.parts import Page, Section
+from bench.report.shown import shown
+from bench.report.verdict import (
+    comparison_tiles,
+    comparison_verdict,
+    diagnosis_tiles,
+    diagnosis_verdict,
+    identification_tiles,
+    identification_verdict,
+)
+from bench.report.words import plural
+from bench.sweep.versions import versions
+
+AS_IT_IS, COMPLETED = "of the model as it is", "with what is missing"
+
+
+def diagnosis_page(diagnosis: Diagnosis, dataset: Dataset, again: Sequence[str]) -> Page:
+    """What the model lacks, and all that stands behind it. again: the commands that give this page."""
+    before, after = diagnosis.before, diagnosis.after
+    judged = _with_series_of(dataset, after.recordings)
+    models = [shown(COMPLETED, "after", judged, after, after.settings)]
+    if diagnosis.missing:
+        models.insert(0, shown(AS_IT_IS, "before", judged, before, before.settings))
+    else:
+        models = [shown("", "error", judged, after, after.settings)]
+    noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
+    ladder = ladder_section(diagnosis)
+    ladder = Section(
+        ladder.id,
+        ladder.title,
+        ladder.lead,
+        (*ladder.parts, errors_table(models[-1], after.recordings, noise)),
+        "Ladder",
+    )
+    old = before if diagnosis.missing else None
+    return Page(
+        title=f"What the model of {diagnosis.robot} is missing",
+        facts=_facts(dataset, f"estimator {after.method}", f"judged on {diagnosis.split}"),
+        verdict=diagnosis_verdict(diagnosis),
+        tiles=diagnosis_tiles(diagnosis),
+        sections=(
+            ladder,
+            currents_section(models),
+            where_section(models),
+            ranking_section(diagnosis),
+            gains_section(after, old),
+            parameters_section(after, old),
+            conditioning_section(after),
+            limits_section(after, diagnosis, dataset, after.settings),
+            run_section(dataset, after.settings, after, again),
+        ),
+        generator=_generator(),
+        footer=_footer(),
+    )
+
+
+def identification_page(result: Identification, dataset: Dataset, again: Sequence[str]) -> Page:
+    """An identified model: its errors, its gains, its parameters."""
+    model = shown("", "error", dataset, result, result.settings)
+    noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
+    return Page(
+        title=f"Drive gains and parameters of {result.robot}",
+        facts=_facts(dataset, f"estimator {result.method}", ", ".join(result.effects) or "rigid bodies only"),
+        verdict=identification_verdict(result, model.where, noise),
+        tiles=identification_tiles(result, noise),
+        sections=(
+            errors_section(model, result.recordings, noise),
+            currents_section([model]),
+            where_section([model]),
+            not_ranked_section(),
+            gains_section(result, None),
+            parameters_section(result, None),
+            conditioning_section(result),
+            limits_section(result, None, dataset, result.settings),
+            run_section(dataset, result.settings, result, again),
+        ),
+        generator=_generator(),
+        footer=_footer(),
+    )
+
+
+def comparison_page(
+    comparison: Comparison, dataset: Dataset, saved: Identification, again: Sequence[str]
+) -> Page:
+    """A saved model beside recordings that it may never have seen: its errors, and where they are."""
+    settings = saved.settings
+    model = shown("", "error", dataset, comparison, settings)
+    noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
+    return Page(
+        title=f"Where a model of {comparison.robot} fails",
+        facts=_facts(dataset, f"model {comparison.model}", "nothing fitted"),
+        verdict=comparison_verdict(comparison.error, comparison.model, model.where, noise),
+        tiles=comparison_tiles(comparison.error, model.where, noise),
+        sections=(
+            errors_section(model, comparison.recordings, noise),
+            currents_section([model]),
+            where_section([model]),
+            not_ranked_section(),
+            gains_section(saved, None),
+            parameters_section(saved, None),
+            limits_section(None, None, dataset, settings),
+            run_section(dataset, settings, None, again),
+        ),
+        generator=_generator(),
+        footer=_footer(),
+    )
+
+
+def _with_series_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
+    """The dataset whose recordings the series are of: with the ends kept apart where they were judged on."""
+    names = {one.name for one in dataset.recordings}
+    return dataset if all(one.name in names for one in series) else with_judged_parts(dataset)[0]
+
+
+def _facts(dataset: Dataset, *more: str) -> tuple[str, ...]:
+    loads = sorted({one.payload for one in dataset.recordings if one.payload is not None})
+    payload = f"payload {', '.join(loads)}" if loads else "no payload"
+    count = plural(len(dataset.recordings), "recording")
+    return (f"robot {dataset.robot.name}", f"data {dataset.folder.name}", count, payload, *more)
+
+
+def _generator() -> str:
+    return f"parabench {dict(versions().packages)['parabench']}".rstrip()
+
+
+def _footer() -> str:
+    today = datetime.now(UTC).date()
+    return f"Written by {_generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."

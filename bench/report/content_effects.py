@@ -1,0 +1,237 @@
+"""Sections on effects and gains: the ranking with its reasons, and the drive gains before and after."""
+
+import numpy as np
+
+from bench.diagnose.result import Diagnosis, EffectVerdict
+from bench.diagnose.summary import effort_unit, error_share, reason
+from bench.estimate.result import DriveGain, Identification
+from bench.report.parts import Cell, Column, Items, Part, Row, Section, Table, one_figure, row
+from bench.report.thin import significant
+from bench.report.words import (
+    INTERVAL,
+    effect_name,
+    said_list,
+    share,
+    short,
+    typeset,
+    with_interval,
+    with_std,
+)
+from bench.show.numbers import flat_effects, gain_change, pretty_unit
+
+UNSUPPORTED = ("not supported", "absorbed")
+VERDICTS_AID = (
+    "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
+    "alternatives. Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong."
+)
+
+
+def ranking_section(diagnosis: Diagnosis) -> Section:
+    """Every effect with its verdict: those that count in full, the others folded."""
+    shown = [one for one in diagnosis.ranking if one.verdict not in UNSUPPORTED]
+    rest = [one for one in diagnosis.ranking if one.verdict == "not supported"]
+    absorbed = [one for one in diagnosis.ranking if one.verdict == "absorbed"]
+    parts: list[Part] = []
+    if shown:
+        parts.append(
+            Table("Effects that count", VERDICTS_AID, _COLUMNS, tuple(_row(diagnosis, one) for one in shown))
+        )
+        parts.append(
+            Items("Why", "", tuple(typeset(reason(diagnosis, one)) for one in shown)),
+        )
+    else:
+        parts.append(Items("Effects that count", "", ("None: no effect of the catalogue is supported.",)))
+    if rest:
+        rows = tuple(
+            row(
+                effect_name(one.effect),
+                share(one.error_before),
+                share(one.error_after),
+                short(one.evidence),
+                typeset(one.why),
+            )
+            for one in rest
+        )
+        columns = (
+            Column("effect", "keep"),
+            Column("error without", "right"),
+            Column("error with", "right"),
+            Column("evidence", "right"),
+            Column("reason", "words"),
+        )
+        title = f"{len(rest)} effects that the data do not support"
+        parts.append(
+            Table(title, "Adding one of them gains nothing that is sure.", columns, rows, folded=True)
+        )
+    if absorbed:
+        title = f"{len(absorbed)} effects that no data of this robot could show"
+        rows = tuple(row(effect_name(one.effect), typeset(one.why)) for one in absorbed)
+        aid = "The model's own parameters take them up completely, so they do no harm to its currents."
+        parts.append(
+            Table(title, aid, (Column("effect", "keep"), Column("reason", "words")), rows, folded=True)
+        )
+    lead = (
+        f"Every effect of the catalogue, and every set of a few, was fitted and judged on {diagnosis.split}."
+    )
+    return Section("ranking", "Which effects are missing", lead, tuple(parts), "Missing effects")
+
+
+def not_ranked_section() -> Section:
+    """Says that nothing was looked for."""
+    said_so = (
+        "This run fitted or applied a model; which effects it lacks was not looked for. bench diagnose does."
+    )
+    return Section(
+        "ranking", "Which effects are missing", "", (Items("", "", (said_so,)),), "Missing effects"
+    )
+
+
+_COLUMNS = (
+    Column("effect", "keep"),
+    Column("verdict"),
+    Column("at"),
+    Column("error without", "right"),
+    Column("error with", "right"),
+    Column("evidence", "right"),
+    Column("RMS size", "keep"),
+    Column("of squared error", "right"),
+    Column("alternatives"),
+)
+
+
+def _row(diagnosis: Diagnosis, one: EffectVerdict) -> Row:
+    sizes = [
+        f"{short(size, 3)} {effort_unit(diagnosis.after, joint)}"
+        + (f" at {joint}" if len(one.size) > 1 else "")
+        for joint, size in one.size.items()
+    ]
+    return row(
+        effect_name(one.effect),
+        Cell(one.verdict, f"badge {one.verdict}"),
+        said_list(one.actuators),
+        share(one.error_before),
+        share(one.error_after),
+        short(one.evidence),
+        said_list(sizes),
+        _most(error_share(one)),
+        said_list([effect_name(name) for name in one.alternatives]),
+        kind="strong" if one.effect in diagnosis.missing else "",
+    )
+
+
+def _most(part: float | None) -> str:
+    """A share near one to the digits that tell it from one."""
+    if part is None:
+        return "–"
+    return "> 99.9\u00a0%" if part > 0.999 else f"{typeset(f'{100.0 * part:.3g}')}\u00a0%"
+
+
+def gains_section(after: Identification, before: Identification | None) -> Section:
+    """Drive gains with their 95 % intervals beside the nominal values; before: without what is missing."""
+    if not after.gains_fitted:
+        lead = (
+            "No fitted recording carries a payload of known mass, which alone gives the gains their scale: they stay "
+            "at their nominal values, and every parameter is wrong by the same share as the gain that scales it."
+        )
+        rows = tuple(
+            row(joint, short(gain.nominal, 6), pretty_unit(gain.unit))
+            for joint, gain in after.drive_gains.items()
+        )
+        columns = (Column("motor"), Column("nominal", "right"), Column("unit", "keep"))
+        table = Table("Nominal gains", "As the maker's sheet gives them; not identified.", columns, rows)
+        return Section("gains", "Drive gains", lead, (table,))
+    models: list[tuple[str, str, Identification]] = [("after", "with what is missing", after)]
+    if before is None:
+        models = [("after", "identified", after)]
+    else:
+        models.insert(0, ("before", "model as it is", before))
+    lead = "What a motor really gives for its current, fitted together with the dynamic parameters."
+    if before is not None:
+        lead += " A model that lacks an effect bends the gains to make up for it."
+    return Section("gains", "Drive gains", lead, (_gains_figure(models), _gains_table(after, before)))
+
+
+def _gains_figure(models: list[tuple[str, str, Identification]]) -> Part:
+    joints = list(models[-1][2].drive_gains)
+    series = []
+    for i, (role, name, model) in enumerate(models):
+        gains = list(model.drive_gains.values())
+        value = np.array([gain_change(gain) for gain in gains])
+        half = INTERVAL * np.array([gain.std / abs(gain.nominal) for gain in gains])
+        series.append(
+            {
+                "kind": "intervals",
+                "role": role,
+                "name": name,
+                "y": list(range(len(joints))),
+                "x": significant(value),
+                "low": significant(value - half),
+                "high": significant(value + half),
+                "shift": 0.0 if len(models) == 1 else 0.3 * (i - 0.5),
+            }
+        )
+    rule = {"kind": "rule", "role": "noise", "name": "nominal value", "axis": "x", "at": 0.0}
+    spec = {
+        "label": "Drive gains against their nominal values",
+        "height": 76 + (38 if len(models) > 1 else 28) * len(joints),
+        "x": {"label": "difference to the nominal gain [%]", "percent": True, "room": True},
+        "panels": [{"y": {"scale": "band", "categories": joints}, "series": [rule, *series]}],
+    }
+    aid = "Whiskers: 95 % intervals, where they are wider than a dot. A maker's sheet is often wrong by a tenth."
+    return one_figure("Drive gains against their nominal values", aid, spec)
+
+
+def _gains_table(after: Identification, before: Identification | None) -> Table:
+    columns = [Column("motor"), Column("unit", "keep"), Column("nominal", "right")]
+    if before is not None:
+        columns += [Column("model as it is", "right"), Column("with what is missing", "right")]
+        columns += [Column("moves by", "right")]
+    else:
+        columns += [Column("identified", "right")]
+    columns += [Column("std", "right"), Column("from nominal", "right")]
+    rows = []
+    for joint, gain in after.drive_gains.items():
+        cells = [joint, pretty_unit(gain.unit), short(gain.nominal, 6)]
+        if before is not None:
+            old: DriveGain = before.drive_gains[joint]
+            cells += [
+                with_interval(old),
+                with_interval(gain),
+                share(gain.value / old.value - 1.0, signed=True),
+            ]
+        else:
+            cells += [with_interval(gain)]
+        rows.append(row(*cells, share(gain.relative_std), share(gain_change(gain), signed=True)))
+    aid = "After ±: half the 95 % interval. std: standard deviation in percent of the value."
+    return Table("The same in numbers", aid, tuple(columns), tuple(rows))
+
+
+def effects_table(result: Identification) -> Table:
+    """Parameters of the effects that a model has."""
+    rows = []
+    last = ""
+    for effect, joint, name, one in flat_effects(result):
+        first = effect_name(effect) if effect != last else ""
+        rows.append(
+            row(first, joint, name, with_std(one), pretty_unit(one.unit), share_of(one.std, one.value))
+        )
+        last = effect
+    columns = (
+        Column("effect", "keep"),
+        Column("at"),
+        Column("parameter"),
+        Column("value ± std", "right"),
+        Column("unit", "keep"),
+        Column("std of value", "right"),
+    )
+    return Table(
+        "Parameters of the effects", "The laws stand in bench/effects/README.md.", columns, tuple(rows)
+    )
+
+
+def share_of(std: float, value: float) -> Cell:
+    """The deviation in percent of the value, marked where the value says little; a dash where it was given."""
+    if std == 0.0 or value == 0.0:
+        return Cell("–")
+    part = std / abs(value)
+    return Cell(share(part) if np.isfinite(part) else "not determined", "poor" if part > 0.3 else "")

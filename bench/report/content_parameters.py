@@ -1,0 +1,232 @@
+"""Sections on the parameters: values, deviations, groupings, conditioning, and what was not excited."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from bench.estimate.result import CurrentSeries, Identification
+from bench.report.content_effects import effects_table
+from bench.report.parts import Cell, Column, Items, Part, Section, Table, one_figure, row
+from bench.report.thin import significant
+from bench.report.words import relative_std, share, short, typeset, with_std
+from bench.show.numbers import (
+    POOR,
+    current_unit,
+    flat_effects,
+    is_poor,
+    other_terms,
+    pretty_unit,
+    rounded_terms,
+    settings_lines,
+)
+
+ALIKE = 0.95  # correlation of two estimates from which on one can stand for the other
+MOST_PAIRS = 10
+REVERSALS = 3  # fewer in all recordings tell little of friction
+
+
+def parameters_section(after: Identification, before: Identification | None) -> Section:
+    """Base, payload and effect parameters with their relative deviations and groupings."""
+    old = {one.name: one for one in before.parameters} if before is not None else {}
+    columns = [Column("parameter", "keep"), Column("value ± std", "right"), Column("unit", "keep")]
+    columns += [Column("std of value", "right")]
+    if before is not None:
+        columns.append(Column("model as it is", "right"))
+    columns.append(Column("together with", "small"))
+    rows = []
+    for one in after.parameters:
+        terms = " ".join(rounded_terms(other_terms(one.name, one.grouping)))
+        cells: list[str | Cell] = [one.name, with_std(one), pretty_unit(one.unit), relative_std(one)]
+        if before is not None:
+            cells.append(with_std(old[one.name]) if one.name in old else "–")
+        rows.append(row(*cells, typeset(terms) or "alone", kind="weak" if is_poor(one) else ""))
+    aid = (
+        "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
+        f"where the deviation is above {POOR:.0%} of the value: then it says little."
+    ).replace("%", " %")
+    parts: list[Part] = [_deviations_figure(after)] if after.parameters else []
+    parts.append(Table("Base and payload parameters", aid, tuple(columns), tuple(rows)))
+    if after.effect_parameters:
+        parts.append(effects_table(after))
+    if after.left_out:
+        parts.append(Items("Left out, as the data do not need them", "", after.left_out))
+    scale = "" if after.gains_fitted else " They scale with the nominal gains."
+    lead = f"{len(after.parameters)} parameters describe all that the rigid bodies do in these recordings.{scale}"
+    return Section("parameters", "Dynamic parameters", lead, tuple(parts), "Parameters")
+
+
+def _deviations_figure(result: Identification) -> Part:
+    deviations = [one.relative_std if one.std else float("nan") for one in result.parameters]
+    points = {
+        "kind": "intervals",
+        "role": "after",
+        "y": list(range(len(deviations))),
+        "x": significant(np.array(deviations), 3),
+    }
+    rule = {
+        "kind": "rule",
+        "role": "before",
+        "name": f"{100 * POOR:.0f} %: says little",
+        "axis": "x",
+        "at": POOR,
+        "dashed": True,
+    }
+    spec = {
+        "label": "Relative deviations",
+        "height": 66 + 18 * len(deviations),
+        "x": {
+            "label": "standard deviation in percent of the value, logarithmic",
+            "scale": "log",
+            "percent": True,
+        },
+        "panels": [
+            {
+                "y": {"scale": "band", "categories": [one.name for one in result.parameters]},
+                "series": [rule, points],
+            }
+        ],
+    }
+    aid = "The farther left, the better known."
+    return one_figure("How well each is determined", aid, spec)
+
+
+def conditioning_section(result: Identification) -> Section:
+    """Rank and conditioning, what the motors did, and what they did not do enough."""
+    facts = [typeset(f"{line[:1].upper()}{line[1:]}.") for line in settings_lines(result)[:-1]]
+    parts: list[Part] = [
+        Items(
+            "The equations",
+            "A condition number with columns of unit length below about 100 is comfortable, above 1000 it is not.",
+            tuple(facts),
+        ),
+        _motion_table(result),
+    ]
+    pairs = _alike(result)
+    if pairs:
+        columns = (Column("one", "keep"), Column("other", "keep"), Column("correlation", "right"))
+        rows = tuple(row(a, b, short(value, 3)) for a, b, value in pairs[:MOST_PAIRS])
+        more = f" {len(pairs) - MOST_PAIRS} more pairs are not shown." if len(pairs) > MOST_PAIRS else ""
+        aid = f"Estimates that only their sum or difference is well known of.{more}"
+        parts.append(Table("Pairs that the data hardly tell apart", aid, columns, rows))
+    parts.append(Items("Not excited", "", tuple(_not_excited(result))))
+    lead = "Whether the movements were rich enough to tell the unknowns apart."
+    return Section("conditioning", "Conditioning and excitation", lead, tuple(parts), "Conditioning")
+
+
+def _fitted(result: Identification) -> list[CurrentSeries]:
+    return [one for one in result.recordings if one.use == "identify"] or list(result.recordings)
+
+
+def _reversals(series: CurrentSeries, j: int) -> int:
+    """How often a motor changes its direction while it moves."""
+    signs = np.sign(series.velocity[:, j][series.moving[:, j]])
+    return sum(a * b < 0 for a, b in pairwise(signs.tolist()))
+
+
+def _motion_table(result: Identification) -> Table:
+    fitted = _fitted(result)
+    columns = (
+        Column("motor"),
+        Column("position from", "right"),
+        Column("to", "right"),
+        Column("", "keep"),
+        Column("speed, RMS", "right"),
+        Column("largest", "right"),
+        Column("", "keep"),
+        Column("acceleration, RMS", "right"),
+        Column("", "keep"),
+        Column("current, RMS", "right"),
+        Column("", "keep"),
+        Column("reversals", "right"),
+        Column("moves", "right"),
+    )
+    rows = []
+    for j, (joint, gain) in enumerate(result.drive_gains.items()):
+        position, velocity, acceleration, measured, moving = (
+            np.concatenate([getattr(one, name)[:, j] for one in fitted])
+            for name in ("position", "velocity", "acceleration", "measured", "moving")
+        )
+        unit = "rad" if gain.unit.startswith("N*m") else "m"
+        rows.append(
+            row(
+                joint,
+                short(position.min(), 3),
+                short(position.max(), 3),
+                unit,
+                short(_rms(velocity), 3),
+                short(np.abs(velocity).max(), 3),
+                f"{unit}/s",
+                short(_rms(acceleration), 3),
+                f"{unit}/s²",
+                short(_rms(measured), 3),
+                current_unit(gain.unit),
+                str(sum(_reversals(one, j) for one in fitted)),
+                share(float(moving.mean())),
+            )
+        )
+    aid = (
+        "Over the fitted recordings, after the filters of the fit. moves: share of the rows in which it does."
+    )
+    return Table("What the motors did", aid, columns, tuple(rows))
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _not_excited(result: Identification) -> list[str]:
+    said = []
+    fitted = _fitted(result)
+    for j, joint in enumerate(result.drive_gains):
+        count = sum(_reversals(one, j) for one in fitted)
+        if count < REVERSALS:
+            said.append(
+                f"{joint} reverses {count} times: friction and offset can hardly be told apart there."
+            )
+    poor = [one.name for one in result.parameters if is_poor(one)]
+    if poor:
+        said.append(
+            f"Poorly determined (deviation above {100 * POOR:.0f} % of the value): {', '.join(poor)}."
+        )
+    unknown = [
+        f"{name} of {effect.replace('_', ' ')} at {joint}"
+        for effect, joint, name, one in flat_effects(result)
+        if not np.isfinite(one.std)
+    ]
+    if unknown:
+        said.append(f"Taken up by other parameters: {', '.join(unknown)}.")
+    if result.rank < result.unknowns:
+        said.append(f"{result.unknowns - result.rank} of {result.unknowns} unknowns are open.")
+    return said or ["Nothing: every motor reverses, and every parameter is determined."]
+
+
+def _alike(result: Identification) -> list[tuple[str, str, float]]:
+    """Pairs of estimates whose errors are all but one, the closest first."""
+    names = _covariance_names(result)
+    if names is None:
+        return []
+    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
+    safe = np.where(std > 0, std, np.inf)
+    correlation = result.covariance / np.outer(safe, safe)
+    pairs = [
+        (names[i], names[j], float(correlation[i, j]))
+        for i, j in zip(*np.nonzero(np.triu(np.abs(correlation) > ALIKE, 1)), strict=True)
+    ]
+    return sorted(pairs, key=lambda one: -abs(one[2]))
+
+
+def _covariance_names(result: Identification) -> list[str] | None:
+    """What the covariance's rows are of; None where that cannot be said for sure."""
+    named = [(one.name, one.std) for one in result.parameters]
+    effects = [
+        (f"{name} of {effect.replace('_', ' ')} at {joint}", one.std)
+        for effect, joint, name, one in flat_effects(result)
+    ]
+    gains = [(f"gain of {joint}", one.std) for joint, one in result.drive_gains.items()]
+    size = len(result.covariance)
+    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
+    # effects with a shape have rows behind the gains: only models without are named here
+    for order in ([*named, *effects, *gains],):
+        if len(order) == size and np.allclose([one[1] for one in order], std, rtol=1e-9, atol=0.0):
+            return [name for name, _ in order]
+    return None

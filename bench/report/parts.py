@@ -1,0 +1,177 @@
+"""What a page is made of: frozen, plain data, ready for JSON."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+Spec = Mapping[str, Any]
+"""A figure as `assets/charts.js` takes it: {label, height, x, panels}."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A table's column. kind: how its cells stand, such as "right" for numbers, "words" for sentences."""
+
+    header: str
+    kind: Literal["", "right", "keep", "words", "small"] = ""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A text in a table. kind: "poor", or "badge" with a verdict."""
+
+    text: str
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of cells. kind: "strong" or "weak"."""
+
+    cells: tuple[Cell, ...]
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """title names what is in it; aid: one line on how to read it; folded: shown when it is asked for."""
+
+    title: str
+    aid: str
+    columns: tuple[Column, ...]
+    rows: tuple[Row, ...]
+    folded: bool = False
+    type: Literal["table"] = "table"
+
+
+@dataclass(frozen=True)
+class Items:
+    """Sentences as a list."""
+
+    title: str
+    aid: str
+    items: tuple[str, ...]
+    folded: bool = False
+    type: Literal["items"] = "items"
+
+
+@dataclass(frozen=True)
+class Text:
+    """Paragraphs."""
+
+    title: str
+    paragraphs: tuple[str, ...]
+    aid: str = ""
+    folded: bool = False
+    type: Literal["text"] = "text"
+
+
+@dataclass(frozen=True)
+class Commands:
+    """Lines for a terminal."""
+
+    title: str
+    aid: str
+    lines: tuple[str, ...]
+    folded: bool = False
+    type: Literal["commands"] = "commands"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture that another command drew. data: a data: address."""
+
+    title: str
+    aid: str
+    data: str
+    folded: bool = False
+    type: Literal["picture"] = "picture"
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One chart of a figure; title and aid are empty where the figure's own say it."""
+
+    title: str
+    aid: str
+    spec: Spec
+
+
+@dataclass(frozen=True)
+class Variant:
+    """What a figure shows for one choice. notes: sentences above the charts."""
+
+    charts: tuple[Chart, ...]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A question that a figure's reader may answer, such as which motor. first: the option at the start."""
+
+    name: str
+    options: tuple[str, ...]
+    first: int = 0
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Charts, for every combination of choices. wide: one chart a line, else several beside each other.
+
+    variants: by the numbers of the options, as in "0|2", "" without choices; printed: those that stand on paper.
+    """
+
+    title: str
+    aid: str
+    wide: bool
+    choices: tuple[Choice, ...]
+    variants: Mapping[str, Variant]
+    printed: tuple[str, ...]
+    folded: bool = False
+    type: Literal["figure"] = "figure"
+
+
+Part = Table | Items | Text | Commands | Picture | Figure
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page. id: its address; short: its name among the contents, the title by default."""
+
+    id: str
+    title: str
+    lead: str
+    parts: tuple[Part, ...]
+    short: str = ""
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A number that counts, in large type."""
+
+    label: str
+    value: str
+    note: str
+
+
+@dataclass(frozen=True)
+class Page:
+    """A whole page. verdict: sentences; facts: words under the title."""
+
+    title: str
+    facts: tuple[str, ...]
+    verdict: tuple[str, ...]
+    tiles: tuple[Tile, ...]
+    sections: tuple[Section, ...]
+    generator: str
+    footer: str = field(default="")
+
+
+def one_figure(title: str, aid: str, spec: Spec) -> Figure:
+    """A figure without choices."""
+    return Figure(title, aid, True, (), {"": Variant((Chart("", "", spec),))}, ("",))
+
+
+def row(*cells: str | Cell, kind: str = "") -> Row:
+    """A row of texts and cells."""
+    return Row(tuple(one if isinstance(one, Cell) else Cell(one) for one in cells), kind)

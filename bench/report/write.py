@@ -1,0 +1,52 @@
+"""Write the page of a run, beside what is needed to write it again."""
+
+from pathlib import Path
+
+from bench.dataset import Dataset
+from bench.diagnose.result import Diagnosis
+from bench.estimate.model_file import Comparison
+from bench.estimate.result import Identification
+from bench.files import write_text_atomically
+from bench.report.content import comparison_page, diagnosis_page, identification_page
+from bench.report.content_run import Run
+from bench.report.folder import Kept, keep_run
+from bench.report.parts import Page
+from bench.report.render import Workbench, render_page
+
+REPORT_FILE = "report.html"
+
+
+def write_page(path: Path, page: Page, workbench: Workbench | None = None) -> Path:
+    """Write a page, whole or not at all."""
+    write_text_atomically(path, render_page(page, workbench))
+    return path
+
+
+def write_diagnosis_report(folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: Run) -> Path:
+    """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
+    keep_run(folder, run, dataset, diagnosis.after, diagnosis)
+    return write_kept(folder / REPORT_FILE, Kept(run, dataset, diagnosis.after, diagnosis, ""), folder)
+
+
+def write_identification_report(
+    folder: Path, result: Identification, dataset: Dataset, run: Run, model: str = ""
+) -> Path:
+    """Write report.html of an identification, or of a saved model that was applied (named `model`)."""
+    keep_run(folder, run, dataset, result, model=model)
+    return write_kept(folder / REPORT_FILE, Kept(run, dataset, result, None, model), folder)
+
+
+def write_kept(path: Path, kept: Kept, folder: Path | None = None) -> Path:
+    """Write the page of a run, made just now or read from its folder."""
+    again = [kept.run.line()]
+    if folder is not None:
+        again.append(f"bench report {folder} -o {path}")
+    after = kept.after
+    if kept.diagnosis is not None:
+        page = diagnosis_page(kept.diagnosis, kept.dataset, again)
+    elif kept.model:
+        comparison = Comparison(after.robot, kept.model, after.recordings, after.error)
+        page = comparison_page(comparison, kept.dataset, after, again)
+    else:
+        page = identification_page(after, kept.dataset, again)
+    return write_page(path, page)
