@@ -26,7 +26,7 @@ class StribeckFriction(ActuatorEffect):
     )
     shape = (
         ShapeParameter("vs", "{angle}/s", (0.02, 0.05, 0.1, 0.2, 0.4, 0.8), scale="speed"),
-        ShapeParameter("delta", "1", (2.0, 1.0), discrete=True),
+        ShapeParameter("delta", "1", (1.0, 2.0), discrete=True),
     )
     contains = ("coulomb_friction",)
 
