@@ -8,6 +8,7 @@ import numpy as np
 from bench.effects import JointSignals, RobotSignals
 from bench.estimate.effect_columns import PresentModel, robot_signals
 from bench.estimate.measured import Measured
+from bench.estimate.standstill import no_gaps
 from bench.model.geometry import Geometry
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
@@ -33,6 +34,7 @@ def joint_signals(
         acceleration -= size * rate**2 * np.sin(rate * time + phase)
     current = 0.8 * np.sin(5.0 * time + 0.4) + 0.3 * np.cos(11.0 * time)
     rate = (samples - 1) / (time[-1] - time[0])
+    needed = 2.5 * current
     return JointSignals(
         time=time,
         position=position,
@@ -44,6 +46,7 @@ def joint_signals(
         rate=rate,
         band=band,
         rotates=rotates,
+        needs=lambda: needed,
     )
 
 
@@ -71,6 +74,7 @@ def moving_robot(
         acceleration=active[2],
         current=current,
         tree=motion_of(model.geometry, time, *active),
+        gaps=no_gaps(n),
     )
     payloads = {} if payload is None else {payload: PAYLOAD}
     present = PresentModel(

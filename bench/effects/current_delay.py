@@ -9,35 +9,37 @@ from bench.effects.signals import JointSignals
 from bench.signals.differentiation import central_difference
 
 LONGEST = 0.1  # s
-SHORTEST = 1e-6  # s: below it the column is the derivative of the current
+SHORTEST = 1e-6  # s: below it the column is the derivative
 
 
 @dataclass(frozen=True)
 class CurrentDelay(ActuatorEffect):
-    """tau(t) = g i(t - T): the current acts a time T after it was logged, or before it where T is negative.
+    """g i(t) = tau(t + T): the current acts a time T after it was logged, or before it where T is negative.
 
-    T: s, of either sign; g i: drive gain times current, interpolated between samples. The column is
-    g (i(t) - i(t - T)) / T, for T = 0 the derivative. Valid for T up to 0.1 s; where T times the highest angular
-    frequency of the current is small, a first-order lag of the same time does the same. Source: Ljung, "System
-    Identification", 1999, chapter 4 (pure delay).
+    T: s, of either sign; tau: torque that the present model needs, interpolated between samples. The column is
+    (tau(t + T) - tau(t)) / T, for T = 0 the derivative; were it made of the current itself, the current's noise
+    would be fitted along. Valid for T up to 0.1 s; where T times the highest angular frequency of the current is
+    small, a first-order lag of the same time does the same. Source: Ljung, "System Identification", 1999, chapter
+    4 (pure delay, output error).
     """
 
     name = "current_delay"
     parameters = (EffectParameter("T", "s"),)
     depends_on_model = True
+    before_torque = True
 
     T: float = 0.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
         late = float(np.clip(self.T, -LONGEST, LONGEST))
+        needed = joint.needed_torque
         if abs(late) < SHORTEST:
-            return joint.gain * central_difference(joint.current, 1.0 / joint.rate, 2)[:, None]
-        change = joint.current - delayed(joint.current, late * joint.rate)
-        return (joint.gain * change / late)[:, None]
+            return central_difference(needed, 1.0 / joint.rate, 2)[:, None]
+        return ((delayed(needed, -late * joint.rate) - needed) / late)[:, None]
 
 
 def delayed(values: np.ndarray, samples: float) -> np.ndarray:
-    """Values (N,) so many samples later (earlier where negative), cubic between four neighbours, ends held."""
+    """Values (N,) so many samples later (earlier where negative), cubic between four neighbours, ends mirrored."""
     whole = int(np.floor(samples))
     u = 1.0 - (samples - whole)  # from the sample whole + 1 earlier towards the one whole earlier
     weights = (
@@ -47,7 +49,7 @@ def delayed(values: np.ndarray, samples: float) -> np.ndarray:
         (u + 1.0) * u * (u - 1.0) / 6.0,
     )
     reach = abs(whole) + 3
-    padded = np.pad(values, reach, mode="edge")
+    padded = np.pad(values, reach, mode="reflect", reflect_type="odd")
     first = reach - whole - 2
     parts = [weight * padded[first + i : first + i + len(values)] for i, weight in enumerate(weights)]
     return np.asarray(sum(parts))

@@ -71,7 +71,7 @@ class Effect(ABC):
     place: where it sits, with a set of parameters for each: "actuator" (joint with a motor), "passive" (joint
     without), "body" (with a length), "payload", or once for the "robot". contains: effects that are special
     cases of this one; it must earn its extra parameters against them. depends_on_model: its columns use the
-    present model's torque or gain.
+    present model's torque or gain. before_torque: it stands between the current reference and the torque.
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
     columns times parameter is then exact where the parameter has that value.
@@ -83,6 +83,7 @@ class Effect(ABC):
     place: ClassVar[Place] = "actuator"
     contains: ClassVar[tuple[str, ...]] = ()
     depends_on_model: ClassVar[bool] = False
+    before_torque: ClassVar[bool] = False
 
     @abstractmethod
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:

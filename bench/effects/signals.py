@@ -25,6 +25,7 @@ class JointSignals:
     filtered; current in drive units, as logged; gain: the drive gain, N*m or N per drive unit, as the present
     model has it (nominal at first). `speed` is the joint's RMS speed over all fitted recordings, `rate` the
     sampling rate in Hz, `band` the highest frequency in Hz that the fit sees; rotates: a hinge, not a slide.
+    `needs` computes `needed_torque`.
     """
 
     time: np.ndarray
@@ -37,14 +38,24 @@ class JointSignals:
     rate: float
     band: float
     rotates: bool
+    needs: Callable[[], np.ndarray]
+
+    @cached_property
+    def needed_torque(self) -> np.ndarray:
+        """What the present model and its effects ask of the motor (N,), N*m or N: free of the current's noise.
+
+        Without the effects that stand between current and torque, and without what lies above the fit's band.
+        """
+        return self._smooth(self.needs())
 
     @cached_property
     def motor_torque(self) -> np.ndarray:
         """Gain times current (N,), N*m or N, without the noise above the fit's band."""
+        return self._smooth(self.gain * self.current)
+
+    def _smooth(self, values: np.ndarray) -> np.ndarray:
         cutoff = WIDER * self.band
-        if cutoff >= 0.45 * self.rate:
-            return self.gain * self.current
-        return self.gain * low_pass(self.current, self.rate, cutoff)
+        return values if cutoff >= 0.45 * self.rate else low_pass(values, self.rate, cutoff)
 
 
 class TorqueModel(Protocol):
@@ -88,8 +99,9 @@ class RobotSignals:
     joints: the actuated ones by name, in actuator order. tree: the motion of all joints of the opened tree.
     payload: the name of what it carries, None without; payload_mass kg, as declared, zero where unknown;
     `carried` computes `payload_torque`. torque: the rigid-body torque of the present model. An effect that
-    depends on it is linearised about the present model, and the fit repeats until it is settled. lasting: rows of
-    effects that do not depend on the present model, kept as long as the recording; passing: those that do.
+    depends on it is linearised about the present model, and the fit repeats until it is settled. gaps: stretches
+    of samples in which each joint stands still. lasting: rows of effects that do not depend on the present model,
+    kept as long as the recording; passing: those that do.
     """
 
     joints: Mapping[str, JointSignals]
@@ -99,6 +111,7 @@ class RobotSignals:
     payload_mass: float
     carried: Callable[[], np.ndarray]
     torque: TorqueModel
+    gaps: tuple[np.ndarray, ...]
     lasting: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     passing: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 

@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
 
-from bench.effects import JointSignals, RobotSignals
+from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
 from bench.estimate.measured import Measured
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.geometry import Geometry
@@ -21,7 +22,7 @@ class PresentModel:
 
     gains (n,) N*m or N per drive unit; base (nb,) base parameters; payloads: all ten standard parameters of
     each payload in the tool frame; declared: the known ones of them, the others zero; speeds (n,): RMS speed
-    of every active joint over the fitted recordings.
+    of every active joint over the fitted recordings; effects: those of the model with their parameters (p,).
     """
 
     gains: np.ndarray
@@ -29,6 +30,7 @@ class PresentModel:
     payloads: Mapping[str, np.ndarray]
     declared: Mapping[str, np.ndarray]
     speeds: np.ndarray
+    effects: tuple[tuple[EffectInstance, np.ndarray], ...] = ()
 
 
 def declared_parameters(payloads: Mapping[str, Payload]) -> dict[str, np.ndarray]:
@@ -41,6 +43,10 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
     payload = measured.recording.payload
     rate = measured.recording.rate
     kinds = {joint.name: joint.kind for joint in model.geometry.joints}
+
+    def needed_at(j: int) -> np.ndarray:
+        return needed()[:, j]
+
     joints = {
         actuator.joint: JointSignals(
             time=measured.time - measured.recording.time[0],
@@ -53,6 +59,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             rate=rate,
             band=measured.settings.band(rate),
             rotates=kinds[actuator.joint] != "slide",
+            needs=partial(needed_at, j),
         )
         for j, actuator in enumerate(model.geometry.robot.actuators)
     }
@@ -87,10 +94,27 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             return np.zeros_like(measured.current)
         return _carried(model, model.geometry, measured.tree, present.declared[payload])
 
+    @cache
+    def needed() -> np.ndarray:
+        total = signals.refined(signals.coarse.torque)
+        for instance, values in present.effects:
+            if not instance.effect.before_torque:
+                total = total + effect_columns(instance, signals) @ values
+        return total
+
     mass = 0.0 if payload is None else float(present.declared[payload][0])
-    return RobotSignals(
-        joints, model.geometry, measured.tree, payload, mass, carried, torque, lasting=measured.kept
+    signals = RobotSignals(
+        joints,
+        model.geometry,
+        measured.tree,
+        payload,
+        mass,
+        carried,
+        torque,
+        measured.gaps,
+        lasting=measured.kept,
     )
+    return signals
 
 
 def _carried(

@@ -9,12 +9,8 @@ from bench.estimate.layout import ParameterLayout
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel
-from bench.model.regressor import projected_regressor
-from bench.model.states import random_motion
 from bench.payload import Payload
 
-SEED = 20120604
-STATES = 60
 DEPENDENT = 1e-9
 
 
@@ -31,15 +27,12 @@ def check_gains_identifiable(
     means that this gain and parameters can grow together.
     """
     geometry, base = model.geometry, model.base
-    motion = random_motion(geometry, STATES, SEED)
-    columns = np.concatenate((base.columns, model.payload_columns))
-    rows = projected_regressor(geometry, motion, columns)
-    rigid, loads = rows[:, :, : len(base.columns)], rows[:, :, len(base.columns) :] @ model.payload
+    rigid, loads = model.random_rows
     n = rigid.shape[1]
     blocks = []
     for name in dict.fromkeys(loaded):
         torque = rigid @ (base.grouping @ guessed_parameters(geometry))
-        block = np.zeros((len(motion.time), n, layout.size - layout.effects + n))
+        block = np.zeros((len(rigid), n, layout.size - layout.effects + n))
         block[:, :, : layout.base] = rigid
         if name is not None:
             torque = torque + loads @ payload_columns(payloads[name]).known

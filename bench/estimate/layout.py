@@ -10,12 +10,8 @@ from bench.estimate.observation import Observation
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.base import independent_columns
 from bench.model.model import IdentificationModel
-from bench.model.regressor import PARAMETERS, projected_regressor
-from bench.model.states import random_motion
+from bench.model.regressor import PARAMETERS
 from bench.payload import Payload
-
-SEED = 20120602
-STATES = 60
 
 
 @dataclass(frozen=True)
@@ -80,9 +76,7 @@ def parameter_layout(
     used = [name for name in dict.fromkeys(loaded) if name is not None]
     indices: dict[str, np.ndarray] = {}
     if used:
-        motion = random_motion(model.geometry, STATES, SEED)
-        rows = projected_regressor(model.geometry, motion, model.payload_columns) @ model.payload
-        rows = rows.reshape(-1, 10)
+        rows = model.random_rows[1].reshape(-1, 10)
         for name in used:
             columns = payload_columns(payloads[name])
             candidates = rows[:, columns.unknown]

@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.effects.kept import KeptRows
 from bench.errors import BenchError
+from bench.estimate.standstill import Gaps, no_gaps, standstills
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
 from bench.recording import Recording
@@ -18,7 +19,8 @@ class Measured:
     """One recording at its own rate, N samples of n motors, border samples dropped.
 
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
-    unit, as logged; tree: the motion of all joints of the opened tree. kept: rows of effects that need no model.
+    unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. kept: rows
+    of effects that need no model.
     """
 
     recording: Recording
@@ -29,6 +31,7 @@ class Measured:
     acceleration: np.ndarray
     current: np.ndarray
     tree: Motion
+    gaps: Gaps
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
 
@@ -52,4 +55,7 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
         acceleration=motion.acceleration,
         current=trim(recording.current, settings),
         tree=tree,
+        gaps=no_gaps(motion.velocity.shape[1])
+        if settings.keep_standstill
+        else standstills(motion.position, motion.velocity, recording.rate, settings.position_cutoff),
     )

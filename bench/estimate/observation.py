@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.effects import EffectInstance, RobotSignals, effect_columns
 from bench.estimate.measured import Measured
-from bench.estimate.standstill import moving_rows
+from bench.estimate.standstill import bridged, moving_rows
 from bench.model.model import IdentificationModel
 from bench.model.regressor import projected_regressor
 from bench.signals.decimation import decimate, decimated_indices
@@ -50,9 +50,11 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     samples, n = measured.current.shape
     stacked = np.concatenate(
         (
-            rows[:, :, :nb].reshape(samples, -1),
-            (rows[:, :, nb:] @ model.payload).reshape(samples, -1) if loaded else np.empty((samples, 0)),
-            measured.current,
+            bridged(rows[:, :, :nb], measured.gaps).reshape(samples, -1),
+            bridged(rows[:, :, nb:] @ model.payload, measured.gaps).reshape(samples, -1)
+            if loaded
+            else np.empty((samples, 0)),
+            bridged(measured.current, measured.gaps),
             measured.position,
             measured.velocity,
             measured.acceleration,
@@ -75,9 +77,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         position=position,
         velocity=velocity,
         acceleration=acceleration,
-        moving=np.ones((count, n), dtype=bool)
-        if settings.keep_standstill
-        else moving_rows(measured.velocity, recording.rate, settings.decimation),
+        moving=moving_rows(measured.gaps, samples, settings.decimation),
     )
 
 
@@ -104,7 +104,7 @@ def _rows_of(signals: RobotSignals, decimation: int, instance: EffectInstance) -
 
 def _computed(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray:
     columns = effect_columns(instance, signals)
-    flat = columns.reshape(len(columns), -1)
+    flat = bridged(columns, signals.gaps).reshape(len(columns), -1)
     filled = np.flatnonzero(flat.any(axis=0))
     rows = np.zeros((len(decimated_indices(len(columns), decimation)), flat.shape[1]))
     rows[:, filled] = decimate(flat[:, filled], decimation)

@@ -1,12 +1,13 @@
 """Effects that are not linear: find their shape parameters, and linearise them about the model they belong to."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from bench.effects import EffectInstance, JointSamples
+from bench.effects import EffectInstance, JointSamples, ShapeParameter
 from bench.estimate.absorbed import identifiable_columns
 from bench.estimate.current_error import current_error
 from bench.estimate.effect_columns import PresentModel
@@ -43,7 +44,14 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
             values[layout.payloads[name]] = solution.theta[layout.payload_slice(name)]
         payloads[name] = values
     base = solution.theta[: layout.base]
-    return replace(prepared.present, gains=solution.gains, base=base, payloads=payloads)
+    effects, at = [], layout.size - layout.effects
+    for one in prepared.effects:
+        count = len(one.effect.parameters)
+        effects.append((one, solution.theta[at : at + count]))
+        at += count
+    return replace(
+        prepared.present, gains=solution.gains, base=base, payloads=payloads, effects=tuple(effects)
+    )
 
 
 def linearised(instances: Sequence[EffectInstance], solution: Solution) -> tuple[EffectInstance, ...]:
@@ -97,28 +105,58 @@ def _shaped(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, ...]:
 def best_shape(
     prepared: Prepared, instance: EffectInstance, partial: PartialRegression, refine: bool = True
 ) -> EffectInstance:
-    """The instance with the shape values that explain most of what is left, one parameter after the other."""
+    """The instance with the shape values that explain most of what is left.
+
+    Every combination of discrete values is tried, and with each the other parameters, one after the other.
+    """
     samples = joint_samples(prepared, instance, partial)
-    for parameter in instance.effect.shape:
+    shape = instance.effect.shape
+    free = [parameter for parameter in shape if not parameter.discrete]
+    if not free:
+        free = list(shape)
+    choices = [list(one.candidates) for one in shape if one not in free]
+    best, least = instance, np.inf
+    for chosen in product(*choices):
+        names = [one.name for one in shape if one not in free]
+        tried = _changed(instance, dict(zip(names, chosen, strict=True)))
+        for parameter in free:
+            tried, cost = _searched(prepared, tried, parameter, samples, partial, refine=refine)
+        if cost < least:
+            best, least = tried, cost
+    return best
 
-        def unexplained(
-            value: float, instance: EffectInstance = instance, name: str = parameter.name
-        ) -> float:
-            changed = replace(instance, effect=replace(instance.effect, **{name: float(value)}))
-            return -partial.explained(candidate_columns(prepared, [changed]))[1]
 
-        brackets = instance.effect.brackets(parameter, samples)
-        costs = [unexplained(value) for _, value, _ in brackets]
-        best = int(np.argmin(costs))
-        low, found, high = brackets[best]
-        if refine and low < high:
-            tolerance = 1e-4 * max(abs(low), abs(high))
-            result = minimize_scalar(
-                unexplained, bounds=(low, high), method="bounded", options={"xatol": tolerance}
-            )
-            found = float(result.x) if result.fun < costs[best] else found
-        instance = replace(instance, effect=replace(instance.effect, **{parameter.name: found}))
-    return instance
+def _searched(
+    prepared: Prepared,
+    instance: EffectInstance,
+    parameter: ShapeParameter,
+    samples: tuple[JointSamples, ...],
+    partial: PartialRegression,
+    *,
+    refine: bool,
+) -> tuple[EffectInstance, float]:
+    """One shape parameter at its best value, and minus the squares that are explained with it."""
+
+    def unexplained(value: float) -> float:
+        changed = _changed(instance, {parameter.name: float(value)})
+        return -partial.explained(candidate_columns(prepared, [changed]))[1]
+
+    brackets = instance.effect.brackets(parameter, samples)
+    costs = [unexplained(value) for _, value, _ in brackets]
+    best = int(np.argmin(costs))
+    (low, found, high), cost = brackets[best], costs[best]
+    if refine and low < high:
+        tolerance = 1e-4 * max(abs(low), abs(high))
+        result = minimize_scalar(
+            unexplained, bounds=(low, high), method="bounded", options={"xatol": tolerance}
+        )
+        if result.fun < cost:
+            found, cost = float(result.x), float(result.fun)
+    return _changed(instance, {parameter.name: found}), cost
+
+
+def _changed(instance: EffectInstance, values: Mapping[str, float]) -> EffectInstance:
+    return replace(instance, effect=replace(instance.effect, **values))
 
 
 def joint_samples(

@@ -1,6 +1,7 @@
 """The identification model of a robot: everything that depends on its geometry alone, computed once."""
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -8,8 +9,13 @@ from bench.errors import BenchError
 from bench.model.base import BaseParameters, base_parameters
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled, check_mobility
-from bench.model.regressor import payload_transform
+from bench.model.regressor import payload_transform, projected_regressor
+from bench.model.states import random_motion
 from bench.robot import Robot
+
+SEED = 20120602  # of the states at which it is decided what recordings can tell at all
+STATES = 60
+KEPT = 16  # robots whose models stay in memory
 
 
 @dataclass(frozen=True)
@@ -27,9 +33,36 @@ class IdentificationModel:
             raise BenchError(f"robot {self.geometry.robot.name}: a payload needs [tool] site in robot.toml")
         return np.arange(10) + 10 * self.geometry.tool.joint
 
+    @cached_property
+    def random_rows(self) -> tuple[np.ndarray, np.ndarray]:
+        """Torque for each base parameter (s, n, nb) and each payload parameter (s, n, 10) at s random states.
+
+        Noise-free, and always the same ones: what is decided there never depends on data. Raises BenchError
+        without a tool.
+        """
+        motion = random_motion(self.geometry, STATES, SEED)
+        columns = np.concatenate((self.base.columns, self.payload_columns))
+        rows = projected_regressor(self.geometry, motion, columns)
+        nb = len(self.base.columns)
+        return rows[:, :, :nb], rows[:, :, nb:] @ self.payload
+
 
 def build_model(robot: Robot) -> IdentificationModel:
-    """Read the geometry, check home and that the loops determine every passive joint, find the base parameters."""
+    """Read the geometry, check home and that the loops determine every passive joint, find the base parameters.
+
+    A model is built once and kept while the files in the robot's folder stay as they are.
+    """
+    return _built(robot, _files(robot))
+
+
+def _files(robot: Robot) -> tuple[tuple[str, int, int], ...]:
+    """Every file of the robot's folder with its time of change and its size."""
+    stats = [(str(path), path.stat()) for path in sorted(robot.folder.rglob("*")) if path.is_file()]
+    return tuple((path, stat.st_mtime_ns, stat.st_size) for path, stat in stats)
+
+
+@lru_cache(maxsize=KEPT)
+def _built(robot: Robot, _files: tuple[tuple[str, int, int], ...]) -> IdentificationModel:
     geometry = read_geometry(robot)
     check_assembled(geometry)
     check_mobility(geometry)

@@ -51,7 +51,12 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
     "presliding_hysteresis": {"Fc": _same("Fc"), "x0": lambda p: p["Fc"] / p["stiffness"]},
     "quadratic_drag": {"c": _same("c")},
     "rotor_inertia": {"Ia": _same("Ia")},
-    "stribeck_friction": {"Fc": _same("Fc"), "Fs": _same("Fs"), "vs": _same("vs")},
+    "stribeck_friction": {
+        "Fc": _same("Fc"),
+        "Fs": _same("Fs"),
+        "vs": _same("vs"),
+        "delta": _same("delta", 2.0),
+    },
     "thermal_friction_drift": {"Fc": _same("Fc", 0.0), "Fv": _same("Fv", 0.0), "T": _same("T")},
     "torque_ripple": {
         "a": _same("a"),

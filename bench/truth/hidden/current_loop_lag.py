@@ -15,7 +15,7 @@ from bench.truth.hidden.signals import Law, Parameters, Signals
 class CurrentLoopLag(JointEffect):
     """T di/dt = i_ref - i, τ = g i: a current loop of first order.
 
-    Exact for a reference that stands still during each step of the simulation.
+    Exact for a reference that is straight between two steps of the simulation.
 
     T: time constant, s.
     """
@@ -26,13 +26,17 @@ class CurrentLoopLag(JointEffect):
 
     @staticmethod
     def current(p: Parameters, s: Signals) -> Law:
-        follow = -np.expm1(-s.step / p["T"])
+        passed = s.step / p["T"]
+        left = np.exp(-passed)
+        mean = -np.expm1(-passed) / passed  # of what is left, over a step
         flowing: list[Array] = []
 
         def law() -> Array:
             if not flowing:
-                flowing.append(s.current.copy())
-            flowing[0] += follow * (s.current - flowing[0])
-            return flowing[0]
+                flowing.extend((s.current.copy(), s.current.copy()))
+            now, before = flowing
+            now += (1.0 - mean) * s.current + (mean - left) * before - (1.0 - left) * now
+            before[:] = s.current
+            return now
 
         return law
