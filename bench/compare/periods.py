@@ -131,12 +131,20 @@ def _grid(extent: float, finest: float) -> np.ndarray:
 def _sinusoids(x: np.ndarray, values: np.ndarray, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Least-squares sinusoid of every frequency: amplitude (K,), and its share of the squares (K,).
 
+    frequencies: evenly spaced, so that few exponentials give all by their products.
     Source: Lomb, "Least-squares frequency analysis of unequally spaced data", 1976.
     """
-    angle = 2.0 * np.pi * np.outer(frequencies, x)
-    c, s = np.cos(angle), np.sin(angle)
-    cc, ss, cs = (c * c).sum(axis=1), (s * s).sum(axis=1), (c * s).sum(axis=1)
-    pc, ps = c @ values, s @ values
+    count = len(frequencies)
+    width = int(np.ceil(np.sqrt(count)))
+    step = float(frequencies[1] - frequencies[0]) if count > 1 else 0.0
+    turn = 2.0j * np.pi * x
+    coarse = np.exp(np.outer(frequencies[::width], turn))
+    fine = np.exp(np.outer(step * np.arange(width), turn)).T
+    sums = ((coarse * values) @ fine).reshape(-1)[:count]
+    squares = ((coarse * coarse) @ (fine * fine)).reshape(-1)[:count]
+    cc, ss = (len(x) + squares.real) / 2.0, (len(x) - squares.real) / 2.0
+    cs = squares.imag / 2.0
+    pc, ps = sums.real, sums.imag
     det = np.maximum(cc * ss - cs**2, 1e-9 * len(x) ** 2)
     a, b = (ss * pc - cs * ps) / det, (cc * ps - cs * pc) / det
     whole = float(values @ values)
