@@ -87,7 +87,7 @@ def build_system(
     fitted, checked = (_products(blocks[use]) for use in ("identify", "validate"))
     system = System(tuple(listed), base, start, fitted, checked, 1.0)
     largest = solve_set(system, [i for i, one in enumerate(listed) if not one.instances[0].effect.shape])
-    memory = _memory([_errors(rows, largest, start.weights) for rows in blocks["identify"]])
+    memory = memory_in_rows([_errors(rows, largest, start.weights) for rows in blocks["identify"]])
     return System(system.candidates, base, start, fitted, checked, memory)
 
 
@@ -126,7 +126,7 @@ def _errors(rows: np.ndarray, fit: SetFit, weights: np.ndarray) -> np.ndarray:
     return np.asarray((rows[:, :, -1] - modelled) * weights)
 
 
-def _memory(errors: Sequence[np.ndarray]) -> float:
+def memory_in_rows(errors: Sequence[np.ndarray]) -> float:
     """Integrated autocorrelation time of the errors (M, n) of all recordings, in rows, at least one.
 
     Lags are summed until the correlation is lost in its own noise (Geyer 1992, initial positive pairs).

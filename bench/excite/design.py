@@ -67,7 +67,7 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement]) -> Designed
     best: dict[str, FourierTrajectory] = {}
     lowest = np.inf
     for _ in range(STARTS):
-        trajectories = {m.name: _feasible(model, limits, m, _drawn(m, random)) for m in fitted}
+        trajectories = {m.name: feasible(model, limits, m, drawn(m, random)) for m in fitted}
         value = _condition(model, limits, fitted, trajectories)
         if value < lowest:
             best, lowest = trajectories, value
@@ -76,17 +76,18 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement]) -> Designed
     for step in range(STEPS if fitted else 0):
         spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
         movement = fitted[step % len(fitted)]
-        changed = _within(movement, _changed(best[movement.name], spread, random))
-        value = _condition(model, limits, fitted, {**best, movement.name: changed})
+        other = {**best, movement.name: within(movement, changed(best[movement.name], spread, random))}
+        value = _condition(model, limits, fitted, other)
         if value < lowest:
-            best, lowest = {**best, movement.name: changed}, value
+            best, lowest = other, value
     for movement in movements:
-        drawn = best.get(movement.name) or _drawn(movement, random)
-        best[movement.name] = _feasible(model, limits, movement, drawn, dense=True)
+        found = best.get(movement.name) or drawn(movement, random)
+        best[movement.name] = feasible(model, limits, movement, found, dense=True)
     return Designed({m.name: best[m.name] for m in movements}, float(lowest))
 
 
-def _drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
+def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
+    """A random trajectory that keeps the movement's span, velocity and acceleration."""
     trajectory = random_trajectory(
         int(random.integers(2**31)),
         movement.center,
@@ -101,7 +102,8 @@ def _drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory
     return trajectory
 
 
-def _changed(trajectory: FourierTrajectory, spread: float, random: np.random.Generator) -> FourierTrajectory:
+def changed(trajectory: FourierTrajectory, spread: float, random: np.random.Generator) -> FourierTrajectory:
+    """Every coefficient moved at random, by `spread` times the size that its harmonic has."""
     size = np.sqrt((trajectory.a**2 + trajectory.b**2).mean(axis=1, keepdims=True))
     size = spread * size / np.arange(1, trajectory.harmonics + 1)
     return replace(
@@ -111,7 +113,7 @@ def _changed(trajectory: FourierTrajectory, spread: float, random: np.random.Gen
     )
 
 
-def _within(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
+def within(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
     """Scaled down, joint by joint, to keep span, velocity and acceleration."""
     q, qd, qdd = trajectory.evaluate(_times(movement, dense=True))
     shares = [
@@ -135,7 +137,7 @@ def _times(movement: Movement, dense: bool = False) -> np.ndarray:
     return np.linspace(movement.ramp, end, max(20, int(rate * (end - movement.ramp))))
 
 
-def _feasible(
+def feasible(
     model: IdentificationModel,
     limits: Limits,
     movement: Movement,

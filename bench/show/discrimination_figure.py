@@ -41,6 +41,7 @@ def discrimination_figure(found: Discrimination) -> Figure:
             axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0, label="noise, one deviation")
             for asked, answer, colour in zip(found.questions, found.motion.answers, COLOURS, strict=False):
                 name = said(asked.truth.request.replace(":", " at "))
+                axes[j, 2].set_ylabel(f"{joint} [deviations]")
                 axes[j, 2].plot(
                     answer.time,
                     answer.left[:, j],
@@ -48,15 +49,13 @@ def discrimination_figure(found: Discrimination) -> Figure:
                     linewidth=1.0,
                     label=f"if {name} is the truth",
                 )
-        for column, title in enumerate(
-            ("Position", "Velocity", "Current that the wrong model lacks, in deviations of the noise")
-        ):
+        for column, title in enumerate(("Position", "Velocity", "What the wrong model lacks of the current")):
             axes[0, column].set_title(title)
             axes[-1, column].set_xlabel("time [s]")
             axes[-1, column].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         figure.align_ylabels()
-        handles = [axes[0, 0].patches[0], *axes[0, 2].get_lines()]
-        figure.legend(handles=handles, loc="outside upper right", ncols=3, frameon=False)
+        handles = [axes[0, 0].patches[0], axes[0, 2].patches[0], *axes[0, 2].get_lines()]
+        figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
     return figure
 
 

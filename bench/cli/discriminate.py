@@ -1,0 +1,99 @@
+"""`bench discriminate`: which motion tells two effects apart."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.cli.options import (
+    dataset_argument,
+    effect_file_option,
+    filter_options,
+    given_filters,
+    with_option,
+)
+
+POSITIVE = click.FloatRange(min=0.0, min_open=True)
+
+
+@click.command("discriminate")
+@dataset_argument
+@click.argument("effect_a", metavar="EFFECT_A")
+@click.argument("effect_b", metavar="EFFECT_B")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="DIR",
+    help="Folder for the trajectory, its coefficients, a summary and a picture.",
+)
+@with_option
+@effect_file_option
+@click.option(
+    "--duration", type=POSITIVE, metavar="S", help="Length of the motion. [default: as the longest recording]"
+)
+@click.option(
+    "--widen",
+    type=POSITIVE,
+    default=1.0,
+    show_default=True,
+    metavar="FACTOR",
+    help="Largest speeds, accelerations and currents, in those of the recordings.",
+)
+@click.option(
+    "--rate",
+    type=POSITIVE,
+    default=1000.0,
+    show_default=True,
+    metavar="HZ",
+    help="Rows a second of the table.",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the search.")
+@filter_options
+def discriminate(
+    dataset: Path,
+    effect_a: str,
+    effect_b: str,
+    output: Path,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    rate: float,
+    **options: Any,
+) -> None:
+    """Design the motion that tells two effects apart.
+
+    Where DATASET cannot tell EFFECT_A from EFFECT_B, each as EFFECT or EFFECT:JOINT, another motion may: this
+    command searches for the one on which the two models differ most, inside the robot's joint ranges and the
+    speeds, accelerations and currents of the recordings, and writes it for a controller. If no motion of the
+    robot can tell them apart, it says so.
+    """
+    from rich.console import Console
+    from rich.text import Text
+
+    from bench.dataset import load_dataset
+    from bench.discriminate.discriminate import discriminate as run
+    from bench.discriminate.files import check_folder, write_discrimination
+    from bench.discriminate.words import sentences
+    from bench.effects import catalogue_for
+    from bench.show.discrimination_figure import write_discrimination_figure
+
+    duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
+    check_folder(output)
+    data = load_dataset(dataset)
+    found = run(
+        data,
+        (effect_a, effect_b),
+        effects,
+        duration=duration,
+        widen=widen,
+        seed=seed,
+        filters=given_filters(**options),
+        catalogue=catalogue_for(data.effect_files, effect_files),
+    )
+    paths = write_discrimination(output, found, write_discrimination_figure, rate=rate)
+    console = Console()
+    for sentence in sentences(found):
+        console.print(Text(sentence))
+    for path in paths:
+        click.echo(f"wrote {path}")

@@ -1,0 +1,194 @@
+"""`bench discriminate`: the motion that it designs lets a diagnosis tell what it could not tell before."""
+
+import csv
+import json
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.diagnose.diagnose import diagnose
+from bench.diagnose.motions import SHOWN_BY
+from bench.discriminate.discriminate import discriminate
+from bench.discriminate.files import write_discrimination
+from bench.discriminate.words import motion_words, sentences
+from bench.effects import CATALOGUE
+from bench.errors import BenchError
+from bench.model.geometry import read_geometry
+from bench.model.states import active_ranges
+from bench.scenario import load_scenario, resolve_trajectories
+from bench.show.discrimination_figure import discrimination_figure, write_discrimination_figure
+from bench.trajectory import FourierTrajectory
+from bench.truth.dataset import as_dataset, write_simulation
+from bench.truth.simulate import simulate
+
+PAIR = ("coulomb_friction", "position_dependent_friction")
+RIVALS = {name: CATALOGUE[name] for name in (*PAIR, "viscous_friction", "constant_offset")}
+NARROW = {"span": 0.1, "velocity_limit": 0.5, "acceleration_limit": 8.0, "harmonics": 3, "duration": 8.0}
+HIDDEN = {"effect": "coulomb_friction", "joint": "shoulder", "Fc": 0.3}
+
+
+def machine(recordings):
+    """An arm with dry friction at its shoulder; the recordings carry nothing."""
+    design = {"optimise": False, **NARROW}
+    changes = {"design": design, "payloads": {}, "recordings": recordings, "hidden": [HIDDEN]}
+    scenario = load_scenario("two_link", changes)
+    return simulate(scenario, resolve_trajectories(scenario), threads=1)
+
+
+def narrow_recordings():
+    return [
+        {"name": "fitted", "use": "identify", "design": {"seed": 1}},
+        {"name": "checked", "use": "validate", "design": {"seed": 2}},
+    ]
+
+
+@pytest.fixture(scope="module")
+def given():
+    """Recordings of small strokes, in which dry friction is the same everywhere."""
+    return machine(narrow_recordings())
+
+
+@pytest.fixture(scope="module")
+def found(given):
+    return discriminate(as_dataset(given), PAIR, duration=12.0, widen=2.0)
+
+
+@pytest.fixture(scope="module")
+def written(found, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("discriminated") / "telling"
+    write_discrimination(folder, found, write_discrimination_figure)
+    return folder
+
+
+def test_the_designed_motion_tells_what_the_given_data_cannot(given, found, written):
+    before = diagnose(as_dataset(given), catalogue=RIVALS)
+    (verdict,) = [one for one in before.ranking if one.effect == "coulomb_friction"]
+    assert (verdict.verdict, verdict.alternatives) == ("indistinguishable", ("position_dependent_friction",))
+    assert max(found.given.values()) < 10.0
+    assert found.tells
+    trajectory = {"trajectory_file": str(written / "trajectory.toml")}
+    new = [{"name": f"telling_{use}", "use": use, **trajectory} for use in ("identify", "validate")]
+    after = diagnose(as_dataset(machine([*narrow_recordings(), *new])), catalogue=RIVALS)
+    assert after.missing == ("coulomb_friction",)
+    assert after.ranking[0].verdict == "missing"
+    assert after.ranking[0].actuators == ("shoulder",)
+
+
+def test_what_is_promised_comes_out(given, found):
+    """Nats are expected log-likelihood differences: the same in kind as the evidence of a diagnosis."""
+    assert set(found.promised) == set(PAIR)
+    assert all(found.promised[name] > found.given[name] for name in PAIR)
+    assert found.growth > 0.03
+    assert found.motion.payload is None
+
+
+def test_the_motion_keeps_the_limits(given, found):
+    time = np.linspace(0.0, found.motion.trajectory.duration, 6000)
+    position, velocity, acceleration = found.motion.trajectory.evaluate(time)
+    geometry = read_geometry(given.robot)
+    low, high = active_ranges(geometry)
+    assert np.all((position >= low + geometry.active_offset) & (position <= high + geometry.active_offset))
+    for values, name in ((velocity, "speed"), (acceleration, "acceleration")):
+        recorded = [getattr(found.recorded[joint], name) for joint in given.robot.joints]
+        assert np.all(np.abs(values).max(axis=0) <= 2.001 * np.array(recorded)), name
+
+
+def test_the_files_serve_a_controller_a_scenario_and_people(found, written):
+    assert sorted(path.name for path in written.iterdir()) == [
+        "README.md",
+        "answer.json",
+        "motion.png",
+        "trajectory.csv",
+        "trajectory.toml",
+    ]
+    with (written / "trajectory.csv").open() as file:
+        header, *rows = csv.reader(file)
+    assert header == [
+        "time",
+        *(
+            f"{kind}.{joint}"
+            for kind in ("position", "velocity", "acceleration")
+            for joint in ("shoulder", "elbow")
+        ),
+    ]
+    table = np.array(rows, dtype=float)
+    np.testing.assert_allclose(np.diff(table[:, 0]), 1e-3, rtol=1e-6)
+    np.testing.assert_allclose(np.gradient(table[:, 1], table[:, 0])[5:-5], table[5:-5, 3], atol=1e-5)
+    again = FourierTrajectory.from_dict(tomllib.loads((written / "trajectory.toml").read_text()))
+    np.testing.assert_array_equal(again.a, found.motion.trajectory.a)
+    answer = json.loads((written / "answer.json").read_text())
+    assert answer["tells"] is True
+    assert answer["promised"] == found.promised
+    text = (written / "README.md").read_text()
+    assert all(one in text for one in sentences(found))
+    assert (written / "motion.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_words_say_what_is_different(found):
+    (words,) = motion_words(found)
+    assert "shoulder" in words
+    slow = {joint: replace(facts, speed=0.01, turning=0.001) for joint, facts in found.planned.items()}
+    (words,) = motion_words(replace(found, planned=slow))
+    assert "motor shoulder moves slowly" in words
+    assert "it reverses slowly at shoulder" in words
+    loaded = replace(found, motion=replace(found.motion, payload="disc"))
+    assert "it carries the payload disc" in motion_words(loaded)[0]
+    still = {**found.planned, "elbow": replace(found.planned["elbow"], low=0.1, high=0.1)}
+    assert "motor shoulder moves alone" in motion_words(replace(found, planned=still))[0]
+
+
+def test_a_picture_shows_each_motor_and_both_models(found):
+    axes = discrimination_figure(found).axes
+    assert len(axes) == 6
+    assert len(axes[2].get_lines()) == 2
+
+
+def test_what_the_model_takes_up_cannot_be_told_by_any_motion(given, tmp_path, capsys):
+    write_simulation(given, tmp_path / "data")
+    arguments = ["discriminate", str(tmp_path / "data"), "rotor_inertia:shoulder", "viscous_friction"]
+    assert main([*arguments, "-o", str(tmp_path / "out")]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "No motion of this robot can tell rotor inertia at shoulder and viscous friction apart" in out
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["README.md", "answer.json"]
+    assert main([*arguments, "-o", str(tmp_path / "data")]) == 2
+    assert "holds something else" in capsys.readouterr().err
+
+
+def test_a_special_case_can_only_be_spoken_against(given):
+    found = discriminate(as_dataset(given), ("viscous_friction", "asymmetric_viscous_friction"), duration=5.0)
+    assert found.imitated == ("viscous_friction",)
+    assert "as a special case" in " ".join(sentences(found))
+    assert list(found.given) == ["asymmetric_viscous_friction"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (["nonsense", "viscous_friction"], "nonsense"),
+        (["viscous_friction", "viscous_friction"], "twice"),
+        (["viscous_friction:knee", "coulomb_friction"], "knee"),
+        (["viscous_friction", "coulomb_friction", "--duration", "-1"], "duration"),
+        (["viscous_friction", "coulomb_friction", "--widen", "0"], "widen"),
+        (["viscous_friction", "coulomb_friction", "--rate", "0"], "rate"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(given, tmp_path, capsys, arguments, culprit):
+    write_simulation(given, tmp_path / "data")
+    assert main(["discriminate", str(tmp_path / "data"), *arguments, "-o", str(tmp_path / "out")]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert culprit in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_every_effect_has_a_motion_that_shows_it():
+    assert set(SHOWN_BY) == set(CATALOGUE)
+
+
+def test_an_effect_that_is_in_the_model_already_is_refused(given):
+    with pytest.raises(BenchError, match="twice"):
+        discriminate(as_dataset(given), PAIR, ["coulomb_friction"])
