@@ -232,10 +232,13 @@ def test_numbers_that_json_does_not_have_become_null(found):
 
 def test_the_ladder_is_drawn_as_it_is(found):
     (axes,) = ladder_figure(found).axes
-    drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    drawn = {bars.get_label(): [bar.get_width() for bar in bars] for bars in axes.containers}
     np.testing.assert_allclose(drawn["fitted"], [11.0, 0.99])
     np.testing.assert_allclose(drawn["not fitted"], [12.0, 1.0])
-    np.testing.assert_allclose(drawn["noise of the currents"], 0.98)
+    (floor,) = axes.get_lines()
+    assert floor.get_label() == "noise of the currents, 0.980 %"
+    np.testing.assert_allclose(floor.get_xdata(), 0.98)
+    assert axes.get_xlim()[0] == 0.0
 
 
 def test_errors_before_and_after_are_those_of_recordings_not_fitted(found):
@@ -246,6 +249,12 @@ def test_errors_before_and_after_are_those_of_recordings_not_fitted(found):
     before, after = (line.get_ydata() for line in axes[0].get_lines())
     np.testing.assert_allclose(before[3:], unseen.error[3:, 0])
     np.testing.assert_allclose(after[3:], unseen.error[3:, 0])
+
+
+def test_where_nothing_is_missing_one_curve_says_so(nothing):
+    for axes in errors_before_after_figure(nothing).axes:
+        (line,) = axes.get_lines()
+        assert line.get_label() == "the model as it is: nothing is missing"
 
 
 def test_gains_are_drawn_against_what_they_are_after(found):
@@ -268,13 +277,12 @@ def test_pictures_are_whole_files_and_no_window_is_prepared(found, nothing, data
         "ladder.png",
         "errors.png",
         "gains.png",
-        "left_left.png",
-        "left_right.png",
+        "errors_left.png",
+        "errors_right.png",
     ]
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
-    assert "gains.png" not in {
-        path.name for path in write_diagnosis_figures(tmp_path / "none", nothing, dataset)
-    }
+    paths = write_diagnosis_figures(tmp_path / "none", nothing, dataset)
+    assert [path.name for path in paths] == ["errors.png", "errors_left.png", "errors_right.png"]
     assert plt.get_fignums() == []
 
 

@@ -2,10 +2,12 @@
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
 from rich.cells import cell_len
 from rich.console import Console
 
@@ -17,7 +19,7 @@ from bench.dataset import load_dataset
 from bench.estimate.identify import identify
 from bench.show.comparison import where_report
 from bench.show.comparison_figures import currents_figure, errors_figure, write_comparison_figures
-from bench.show.comparison_panels import BINS
+from bench.show.comparison_panels import BINS, draw_against, worth_drawing
 from bench.truth.dataset import write_simulation
 from tests.compared_kit import ROWS, SETTINGS, made, one_recording, robot, white
 from tests.hidden_kit import scenario, simulate
@@ -64,6 +66,32 @@ def test_the_means_drawn_are_those_of_all_rows(what):
         "acceleration [rad/s²]",
         "modelled current [A]",
     ]
+
+
+def test_no_outlier_is_left_out_or_out_of_sight():
+    rows = np.random.default_rng(3).normal(size=40000)
+    x = np.linspace(0.0, 1.0, len(rows))
+    rows[[11, 12345, 30001]] = (9.0, -30.0, 8.0)
+    drawn = worth_drawing(x, rows, profile(x, rows, BINS), 2000)
+    assert {11, 12345, 30001} <= set(drawn.tolist())
+    assert len(drawn) < 2500
+    far = np.abs(rows) > 3.2
+    assert set(np.flatnonzero(far).tolist()) <= set(drawn.tolist())
+
+
+def test_errors_beyond_the_axes_are_marked_at_their_border(what):
+    joint = what.joints[0]
+    series = [
+        replace(one, modelled=one.modelled - 50.0 * (np.arange(len(one.time)) == 7)) for one in what.of(joint)
+    ]
+    axes = Figure().subplots()
+    draw_against(axes, series, "position")
+    top = axes.get_ylim()[1]
+    assert top < 1.0
+    marks = [line for line in axes.get_lines() if line.get_marker() == 6]
+    assert sum(len(line.get_xdata()) for line in marks) == len(series)
+    for line in marks:
+        assert (line.get_ydata() < top).all()
 
 
 def test_currents_have_gaps_where_a_joint_stands_still():

@@ -41,9 +41,8 @@ def result():
 
 def test_every_motor_and_recording_has_its_currents_and_its_error(result):
     axes = current_figure(result).axes
-    shape = (4, 3)  # current and error of two motors, three recordings
-    assert len(axes) == 12
-    grid = np.array(axes).reshape(shape)
+    assert len(axes) == 12  # current and error of two motors, three recordings
+    grid = np.array(axes).reshape(3, 4).T
     for column, series in enumerate(result.recordings):
         assert series.name in grid[0, column].get_title(loc="left")
         assert percent(relative_error([series])) in grid[0, column].get_title(loc="left")

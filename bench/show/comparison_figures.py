@@ -7,7 +7,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from bench.compare.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.compare.profile import Variable
@@ -25,9 +24,11 @@ from bench.show.comparison_panels import (
     draw_shares,
     draw_time_spectrum,
 )
-from bench.show.figures import COLUMN_WIDTH, DPI, LEAST_WIDTH, MOTOR_HEIGHT, STYLE
+from bench.show.figures import DPI, PAGE_WIDTH, STYLE, currents_page
 from bench.show.numbers import USES, percent
 
+UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
+LOWER_MARGINS = {"left": 0.125, "right": 0.985, "top": 0.92, "bottom": 0.18, "wspace": 0.72}
 OWN_PANELS = ("recording", "with")  # regions that are drawn by recording
 
 
@@ -43,41 +44,24 @@ def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:
 
 def currents_figure(what: Compared) -> Figure:
     """Measured and modelled current of every motor with the error below; a column for each recording."""
-    names = list(dict.fromkeys(one.recording for one in what.series))
     with mpl.rc_context(STYLE):
-        size = (max(COLUMN_WIDTH * len(names), LEAST_WIDTH), MOTOR_HEIGHT * len(what.joints) + 0.9)
-        figure = Figure(figsize=size, dpi=DPI, layout="constrained")
-        axes = figure.subplots(
-            2 * len(what.joints),
-            len(names),
-            sharex="col",
-            sharey="row",
-            squeeze=False,
-            height_ratios=[2.2, 1.0] * len(what.joints),
-        )
+        blocks = currents_page([one.recording for one in what.series], what.joints)
         for one in what.series:
-            row, column = 2 * what.joints.index(one.joint), names.index(one.recording)
-            _draw_currents(axes[row, column], one)
-            _draw_error(axes[row + 1, column], one)
-        for column, name in enumerate(names):
-            axes[0, column].set_title(_title([one for one in what.series if one.recording == name]))
-            axes[-1, column].set_xlabel("time [s]")
-            axes[-1, column].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-        for j, joint in enumerate(what.joints):
-            unit = what.units[joint][0]
-            axes[2 * j, 0].set_ylabel(f"{joint} [{unit}]")
-            axes[2 * j + 1, 0].set_ylabel(f"error [{unit}]")
-        figure.align_ylabels()
-        handles = [*axes[0, 0].get_lines(), *axes[1, 0].get_lines(), *axes[1, 0].patches]
-        figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), frameon=False)
-    return figure
+            upper, lower = blocks.of[one.recording][what.joints.index(one.joint)]
+            _draw_currents(upper, one)
+            _draw_error(lower, one)
+        for name, block in blocks.of.items():
+            block[0][0].set_title(_title([one for one in what.series if one.recording == name]))
+        units = [what.units[joint][0] for joint in what.joints]
+        blocks.label(what.joints, units, units)
+    return blocks.figure
 
 
 def errors_figure(what: Compared, joint: str) -> Figure:
     """One motor's error against everything that it may depend on; all recordings together.
 
-    Points are single rows (at most 2500 are drawn), lines the means of bins with equally many rows, bands their
-    standard deviations, apart for either direction of motion.
+    Points are single rows (a regular choice, and every one far off), lines the means of bins with equally many
+    rows, bands their standard deviations, apart for either direction of motion.
     """
     series = what.of(joint)
     current, unit = what.units[joint]
@@ -90,33 +74,43 @@ def errors_figure(what: Compared, joint: str) -> Figure:
         "current": f"modelled current [{current}]",
     }
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(16.5, 9.4), dpi=DPI, layout="constrained")
-        axes = figure.subplots(3, 4)
+        # Margins are given: working them out takes longer than drawing. Names stand at the bars below: kept apart,
+        # they take no room from the columns above.
+        figure = Figure(figsize=(PAGE_WIDTH, 12.0), dpi=DPI)
+        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[3.1, 1.0]).ravel()
+        axes = np.concatenate(
+            (
+                upper.subplots(3, 3, gridspec_kw=UPPER_MARGINS),
+                lower.subplots(1, 3, squeeze=False, gridspec_kw=LOWER_MARGINS),
+            )
+        )
         for place, (variable, label) in zip(axes.flat, labels.items(), strict=False):
             draw_against(place, series, variable)
             place.set(xlabel=label, ylabel=f"error [{current}]")
-        draw_around_reversals(axes[1, 1], series)
-        axes[1, 1].set(xlabel="time from the nearest reversal [s]", ylabel=f"error [{current}]")
-        draw_shares(axes[1, 2], series, found)
-        axes[1, 2].set(xlabel="share of the squared error [%]")
-        draw_recordings(axes[1, 3], series)
-        axes[1, 3].set(xlabel="error of the current [%]")
-        draw_time_spectrum(axes[2, 0], series)
-        axes[2, 0].set(xlabel="frequency [Hz]", ylabel=f"density of the error [{current}²/Hz]")
-        draw_position_spectrum(axes[2, 1], series)
-        axes[2, 1].set(xlabel=f"cycles per {unit}", ylabel=f"amplitude of the error [{current}]")
-        draw_autocorrelation(axes[2, 2], series)
-        axes[2, 2].set(xlabel="lag [s]", ylabel="autocorrelation of the error")
-        draw_opposing(axes[2, 3], series)
-        axes[2, 3].set(xlabel=f"error that opposes the motion [{current}]")
+        rest = iter(axes.flat[len(labels) :])
+        draw_around_reversals(place := next(rest), series)
+        place.set(xlabel="time from the nearest reversal [s]", ylabel=f"error [{current}]")
+        draw_time_spectrum(place := next(rest), series)
+        place.set(xlabel="frequency [Hz]", ylabel=f"density of the error [{current}²/Hz]")
+        draw_position_spectrum(place := next(rest), series)
+        place.set(xlabel=f"cycles per {unit}", ylabel=f"amplitude of the error [{current}]")
+        draw_autocorrelation(place := next(rest), series)
+        place.set(xlabel="lag [s]", ylabel="autocorrelation of the error")
+        draw_shares(place := next(rest), series, found)
+        place.set(xlabel="share of the squared error [%]")
+        draw_recordings(place := next(rest), series)
+        place.set(xlabel="error of the current [%]")
+        draw_opposing(place := next(rest), series)
+        place.set(xlabel=f"error opposing the motion [{current}]")
         handles, names = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside upper right", ncols=len(names), frameon=False)
+        figure.legend(handles, names, loc="upper right", ncols=len(names), frameon=False)
         error, noise = relative_error_of(series), relative_noise(series)
         figure.suptitle(
             f"{what.robot}, motor {joint}: error {percent(error)} of the current, noise {percent(noise)}",
             x=0.01,
+            y=0.99,
             ha="left",
-            fontsize=11,
+            fontsize=12,
         )
     return figure
 
