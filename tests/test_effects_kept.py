@@ -1,14 +1,18 @@
 """Rows of effects that are kept: what is given back is what was computed, and memory is bounded."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from bench.effects import CATALOGUE, EffectInstance
+from bench.effects import CATALOGUE, EffectInstance, RobotSignals
+from bench.effects.body_length import lengths, with_length
+from bench.effects.evaluate import effect_columns
 from bench.effects.kept import KeptRows
 from bench.estimate import observation
-from tests.effects_kit import moving_robot
+from bench.model.motion import motion_of
+from tests.effects_kit import moving_robot, rigid_torque
 
 
 def test_rows_come_back_as_they_were_and_the_oldest_go_first() -> None:
@@ -34,12 +38,29 @@ def test_effects_are_computed_once_for_a_model_and_again_for_another(
     effects = [
         EffectInstance(CATALOGUE[name], joint, name) for name in ("viscous_friction", "encoder_offset")
     ]
-    calls = []
-    evaluate = observation.effect_columns
-    monkeypatch.setattr(
-        observation, "effect_columns", lambda one, seen: calls.append(one.request) or evaluate(one, seen)
-    )
+    calls: list[str] = []
+
+    def counted(one: EffectInstance, seen: RobotSignals) -> np.ndarray:
+        calls.append(one.request)
+        return effect_columns(one, seen)
+
+    monkeypatch.setattr(observation, "effect_columns", counted)
     first = observation.effect_rows(robot, 10, effects)
     np.testing.assert_array_equal(observation.effect_rows(robot, 10, effects[::-1])[:, :, ::-1], first)
     assert calls == ["viscous_friction", "encoder_offset"]
     assert robot.lasting is measured.kept
+
+
+def test_another_gravity_or_length_gives_the_rows_of_that_robot(tmp_path: Path) -> None:
+    robot, model, measured, present = moving_robot("five_bar", tmp_path, samples=601)
+    turned = np.array([1.0, -2.0, -9.0])
+    body = next(iter(lengths(model.geometry).values()))
+    longer = with_length(model.geometry, body, 0.01)
+    step = slice(None, None, 3)
+    active = measured.position[step], measured.velocity[step], measured.acceleration[step]
+    for _ in range(2):  # computed, then kept
+        tree = motion_of(model.geometry, measured.time[step], *active)
+        wanted = rigid_torque(model, present, replace(model.geometry, gravity=turned), tree)
+        np.testing.assert_allclose(robot.torque(gravity=turned, every=3), wanted, atol=1e-11)
+        wanted = rigid_torque(model, present, longer, motion_of(longer, measured.time[step], *active))
+        np.testing.assert_allclose(robot.torque(geometry=longer, every=3), wanted, atol=1e-9)

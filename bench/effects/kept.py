@@ -4,38 +4,45 @@ from collections.abc import Hashable
 
 import numpy as np
 
-MOST_BYTES = 32_000_000
+MOST_BYTES = 48_000_000
 
 
 class KeptRows:
-    """Arrays (M, n, k) by what they follow from; the oldest are forgotten where all would be too large.
+    """Arrays (M, n, k) by what they follow from; those not asked for the longest go where all are too large.
 
-    Only columns with anything in them take memory.
+    Where most columns are zero, as those of an effect at one motor are, only the others take memory.
     """
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
-        self._parts: dict[Hashable, tuple[tuple[int, ...], np.ndarray, np.ndarray]] = {}
+        self._parts: dict[Hashable, tuple[tuple[int, ...], np.ndarray | None, np.ndarray]] = {}
         self._bytes = 0
         self._most = most_bytes
 
     def get(self, key: Hashable) -> np.ndarray | None:
-        """The array kept for this key, None where there is none. Raises TypeError where it cannot be a key."""
-        part = self._parts.get(key)
+        """The array kept for this key, not to be changed; None where there is none.
+
+        Raises TypeError where it cannot be a key.
+        """
+        part = self._parts.pop(key, None)
         if part is None:
             return None
+        self._parts[key] = part
         shape, filled, values = part
+        if filled is None:
+            return values
         rows = np.zeros((shape[0], shape[1] * shape[2]))
         rows[:, filled] = values
         return rows.reshape(shape)
 
     def keep(self, key: Hashable, rows: np.ndarray) -> None:
-        """Keep an array (M, n, k)."""
+        """Keep an array (M, n, k), which nobody may change from now on."""
         flat = rows.reshape(len(rows), -1)
         filled = np.flatnonzero(flat.any(axis=0))
-        values = flat[:, filled]
+        sparse = 2 * len(filled) < flat.shape[1]
+        values = flat[:, filled] if sparse else rows
         if values.nbytes > self._most or key in self._parts:
             return
-        self._parts[key] = (rows.shape, filled, values)
+        self._parts[key] = (rows.shape, filled if sparse else None, values)
         self._bytes += values.nbytes
         while self._bytes > self._most:
             self._bytes -= self._parts.pop(next(iter(self._parts)))[2].nbytes

@@ -1,7 +1,7 @@
 """What effects may know of a recording, and of the model as it is at present."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
@@ -9,9 +9,10 @@ import numpy as np
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
 from bench.estimate.measured import Measured
 from bench.estimate.payload_parameters import payload_columns
+from bench.estimate.perturbed import perturbed_rows
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import Motion, motion_of
+from bench.model.motion import Motion
 from bench.model.regressor import payload_transform, projected_regressor
 from bench.payload import Payload
 
@@ -73,21 +74,14 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         geometry: Geometry | None = None,
         every: int = 1,
     ) -> np.ndarray:
-        step = slice(None, None, every)
-        changed = model.geometry if geometry is None else geometry
-        if gravity is not None:
-            changed = replace(changed, gravity=gravity)
-        given = (position, velocity, acceleration)
-        if geometry is None and all(one is None for one in given):
-            tree = _every(measured.tree, step)
-        else:
-            logged = (measured.position, measured.velocity, measured.acceleration)
-            active = [x[step] if y is None else y for x, y in zip(logged, given, strict=True)]
-            tree = motion_of(changed, measured.time[step], *active, near=_every(measured.tree, step))
-        rows = projected_regressor(changed, tree, model.base.columns) @ present.base
-        if payload is not None:
-            rows = rows + _carried(model, changed, tree, present.payloads[payload])
-        return np.asarray(rows)
+        columns, parameters = model.base.columns, present.base
+        tool = model.geometry.tool if geometry is None else geometry.tool
+        if payload is not None and tool is not None:
+            columns = np.concatenate((columns, model.payload_columns))
+            parameters = np.append(parameters, payload_transform(tool) @ present.payloads[payload])
+        active = (position, velocity, acceleration)
+        rows = perturbed_rows(model, measured, columns, active, gravity, geometry, every)
+        return np.asarray(rows @ parameters)
 
     def carried() -> np.ndarray:
         if payload is None:
@@ -125,7 +119,3 @@ def _carried(
         return np.zeros((len(tree.time), len(geometry.active)))
     loads = projected_regressor(geometry, tree, model.payload_columns)
     return np.asarray(loads @ (payload_transform(geometry.tool) @ parameters))
-
-
-def _every(motion: Motion, step: slice) -> Motion:
-    return Motion(motion.time[step], motion.q[step], motion.v[step], motion.a[step], motion.jacobian[step])

@@ -20,7 +20,7 @@ class Measured:
 
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
     unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. kept: rows
-    of effects that need no model.
+    of effects that need no model; perturbed: observation matrices of other motions and geometries.
     """
 
     recording: Recording
@@ -33,6 +33,7 @@ class Measured:
     tree: Motion
     gaps: Gaps
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+    perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
 
 def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:

@@ -24,7 +24,8 @@ class Prepared:
     """A dataset made ready to be fitted: the model, the filters, and every recording as equations.
 
     measured and observations go together, one for each recording that can be used. present: the model that
-    effects are linearised about; signals: what they see of each recording.
+    effects are linearised about; signals: what they see of each recording. settled: whether effects that are not
+    linear have their shape and are linearised about this very model.
     """
 
     dataset: Dataset
@@ -36,6 +37,7 @@ class Prepared:
     layout: ParameterLayout
     present: PresentModel
     signals: tuple[RobotSignals, ...]
+    settled: bool = False
 
     @property
     def left_aside(self) -> tuple[str, ...]:
@@ -119,6 +121,7 @@ def with_effects(
         layout=layout,
         present=present,
         signals=signals,
+        settled=False,
     )
 
 

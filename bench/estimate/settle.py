@@ -70,14 +70,16 @@ def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without."""
     instances = prepared.effects
     curved = [one for one in instances if one.effect.shape or one.effect.depends_on_model]
-    if not curved:
+    if prepared.settled or not curved:
         return prepared
     plain = with_effects(prepared, [one for one in instances if one not in curved])
     present = present_model(plain, solved_quickly(plain, fit_gains)[1])
     before = None
     for _ in range(MOST_ROUNDS):
-        instances = _shaped(with_effects(prepared, instances, present), fit_gains)
         prepared = with_effects(prepared, instances, present)
+        instances = _shaped(prepared, fit_gains)
+        if instances != prepared.effects:
+            prepared = with_effects(prepared, instances)
         _, solution = solved_quickly(prepared, fit_gains)
         present = present_model(prepared, solution)
         instances = linearised(instances, solution)
@@ -86,7 +88,7 @@ def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
         if before is not None and np.all(np.abs(now - before) <= SETTLED * np.abs(now)):
             break
         before = now
-    return with_effects(prepared, instances, present)
+    return replace(with_effects(prepared, instances, present), settled=True)
 
 
 def _shaped(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, ...]:
