@@ -1,0 +1,92 @@
+"""A diagnosis written by hand, and what a page says of it; nothing is fitted or searched."""
+
+import html.parser
+import re
+from dataclasses import replace
+from pathlib import Path
+
+from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.report.content import diagnosis_page, identification_page
+from bench.report.render import render_page
+from bench.robot import load_robot
+from tests.shown import dataset_of, identification_of
+
+MISSING = EffectVerdict(
+    "viscous_friction", "missing", 0.12, 0.01, 812.4, ("left",), (), {"left": 0.33}, "It falls <sharply>."
+)
+DOUBTFUL = replace(
+    MISSING,
+    effect="current_delay",
+    verdict="indistinguishable",
+    evidence=2.0,
+    actuators=(),
+    alternatives=("viscous_friction",),
+    size={},
+    why="Current delay would explain the data as well.",
+)
+UNSUPPORTED = replace(
+    DOUBTFUL, effect="backlash", verdict="not supported", alternatives=(), why="It gains nothing."
+)
+ABSORBED = replace(
+    DOUBTFUL, effect="rotor_inertia", verdict="absorbed", alternatives=(), why="It is taken up."
+)
+AGAIN = ("bench diagnose data -o results", "bench report results -o report.html")
+
+
+def dataset():
+    return dataset_of(load_robot("five_bar"))
+
+
+def diagnosis(data=None, name="five_bar"):
+    data = data or dataset()
+    before, after = identification_of(data), identification_of(data, effects=True)
+    moved = {**after.drive_gains, "left": replace(after.drive_gains["left"], value=3.63)}
+    return Diagnosis(
+        robot=name,
+        split="recordings that were not fitted",
+        missing=("viscous_friction",),
+        ladder=(LadderStep((), 0.11, 0.12), LadderStep(("viscous_friction",), 0.0099, 0.01)),
+        ranking=(MISSING, DOUBTFUL, UNSUPPORTED, ABSORBED),
+        unexplained=Unexplained(False, 0.01, 0.0098, (), "the error left is what noise leaves"),
+        before=before,
+        after=replace(after, drive_gains=moved),
+    )
+
+
+def diagnosed_page():
+    data = dataset()
+    return diagnosis_page(diagnosis(data), data, AGAIN)
+
+
+def identified_page(**changes):
+    data = dataset()
+    return identification_page(replace(identification_of(data), **changes), data, AGAIN)
+
+
+def write(path: Path, page) -> Path:
+    path.write_text(render_page(page), encoding="utf-8")
+    return path
+
+
+class Tags(html.parser.HTMLParser):
+    """Every tag with its attributes, and the words that are shown."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.said, self._inside = [], [], None
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+        self._inside = tag if tag in ("script", "style") else None
+
+    def handle_endtag(self, tag):
+        self._inside = None
+
+    def handle_data(self, data):
+        if self._inside is None:
+            self.said.append(data)
+
+    @property
+    def words(self):
+        return re.sub(r"\s+", " ", " ".join(self.said))

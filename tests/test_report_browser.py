@@ -1,0 +1,242 @@
+"""The report in a real browser: nothing asked for, nothing wrong, keyboard, colours, phone, paper."""
+
+import os
+
+import pytest
+
+from tests.report_kit import diagnosed_page, identified_page, write
+
+pytest.importorskip("playwright", reason="playwright comes with the dev dependencies")
+
+from bench.report.browser import browser, browser_program, opened, scrolled
+
+PHONE = 390
+
+
+@pytest.fixture(scope="module")
+def program():
+    if browser_program() is None:
+        if os.environ.get("CI") == "true":
+            pytest.fail("no Chromium: .ci/run installs it")
+        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    with browser() as launched:
+        yield launched
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    return write(tmp_path_factory.mktemp("report") / "report.html", diagnosed_page())
+
+
+@pytest.fixture
+def look(program, report):
+    """Open the report; what the browser complained of and asked for is in `heard`."""
+    pages = []
+
+    def look(path=report, **options):
+        heard = []
+        page = opened(program, path, **options)
+        page.on("console", lambda message: heard.append(message.text))
+        page.on("pageerror", lambda error: heard.append(str(error)))
+        page.on("request", lambda request: heard.append(request.url))
+        pages.append(page)
+        page.reload()  # with ears open
+        heard.remove(path.resolve().as_uri())
+        page.heard = heard
+        return page
+
+    yield look
+    for page in pages:
+        page.close()
+
+
+def colours(page, *names):
+    style = "getComputedStyle(document.documentElement).getPropertyValue"
+    return [page.evaluate(f"{style}('--{name}').trim()") for name in names]
+
+
+def test_all_figures_are_drawn_and_nothing_is_wrong_or_asked_for(look):
+    page = scrolled(look())
+    assert page.heard == []
+    for holder in page.locator("[data-figure]").all():
+        assert holder.locator("svg[role=img]").count() >= 1
+    assert page.locator("#currents svg path.line").count() >= 4
+    assert page.locator("svg text", has_text="NaN").count() == 0
+    assert page.evaluate(
+        "[...document.querySelectorAll('svg path')].every((p) => !/NaN|Infinity/.test(p.outerHTML))"
+    )
+
+
+def test_a_page_of_an_identification_is_drawn_too(look, tmp_path):
+    page = scrolled(look(write(tmp_path / "identified.html", identified_page())))
+    assert page.heard == []
+    assert page.locator("#gains .plot circle").count() == 2
+
+
+def test_the_policy_stops_what_does_not_belong(look):
+    page = look()
+    page.evaluate("document.body.append(Object.assign(new Image(), {src: 'http://127.0.0.1:9/x.png'}))")
+    page.evaluate(
+        "document.body.append(Object.assign(document.createElement('script'), {textContent: 'window.foreign = 1'}))"
+    )
+    page.wait_for_timeout(100)
+    assert page.evaluate("window.foreign") is None
+    assert sum("Content Security Policy" in one for one in page.heard) == 2
+
+
+def test_choosing_a_motor_shows_its_curves(look):
+    page = look()
+    page.locator("#currents").scroll_into_view_if_needed()
+    before = page.locator("#currents svg[role=img]").get_attribute("aria-label")
+    page.locator("#currents .segments label", has_text="right").click()
+    after = page.locator("#currents svg[role=img]").get_attribute("aria-label")
+    assert "left" in before
+    assert "right" in after
+    assert "right" in page.locator("#currents .notes").inner_text()
+
+
+def test_the_keyboard_reaches_theme_choices_and_details(look):
+    page = look()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.id") == "theme"
+    page.keyboard.press("Enter")
+    assert page.locator("#theme").inner_text() == "Colours: light"
+    page.keyboard.press("Enter")
+    assert page.locator("#theme").inner_text() == "Colours: dark"
+    reached = set()
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        kind = page.evaluate("document.activeElement.type || document.activeElement.tagName.toLowerCase()")
+        reached.add(kind)
+        if kind == "radio":
+            page.keyboard.press("ArrowRight")
+        if kind == "summary":
+            page.keyboard.press("Enter")
+            break
+    assert {"a", "radio", "summary"} <= reached
+    assert page.locator("#currents input:checked").first.get_attribute("value") == "1"
+    assert page.locator("#ranking details").first.get_attribute("open") is not None
+    assert page.heard == []
+
+
+def test_light_and_dark_follow_the_system_and_the_switch(look):
+    light, dark = look(), look(dark=True)
+    assert colours(light, "ground", "measured") == ["#ffffff", "#0072b2"]
+    assert colours(dark, "ground", "measured") == ["#14181d", "#56b4e9"]
+    dark.locator("#theme").click()
+    assert colours(dark, "ground", "measured") == ["#ffffff", "#0072b2"]
+    light.locator("#theme").click()
+    light.locator("#theme").click()
+    assert colours(light, "ground") == ["#14181d"]
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_text_stands_out_from_its_ground(look, dark):
+    """Contrast of words and lines after WCAG 2: 4.5 for text, 3 for what is drawn."""
+    page = look(dark=dark)
+    ground, *text = [luminance(one) for one in colours(page, "ground", "ink", "quiet", "accent", "warn")]
+    assert min(contrast(ground, one) for one in text) >= 4.5
+    drawn = [
+        luminance(one) for one in colours(page, "measured", "modelled", "error", "before", "after", "noise")
+    ]
+    assert min(contrast(ground, one) for one in drawn) >= 3.0
+
+
+def luminance(colour):
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(a, b):
+    return (max(a, b) + 0.05) / (min(a, b) + 0.05)
+
+
+@pytest.mark.parametrize("width", [PHONE, 768, 1366])
+def test_nothing_is_wider_than_the_screen(look, width):
+    page = scrolled(look(width=width, height=844))
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    wide = page.evaluate(
+        """(width) => [...document.querySelectorAll("body *")].filter((one) =>
+             !one.closest(".scroll, pre, svg") && one.getBoundingClientRect().right > width + 1
+           ).map((one) => one.outerHTML.slice(0, 80))""",
+        width,
+    )
+    assert wide == []
+
+
+def test_labels_stay_inside_their_figures_and_apart(look):
+    """Of every figure: no text is cut at its edges, and no two ticks of the x axis touch."""
+    for width in (PHONE, 1366):
+        page = scrolled(look(width=width))
+        bad = page.evaluate(
+            """() => {
+              const bad = [];
+              for (const svg of document.querySelectorAll("svg[role=img]")) {
+                const frame = svg.getBoundingClientRect();
+                const texts = [...svg.querySelectorAll("text")].map((t) => [t.textContent, t.getBoundingClientRect()]);
+                for (const [text, box] of texts)
+                  if (box.left < frame.left - 3 || box.right > frame.right + 6) bad.push(`cut: ${text}`);
+                for (let i = 0; i < texts.length; i++)
+                  for (let k = i + 1; k < texts.length; k++) {
+                    const [a, b] = [texts[i][1], texts[k][1]];
+                    const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+                    const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+                    if (across > 1 && down > 4) bad.push(`${svg.ariaLabel}: ${texts[i][0]} / ${texts[k][0]}`);
+                  }
+              }
+              return bad;
+            }"""
+        )
+        assert bad == []
+
+
+def test_it_prints_with_everything_unfolded(look, tmp_path):
+    page = look(dark=True)
+    page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True)
+    pages = (tmp_path / "report.pdf").read_bytes()
+    assert pages.startswith(b"%PDF")
+    assert pages.count(b"/Type /Page\n") + pages.count(b"/Type /Page/") + pages.count(b"/Type /Page ") >= 4
+    assert page.heard == []
+    assert page.locator(".printed").count() == 0  # and the screen is as before
+
+
+def test_on_paper_all_motors_are_drawn_in_light_colours(look):
+    page = look(dark=True)
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert colours(page, "ground") == ["#ffffff"]
+    assert page.locator("details:not([open])").count() == 0
+    for section, count in (("currents", 2), ("where", 2)):
+        assert page.locator(f"#{section} .printed:visible h4:first-child").count() >= count
+    assert not page.locator("#theme").is_visible()
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.locator("details[open]").count() == 0
+
+
+def test_a_chart_of_many_points_is_drawn_anew_quickly(look):
+    """The workbench draws curves again at every tick; the limit is generous, the page's own aim is 0.2 s."""
+    page = look()
+    seconds = page.evaluate(
+        """() => {
+          const holder = document.body.appendChild(document.createElement("div"));
+          const wave = (phase) => Array.from({length: 4000}, (_, i) => Math.sin(i / 50 + phase));
+          const figure = (phase) => ({
+            x: {label: "time [s]"},
+            panels: [0, 1, 2].map((k) => ({y: {label: "current [A]"}, series: [
+              {kind: "line", role: "measured", name: "measured", x: {start: 0, step: 0.01}, y: wave(phase + k)},
+              {kind: "envelope", role: "error", name: "spread", x: {start: 0, step: 0.01}, low: wave(0), high: wave(phase)},
+            ]})),
+          });
+          const chart = Charts.create(holder, figure(0));
+          const first = holder.querySelector(".plot path.line").getAttribute("d");
+          const start = performance.now();
+          for (let n = 1; n <= 5; n++) chart.update(figure(n));
+          const each = (performance.now() - start) / 5000;
+          if (holder.querySelector(".plot path.line").getAttribute("d") === first) throw new Error("not drawn anew");
+          chart.destroy();
+          if (holder.children.length) throw new Error("not removed");
+          return each;
+        }"""
+    )
+    assert seconds < 2.0
