@@ -1,18 +1,12 @@
 """`make speed`: every figure beside the one of the last time; the history is in results/speed."""
 
 import sys
-from time import perf_counter
 
 from rich.console import Console
 
-from bench.diagnose.diagnose import diagnose
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
-from bench.speed import main_job, regressor
+from bench.speed import diagnosis, main_job, regressor
 from bench.speed.figures import Figure, append_history, figures_table, last_values
 from bench.speed.sweep import sweep_figures
-from bench.truth.dataset import as_dataset
-from bench.truth.simulate import simulate
 
 
 def regressor_figures() -> list[Figure]:
@@ -36,13 +30,11 @@ def main_job_figures() -> list[Figure]:
 
 
 def diagnosis_figures() -> list[Figure]:
-    """Diagnosis of a five-bar with friction that the model lacks."""
-    hidden = [{"effect": "viscous_friction", "Fv": 0.1}, {"effect": "coulomb_friction", "Fc": 0.2}]
-    scenario = load_scenario("five_bar", {"hidden": hidden})
-    dataset = as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
-    start = perf_counter()
-    diagnose(dataset)
-    return [Figure("diagnose four recordings of 20 s, five_bar", perf_counter() - start, "s")]
+    """Diagnosis of robots with two effects that their models lack."""
+    return [
+        Figure(f"diagnose two recordings of 24 s, {robot}", diagnosis.measure(robot), "s", limit)
+        for robot, limit in diagnosis.LIMITS.items()
+    ]
 
 
 MEASUREMENTS = (regressor_figures, main_job_figures, diagnosis_figures, sweep_figures)
