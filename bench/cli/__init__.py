@@ -34,6 +34,9 @@ COMMANDS = {
     "view": LazyCommand(
         "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer."
     ),
+    "figures": LazyCommand(
+        "bench.cli.figures:figures", "Draw figures for papers, with the numbers behind them."
+    ),
     "discriminate": LazyCommand(
         "bench.cli.discriminate:discriminate", "Design the motion that tells two effects apart."
     ),

@@ -63,6 +63,27 @@ def told_of(source: Path, asked: Asked) -> list[Told]:
     return [_of_result(read_run(source), asked)]
 
 
+def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diagnosis | None]:
+    """The dataset, the model and, of a diagnosis, all that it says; without what a simulation knows.
+
+    Raises BenchError that says what is missing.
+    """
+    if source.is_dir() and (source / RUN_FILE).is_file():
+        kept = read_run(source)
+        dataset = kept.dataset if kept.diagnosis is None else with_judged_parts(kept.dataset)[0]
+        return dataset, kept.after, kept.diagnosis
+    if source.is_dir() and is_sweep_folder(source):
+        raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
+    if source.is_file():
+        dataset, result = _applied(source, asked)[:2]
+        return dataset, result, None
+    if not (source / DATASET_FILE).is_file():
+        raise BenchError(f"{source}: neither a dataset ({DATASET_FILE}) nor a result ({RUN_FILE})")
+    dataset = load_dataset(source)
+    catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
+    return dataset, identify(dataset, asked.effects, filters=asked.filters, catalogue=catalogue), None
+
+
 def _of_dataset(folder: Path, asked: Asked) -> Told:
     dataset = load_dataset(folder)
     catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
@@ -77,14 +98,19 @@ def _of_dataset(folder: Path, asked: Asked) -> Told:
 
 
 def _of_model(path: Path, asked: Asked) -> Told:
+    dataset, result, catalogue = _applied(path, asked)
+    return Told(result.robot, result, dataset, _story(dataset, result, (), catalogue, "", truth=asked.truth))
+
+
+def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification, Mapping[str, Effect]]:
+    """A model file beside its dataset, or another one."""
     saved = load_model(path)
     folder = asked.data or saved.dataset
     if folder is None:
         raise BenchError(f"{path}: a model file without the path of its recordings: name them with --data")
     dataset = load_dataset(folder)
     catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
-    result = read_identification(path, dataset, catalogue)
-    return Told(result.robot, result, dataset, _story(dataset, result, (), catalogue, "", truth=asked.truth))
+    return dataset, read_identification(path, dataset, catalogue), catalogue
 
 
 def _of_result(kept: Kept, asked: Asked) -> Told:

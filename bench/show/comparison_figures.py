@@ -122,16 +122,16 @@ def _title(series: Sequence[MotorSeries]) -> str:
 
 
 def _draw_currents(axes: Axes, one: MotorSeries) -> None:
-    time = _with_gaps(one, one.time)
+    time = with_gaps(one, one.time)
     axes.plot(
         time,
-        _with_gaps(one, one.measured),
+        with_gaps(one, one.measured),
         color=ON_WHITE.measured,
         linewidth=3.2,
         alpha=0.45,
         label="measured",
     )
-    axes.plot(time, _with_gaps(one, one.modelled), color=ON_WHITE.modelled, linewidth=1.1, label="modelled")
+    axes.plot(time, with_gaps(one, one.modelled), color=ON_WHITE.modelled, linewidth=1.1, label="modelled")
     axes.margins(x=0.01)
 
 
@@ -140,8 +140,8 @@ def _draw_error(axes: Axes, one: MotorSeries) -> None:
         -one.noise, one.noise, color=NOISE, alpha=0.45, linewidth=0.0, label="± noise of the current"
     )
     axes.plot(
-        _with_gaps(one, one.time),
-        _with_gaps(one, one.error),
+        with_gaps(one, one.time),
+        with_gaps(one, one.error),
         color=ON_WHITE.error,
         linewidth=0.8,
         label="error",
@@ -149,6 +149,6 @@ def _draw_error(axes: Axes, one: MotorSeries) -> None:
     axes.margins(x=0.01)
 
 
-def _with_gaps(one: MotorSeries, values: np.ndarray) -> np.ndarray:
+def with_gaps(one: MotorSeries, values: np.ndarray) -> np.ndarray:
     """Values with NaN where rows are missing, so that no line is drawn across."""
     return np.asarray(np.insert(values, np.flatnonzero(np.diff(one.row) > 1) + 1, np.nan))
