@@ -1,0 +1,126 @@
+"""`bench report`, and the reports that other commands write: by themselves, and again from their folders."""
+
+import json
+import re
+
+import pytest
+
+from bench.cli import main
+from bench.dataset import load_dataset
+from bench.report.folder import read_run
+from bench.truth.dataset import write_simulation
+from bench.truth.simulate import simulate
+from tests.hidden_kit import scenario
+
+DATE_AND_COMMANDS = re.compile(r"<footer>.*?</footer>|<pre tabindex.*?</pre>", flags=re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """A short simulation of an arm with friction at one joint, diagnosed, identified, and compared with a model."""
+    folder = tmp_path_factory.mktemp("reported")
+    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
+    longer = {"optimise": False, "duration": 10.0, "ramp": 0.5}
+    write_simulation(simulate(scenario("two_link", [hidden], design=longer), threads=1), folder / "data")
+    data = str(folder / "data")
+    assert main(["diagnose", data, "-o", str(folder / "diagnosed")]) == 0
+    with_friction = ["--with", "viscous_friction:shoulder"]
+    assert main(["identify", data, *with_friction, "-o", str(folder / "identified")]) == 0
+    model = str(folder / "identified" / "model.json")
+    assert main(["compare", data, "--model", model, "-o", str(folder / "compared")]) == 0
+    return folder
+
+
+def essence(path):
+    """A page without its date and the commands that gave it."""
+    return DATE_AND_COMMANDS.sub("", path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    ("name", "title"),
+    [
+        ("diagnosed", "What the model of two_link is missing"),
+        ("identified", "Drive gains and parameters of two_link"),
+        ("compared", "Where a model of two_link fails"),
+    ],
+)
+def test_every_run_writes_its_page(runs, name, title):
+    text = (runs / name / "report.html").read_text(encoding="utf-8")
+    assert f"<h1>{title}</h1>" in text
+    assert len(text.encode()) < 3e6
+    assert "bench report" in text
+
+
+def test_a_diagnosis_says_what_was_hidden(runs):
+    assert "Viscous friction at shoulder is missing" in (runs / "diagnosed" / "report.html").read_text()
+
+
+@pytest.mark.parametrize("name", ["diagnosed", "identified", "compared"])
+def test_a_page_is_written_again_from_its_folder(runs, name, tmp_path):
+    again = tmp_path / "again.html"
+    assert main(["report", str(runs / name), "-o", str(again)]) == 0
+    assert essence(again) == essence(runs / name / "report.html")
+
+
+def test_a_folder_gives_back_the_numbers_that_it_kept(runs):
+    kept = read_run(runs / "diagnosed")
+    assert kept.diagnosis.missing == ("viscous_friction",)
+    model = json.loads((runs / "diagnosed" / "model_after.json").read_text())
+    gain = kept.after.drive_gains["shoulder"]
+    assert (gain.value, gain.std) == tuple(model["drive_gains"]["shoulder"][key] for key in ("value", "std"))
+    assert kept.after.error.validate == pytest.approx(model["error"]["validate"], rel=1e-6)
+
+
+def test_a_model_file_is_shown_beside_the_recordings_that_it_is_from(runs, tmp_path, capsys):
+    model = runs / "identified" / "model.json"
+    assert main(["report", str(model), "-o", str(tmp_path)]) == 0  # a folder: report.html in it
+    text = (tmp_path / "report.html").read_text()
+    assert "Applied as it is" in text
+    assert str(tmp_path / "report.html") in capsys.readouterr().out
+
+
+def test_a_dataset_is_diagnosed(runs, tmp_path):
+    assert main(["report", str(runs / "data"), "-o", str(tmp_path / "page.html")]) == 0
+    assert "Viscous friction at shoulder is missing" in (tmp_path / "page.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (["nowhere"], "nowhere"),
+        (["{runs}"], "no dataset.toml"),
+        (["{runs}/identified", "--with", "viscous_friction"], "--with"),
+        (["{runs}/data", "--data", "{runs}/data"], "--data"),
+        (["{runs}/data.truth.json"], "data.truth.json"),
+        (["{runs}/identified/model.json", "--data", "elsewhere"], "elsewhere"),
+        (["{runs}/data", "--border", "x"], "--border"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(runs, arguments, culprit, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", *(one.format(runs=runs) for one in arguments)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert culprit in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("damage", ["{", "[]", '{"format": 1}', '{"format": 1, "run": {"effects": 3}}'])
+def test_a_damaged_folder_is_named(runs, damage, tmp_path, capsys):
+    (tmp_path / "report.json").write_text(damage)
+    assert main(["report", str(tmp_path), "-o", str(tmp_path / "page.html")]) == 2
+    assert str(tmp_path / "report.json") in capsys.readouterr().err
+
+
+def test_a_dataset_that_has_gone_is_named(runs, tmp_path, capsys):
+    content = json.loads((runs / "identified" / "report.json").read_text())
+    (tmp_path / "report.json").write_text(json.dumps(content | {"dataset": "gone"}))
+    assert main(["report", str(tmp_path), "-o", str(tmp_path / "page.html")]) == 2
+    assert "gone" in capsys.readouterr().err
+
+
+def test_the_dataset_s_path_is_kept_relative_to_the_folder(runs):
+    content = json.loads((runs / "identified" / "report.json").read_text())
+    assert content["dataset"] == "../data"
+    assert load_dataset(runs / "identified" / content["dataset"]).robot.name == "two_link"
