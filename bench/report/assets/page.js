@@ -129,7 +129,7 @@
       let current = links[0];
       for (const link of links) {
         const target = document.getElementById(link.hash.slice(1));
-        if (target && target.getBoundingClientRect().top < innerHeight / 3) current = link;
+        if (target && target.getBoundingClientRect().top < Math.min(innerHeight / 3, 200)) current = link;
       }
       for (const link of links) {
         if (link === current) link.setAttribute("aria-current", "true");
