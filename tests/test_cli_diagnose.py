@@ -14,7 +14,7 @@ from bench.cli import main
 from bench.dataset import load_dataset
 from bench.diagnose.as_json import diagnosis_json
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
-from bench.diagnose.summary import error_share, motor_torques, reason, summary_sentences
+from bench.diagnose.summary import doubts, error_share, motor_torques, reason, summary_sentences
 from bench.estimate.model_file import apply_model, load_model
 from bench.estimate.result import relative_error
 from bench.robot import load_robot
@@ -164,6 +164,34 @@ def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     (line,) = [one for one in said if "could as well be" in one]
     assert "current delay or quadratic drag" in line
     assert "these recordings cannot tell" in line
+    assert "To tell them apart: move fast and slowly, reverse fast or move as fast as allowed" in line
+    assert "`bench discriminate DATASET viscous_friction current_delay -o DIR` designs the motion." in line
+
+
+def test_nominal_gains_hold_the_verdict_back(found):
+    nominal = replace(found, after=replace(found.after, gains_fitted=False))
+    said = " ".join(summary_sentences(nominal))
+    assert said.startswith("Viscous friction at left seems to be missing")
+    assert "the names may be false" in said
+    assert "weighed payload" in said
+    gain = {"left": found.after.drive_gains["left"]}
+    alone = replace(nominal, after=replace(nominal.after, drive_gains=gain))
+    assert "the names may be false" not in " ".join(
+        doubts(alone)
+    )  # one motor: a gain scales everything alike
+
+
+def test_recordings_that_do_not_belong_are_said_at_once(found):
+    error = replace(found.after.error, identify=0.01, validate=0.2)
+    swapped = replace(found, after=replace(found.after, error=error))
+    said = summary_sentences(swapped)
+    assert "seems to be missing" in said[0]
+    assert said[1].startswith(
+        "These names may be false. Recordings that were not fitted are modelled far worse (20 %)"
+    )
+    assert "is declared to carry" in said[1]
+    none = replace(swapped, missing=(), ladder=found.ladder[:1], ranking=OTHERS)
+    assert "is declared to carry" in summary_sentences(none)[1]
 
 
 def test_an_effect_everywhere_or_of_the_whole_robot_names_no_single_motor(found):

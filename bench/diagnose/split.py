@@ -20,7 +20,9 @@ def with_judged_parts(dataset: Dataset) -> tuple[Dataset, str]:
         cut = round((1.0 - JUDGED) * len(one.time))
         parts.append(_part(one, one.name, "identify", slice(0, cut)))
         parts.append(_part(one, f"{one.name} (end)", "validate", slice(cut, None)))
-    return replace(dataset, recordings=tuple(parts)), f"the last {JUDGED:.0%} of every recording, not fitted"
+    return replace(
+        dataset, recordings=tuple(parts)
+    ), f"the last {100.0 * JUDGED:.0f} % of every recording, not fitted"
 
 
 def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:

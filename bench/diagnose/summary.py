@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
+from bench.estimate.notes import unlike
 from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
 
@@ -22,25 +24,49 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
             f"Nothing is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
             f"error clearly smaller than {_percent(before)} of the current."
         )
-        return [nothing, f"{_capital(diagnosis.unexplained.why)}."]
+        strange = unlike(diagnosis.after)
+        return [nothing, *([strange] if strange else []), f"{_capital(diagnosis.unexplained.why)}."]
     names = and_list([f"{said(one.effect)}{where(diagnosis, one)}" for one in found])
     said_of = "is" if len(found) == 1 else "are"
+    doubt = doubts(diagnosis)
+    if doubt:
+        said_of = "seems to be" if len(found) == 1 else "seem to be"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {_percent(before)} "
         f"to {_percent(after)} of the current, where noise leaves {_percent(floor)}."
     )
-    sentences = [verdict]
-    sentences += [
-        f"Instead of {said(one.effect)} it could as well be {or_list([said(name) for name in one.alternatives])}: "
-        "these recordings cannot tell."
-        for one in found
-        if one.alternatives
-    ]
+    sentences = [verdict, *doubt]
+    sentences += [_cannot_tell(one) for one in found if one.alternatives]
     moved = _largest_change(diagnosis)
     if moved is not None:
         sentences.append(moved)
     sentences.append(f"{_capital(diagnosis.unexplained.why)}.")
     return sentences
+
+
+def doubts(diagnosis: Diagnosis) -> list[str]:
+    """What makes the names of the found effects unsure: gains that are only nominal, recordings that do not fit."""
+    result = diagnosis.after
+    sentences = []
+    strange = unlike(result)
+    if strange:
+        sentences.append(f"These names may be false. {strange}")
+    if not result.gains_fitted and len(result.drive_gains) > 1:
+        sentences.append(
+            "The drive gains are nominal, since no fitted recording carries a payload of known mass: gains a tenth off "
+            "look like other effects, and the names may be false. Record with a weighed payload, too, to be sure."
+        )
+    return sentences
+
+
+def _cannot_tell(one: EffectVerdict) -> str:
+    """What an effect could be instead, and how to find out."""
+    motions = or_list(telling_motions([one.effect, *one.alternatives]))
+    return (
+        f"Instead of {said(one.effect)} it could as well be {or_list([said(name) for name in one.alternatives])}: "
+        f"these recordings cannot tell. To tell them apart: {motions}; "
+        f"`bench discriminate DATASET {one.effect} {one.alternatives[0]} -o DIR` designs the motion."
+    )
 
 
 def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:

@@ -59,10 +59,10 @@ def unexplained(result: Identification, recordings: Sequence[Recording]) -> Unex
     depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
     significant = error > MATERIAL * floor and bool(depends)
     if not significant:
-        why = f"the error left ({error:.3%}) is what the noise of the currents leaves ({floor:.3%})"
+        why = f"the error left ({100.0 * error:.3g} %) is what the noise of the currents leaves ({100.0 * floor:.3g} %)"
         return Unexplained(False, error, floor, (), why)
     why = (
-        f"{error:.3%} of the current is left where noise leaves {floor:.3%}, and it varies with "
+        f"{100.0 * error:.3g} % of the current is left where noise leaves {100.0 * floor:.3g} %, and it varies with "
         f"{', '.join(depends)}: no effect of the catalogue accounts for it"
     )
     return Unexplained(True, error, floor, depends, why)

@@ -54,6 +54,10 @@ def listed(names: Sequence[str]) -> str:
     return spoken_names[0] if len(names) == 1 else f"{', '.join(spoken_names[:-1])} or {spoken_names[-1]}"
 
 
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
+
+
 def _error(system: System, one: Scored, scale: float) -> float:
     return float(np.sqrt(one.fit.checked / max(system.checked.rows, 1)) * scale)
 
@@ -89,8 +93,8 @@ def _found(
     before, after = _error(system, without, scale), _error(system, best, scale)
     where = f" at {', '.join(places)}"
     why = (
-        f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from {before:.2%} to "
-        f"{after:.2%} of the current"
+        f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from {_percent(before)} to "
+        f"{_percent(after)} of the current"
     )
     if alternatives:
         why += f"; these data cannot tell it from {listed(alternatives)}"
@@ -142,7 +146,7 @@ def _other(
         if after >= before or not material(best.fit, added.fit)
         else "gains too little to be sure"
     )
-    why = f"Adding {name} {gained} on recordings that were not fitted ({before:.3%} to {after:.3%} of the current)."
+    why = f"Adding {name} {gained} on recordings that were not fitted ({_percent(before)} to {_percent(after)})."
     return EffectVerdict(
         proposals[i].name, "not supported", before, after, added.checked - best.checked, (), (), {}, why
     )

@@ -9,6 +9,7 @@ from bench.estimate.result import Identification
 LOOSE = 0.3  # relative deviation above which a parameter says little
 ILL_CONDITIONED = 1e3
 UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
+NEAR = 3.0  # times a thousand, or a thousandth: a gain as far off has a wrong unit behind it
 SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
 
 
@@ -57,17 +58,37 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
     loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
     if loose:
         notes.append(
-            f"{loose} of {len(result.parameters)} parameters are poorly determined (deviation above {LOOSE:.0%} of the "
-            "value); essential parameters (--essential) leave out what does not matter."
+            f"{loose} of {len(result.parameters)} parameters are poorly determined (deviation above "
+            f"{_percent(LOOSE)} of the value); essential parameters (--essential) leave out what does not matter."
         )
     return replace(result, notes=tuple(notes))
+
+
+def unlike(result: Identification) -> str | None:
+    """What to look at where recordings that were not fitted are modelled far worse than those that were."""
+    fitted, checked = result.error.identify, result.error.validate
+    if fitted is None or checked is None or checked <= UNLIKE * fitted:
+        return None
+    by_recording = result.error.by_recording
+    worst = max(by_recording, key=lambda name: by_recording[name])
+    carried = {one.name: one.payload for one in result.recordings}.get(worst)
+    load = f"the payload {carried}" if carried else "no payload"
+    return (
+        f"Recordings that were not fitted are modelled far worse ({_percent(checked)}) than those that were "
+        f"({_percent(fitted)}), {worst} worst: it is declared to carry {load}; check that and its columns, or move the "
+        "fitted recordings over the same range."
+    )
 
 
 def _implausible(result: Identification) -> list[str]:
     """What cannot be so: gains far off, all negative, or recordings unlike each other."""
     notes = []
+    ratios = {joint: gain.value / gain.nominal for joint, gain in result.drive_gains.items()}
+    thousand = _a_thousand(list(ratios.values())) if result.gains_fitted else None
+    if thousand is not None:
+        notes.append(thousand)
     for joint, gain in result.drive_gains.items():
-        if result.gains_fitted and abs(gain.value / gain.nominal - 1.0) > SUSPICIOUS_GAIN:
+        if result.gains_fitted and thousand is None and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN:
             notes.append(
                 f"The drive gain of {joint} came out at {gain.value:.3g} {gain.unit}, far from its nominal "
                 f"{gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as "
@@ -78,14 +99,23 @@ def _implausible(result: Identification) -> list[str]:
             "All drive gains came out negative, which cannot be: the recordings with and without payload are "
             "probably swapped in dataset.toml, or the currents' sign is."
         )
-    fitted, checked = result.error.identify, result.error.validate
-    if fitted is not None and checked is not None and checked > UNLIKE * fitted:
-        worst = max(
-            (name for name in result.error.by_recording), key=lambda name: result.error.by_recording[name]
-        )
-        notes.append(
-            f"Recordings that were not fitted are modelled far worse ({checked:.2%}) than those that were "
-            f"({fitted:.2%}), {worst} worst: check its payload and its columns, or move the fitted recordings "
-            "over the same range."
-        )
-    return notes
+    strange = unlike(result)
+    return notes if strange is None else [*notes, strange]
+
+
+def _a_thousand(ratios: list[float]) -> str | None:
+    """Whether all gains are about a thousand times the nominal ones, or a thousandth of them: a wrong unit."""
+    for factor, what in (
+        (1e3, "a thousand times the nominal ones: is the payload's mass in grams? It must be in kg"),
+        (
+            1e-3,
+            "a thousandth of the nominal ones: is the payload's mass in tonnes, or are the currents in mA?",
+        ),
+    ):
+        if all(factor / NEAR < abs(ratio) < factor * NEAR for ratio in ratios):
+            return f"The drive gains came out at about {what}."
+    return None
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"

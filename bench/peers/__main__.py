@@ -119,7 +119,9 @@ def arm_scores(*, friction: bool) -> list[Score]:
 def title(one: Score) -> str:
     """What the problem is."""
     robot = {"five_bar": "Five-bar", "two_link": "Serial arm of two links"}[one.robot]
-    friction = f"Coulomb friction of {COULOMB_SHARE:.0%} of the torque" if one.friction else "no friction"
+    friction = (
+        f"Coulomb friction of {100.0 * COULOMB_SHARE:.0f} % of the torque" if one.friction else "no friction"
+    )
     return f"{robot}, two recordings of {DURATION:g} s at 1 kHz, {friction}"
 
 

@@ -68,10 +68,12 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
     """Name, value, bound, whether it is reached, cases, interval."""
     bounds = []
-    shown = f"{target.value:.1%}" if target.share else f"{target.value:.4g}"
+    shown = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
     for word, bound in (("at least", target.least), ("at most", target.most)):
         if bound is not None:
-            bounds.append(f"{word} {bound:.0%}" if target.share and bound < 1 else f"{word} {bound:g}")
+            bounds.append(
+                f"{word} {100.0 * bound:.0f} %" if target.share and bound < 1 else f"{word} {bound:g}"
+            )
     verdict = "" if not bounds or target.reached is None else "yes" if target.reached else "**no**"
     if target.share is None:
         return target.name.strip(), shown, " and ".join(bounds), verdict, "", ""
@@ -84,7 +86,7 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
         " and ".join(bounds),
         verdict,
         str(target.share.of),
-        f"{low:.1%} to {high:.1%}",
+        f"{100.0 * low:.1f} % to {100.0 * high:.1f} %",
     )
 
 
@@ -106,4 +108,4 @@ def size_text(miss: Miss) -> str:
 
 def percent(share: Share) -> str:
     """A share in percent; nothing of nothing."""
-    return f"{share.value:.0%}" if share.of else ""
+    return f"{100.0 * share.value:.0f} %" if share.of else ""
