@@ -12,7 +12,10 @@ from bench.estimate.model_file import SavedModel, applied
 
 @dataclass(frozen=True, eq=False)
 class EffectTorques:
-    """Torques in one recording at the fit's rate: time (M,) s; by_effect: (M, n) N*m or N for each effect."""
+    """Torques in one recording at the fit's rate: time (M,) s; by_effect: (M, n) N*m or N for each effect.
+
+    NaN where a joint stands still: such rows are bridged, not modelled.
+    """
 
     name: str
     time: np.ndarray
@@ -40,7 +43,7 @@ def effect_torques(
         for instance in prepared.effects:
             size = len(instance.effect.parameters)
             values = solution.theta[first + at : first + at + size]
-            torque = seen.effects[:, :, at : at + size] @ values
+            torque = np.where(seen.moving, seen.effects[:, :, at : at + size] @ values, np.nan)
             name = instance.effect.name
             by_effect[name] = by_effect[name] + torque if name in by_effect else torque
             at += size

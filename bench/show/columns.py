@@ -36,12 +36,12 @@ class Fit:
     room: int
 
 
-def fit_columns(columns: Sequence[Column], width: int) -> Fit:
+def fit_columns(columns: Sequence[Column], width: int, gaps: Sequence[int] = GAPS) -> Fit:
     """Narrow the gaps, then leave out columns of the highest rank, until all fit into `width`."""
     kept = list(columns)
     while True:
         total = sum(column.width for column in kept)
-        gap = next((gap for gap in GAPS if total + gap * (len(kept) - 1) <= width), GAPS[-1])
+        gap = next((gap for gap in gaps if total + gap * (len(kept) - 1) <= width), gaps[-1])
         room = width - total - gap * (len(kept) - 1)
         last = max(kept, key=lambda column: column.rank)
         if room >= 0 or last.rank == 0:
@@ -55,12 +55,14 @@ def table_of(
     *,
     row_styles: Sequence[str] | None = None,
     section_ends: Sequence[int] = (),
+    gaps: Sequence[int] = GAPS,
 ) -> Table:
     """A table at most `width` wide, or as near as its columns of rank 0 allow; those are then folded.
 
-    row_styles: one style a row. section_ends: rows after which a blank line stands.
+    row_styles: one style a row. section_ends: rows after which a blank line stands. gaps: blanks
+    between columns, the wider where there is room.
     """
-    fit = fit_columns(columns, width)
+    fit = fit_columns(columns, width, gaps)
     table = Table(
         box=box.SIMPLE_HEAD,
         pad_edge=False,

@@ -10,7 +10,7 @@ from rich.text import Text
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.diagnose.summary import effort_unit, motor_torques, reason, said, summary_sentences
 from bench.estimate.result import Quantity
-from bench.show.columns import Column, aligned_pair, table_of
+from bench.show.columns import GAPS, Column, aligned_pair, table_of
 from bench.show.comparison import sentences_list
 from bench.show.numbers import GIVEN, percent, pretty_unit, value_and_deviation
 from bench.show.tables import effects_table
@@ -91,35 +91,33 @@ def ranking_table(
     rows = diagnosis.ranking if shown is None else shown
     strong = [one.effect in diagnosis.missing for one in rows]
     absorbed = [one.verdict == "absorbed" for one in rows]
-    return table_of(
-        [
-            Column("effect", [said(one.effect) for one in rows]),
-            Column("verdict", [one.verdict for one in rows]),
-            Column(
-                "evidence",
-                [
-                    "–" if no else f"{one.evidence:.1f}".replace("-0.0", "0.0")
-                    for one, no in zip(rows, absorbed, strict=True)
-                ],
-                "right",
-            ),
-            Column("without", [percent(one.error_before) for one in rows], "right", rank=3),
-            Column(
-                "with it",
-                ["–" if no else percent(one.error_after) for one, no in zip(rows, absorbed, strict=True)],
-                "right",
-            ),
-            Column("size", [size_words(diagnosis, one) for one in rows]),
-            Column("at", [", ".join(one.actuators) for one in rows], rank=2),
-            Column(
-                "could as well be",
-                [", ".join(said(name) for name in one.alternatives) for one in rows],
-                rank=4,
-            ),
-        ],
-        width,
-        row_styles=["bold" if one else "" for one in strong],
-    )
+    columns = [
+        Column("effect", [said(one.effect) for one in rows]),
+        Column("verdict", [one.verdict for one in rows]),
+        Column(
+            "evidence",
+            [
+                "–" if no else f"{one.evidence:.1f}".replace("-0.0", "0.0")
+                for one, no in zip(rows, absorbed, strict=True)
+            ],
+            "right",
+        ),
+        Column("without", [percent(one.error_before) for one in rows], "right", rank=3),
+        Column(
+            "with it",
+            ["–" if no else percent(one.error_after) for one, no in zip(rows, absorbed, strict=True)],
+            "right",
+        ),
+        Column("size", [size_words(diagnosis, one) for one in rows]),
+        Column("at", [", ".join(one.actuators) for one in rows], rank=2),
+        Column(
+            "could as well be",
+            [", ".join(said(name) for name in one.alternatives) for one in rows],
+            rank=4,
+        ),
+    ]
+    told = [column for column in columns if any(column.cells)]
+    return table_of(told, width, row_styles=["bold" if one else "" for one in strong], gaps=GAPS[:1])
 
 
 def gains_before_after(diagnosis: Diagnosis, *, width: int = WIDTH) -> Table:

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ INCH = 25.4  # mm
 PICTURE_DPI = 300
 ACROSS = 3  # panels beside each other on two columns
 LEGEND_ROOM = 6.0  # mm
+LEGEND_LETTERS = 50  # that one column holds beside the marks
 SCALE = 0.55  # of lines and marks, against a picture for the screen
 # Any: matplotlib types every key of these by name.
 PRINT: Any = {
@@ -93,7 +95,8 @@ def paper_figure(what: PaperFigure, width: float) -> Figure:
             for handle, label in zip(*place.get_legend_handles_labels(), strict=True):
                 labels.setdefault(label, handle)
         if len(labels) > 1:
-            across = len(labels) if width > WIDTHS["one_column"] else min(len(labels), 3)
+            in_one_row = width > WIDTHS["one_column"] or sum(map(len, labels)) <= LEGEND_LETTERS
+            across = len(labels) if in_one_row else 2
             figure.legend(
                 labels.values(), labels.keys(), loc="outside upper center", ncols=across, frameon=False
             )
@@ -121,6 +124,11 @@ def write_paper_figures(folder: Path, figures: Sequence[PaperFigure]) -> list[Pa
             write_text_atomically(path, csv_of(numbers))
             paths.append(path)
     return paths
+
+
+def file_part(recording: str) -> str:
+    """A recording's name as part of a file name: "run 2.csv (end)" -> "run_2_end"."""
+    return re.sub(r"[^\w-]+", "_", re.sub(r"\.(csv|parquet)\b", "", recording)).strip("_")
 
 
 def csv_of(numbers: Numbers) -> str:

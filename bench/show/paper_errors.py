@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import PurePath
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,7 +21,7 @@ from bench.show.comparison_panels import (
     draw_clouds,
     draw_noise_band,
 )
-from bench.show.paper import SCALE, Numbers, Panel, PaperFigure
+from bench.show.paper import SCALE, Numbers, Panel, PaperFigure, file_part
 
 CURRENT, ERROR, CLOUD, LINE = 26.0, 14.0, 42.0, 36.0  # heights of panels, mm
 BINS = 41  # of the histogram
@@ -78,7 +77,7 @@ def _currents(what: Compared, recording: str) -> PaperFigure:
                 f"noise [{unit}]": [one.noise] * len(one.time),
             }
         )
-    name = f"currents_{PurePath(recording).stem.replace(' ', '_')}"
+    name = f"currents_{file_part(recording)}"
     return PaperFigure(name, tuple(panels), {"": _joined(numbers)}, stacked=True)
 
 
@@ -265,6 +264,7 @@ def _draw_histogram(
             x, 100.0 * width * normal, color="#5A6470", linewidth=0.7, label="noise of the current alone"
         )
         axes.set_ylim(0.0, top)
+    axes.xaxis.set_major_locator(MaxNLocator(5))
     axes.set(title=joint, xlabel=f"error [{unit}]", ylabel="share of the rows [%]")
 
 

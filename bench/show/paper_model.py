@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import PurePath
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import SymmetricalLogLocator
 
 from bench.diagnose.result import Diagnosis
 from bench.estimate.result import CurrentSeries, DriveGain, Identification
@@ -24,7 +24,7 @@ from bench.show.diagnosis_panels import (
     rungs,
 )
 from bench.show.numbers import current_unit, judged_error, pretty_unit
-from bench.show.paper import SCALE, Numbers, Panel, PaperFigure
+from bench.show.paper import SCALE, Numbers, Panel, PaperFigure, file_part
 
 FOOT = 16.0  # mm that an axis with its label takes
 BAR, MOVED = 3.8, 4.2  # mm for each bar, each parameter
@@ -119,6 +119,8 @@ def _ranking(diagnosis: Diagnosis) -> PaperFigure:
 
 def _draw_ranking(diagnosis: Diagnosis, axes: Axes) -> None:
     draw_ranking(axes, diagnosis, SHOWN, SCALE)
+    axes.xaxis.set_major_locator(SymmetricalLogLocator(base=100.0, linthresh=1.0))  # few, for one column
+    axes.set_xlabel("evidence [nats]")
     shown = {one.verdict for one in diagnosis.ranking}
     for verdict, colour in VERDICT_COLOURS.items():
         if verdict in shown and verdict != "absorbed":
@@ -142,7 +144,7 @@ def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
 
 def _draw_moved(rows: Sequence[Moved], axes: Axes) -> None:
     draw_moved(axes, rows, SCALE)
-    axes.set_xlabel("difference to the value after [%]; beyond ±1 logarithmic")
+    axes.set_xlabel("difference to the value after [%]")
 
 
 def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSeries) -> PaperFigure:
@@ -156,7 +158,7 @@ def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSer
         numbers[f"error of {joint} after [{unit}]"] = judged_error(after)[:, j].tolist()
         last = j == len(gains) - 1
         panels.append(Panel(partial(_draw_before_after, before, after, j, f"{joint} [{unit}]", last), ERRORS))
-    name = f"errors_before_after_{PurePath(after.name).stem.replace(' ', '_')}"
+    name = f"errors_before_after_{file_part(after.name)}"
     return PaperFigure(name, tuple(panels), {"": numbers}, stacked=True)
 
 

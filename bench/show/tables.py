@@ -1,7 +1,9 @@
 """An identification as tables in a terminal."""
 
+import math
 from collections.abc import Sequence
 
+import numpy as np
 from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -31,6 +33,7 @@ from bench.show.numbers import (
 WIDTH = 100  # columns of a table that is asked for by itself
 NARROWEST_GROUPING = 14  # columns below which a grouping says nothing
 POOR_STYLE = "yellow"
+ABSORBED = "absorbed"  # by other parameters: no value of its own
 
 
 def identification_report(
@@ -144,7 +147,7 @@ def effects_table(result: Identification, truth: Truth | None = None, *, width: 
 
 
 def errors_table(series: Sequence[CurrentSeries], joints: Sequence[str], *, width: int = WIDTH) -> Table:
-    """Errors of the modelled current by recording and motor, fitted and not fitted, with totals.
+    """Length and errors of the modelled current by recording and motor, fitted and not fitted, with totals.
 
     Motors that do not fit into `width` are left out all together; `motor_errors_table` has them.
     """
@@ -161,6 +164,8 @@ def errors_table(series: Sequence[CurrentSeries], joints: Sequence[str], *, widt
         Column("recording", [name for name, *_ in groups]),
         Column("use", [use for _, use, *_ in groups]),
         Column("payload", [payload for _, _, payload, _ in groups]),
+        Column("length", [f"{sum(map(_seconds, chosen)):.3g} s" for *_, chosen in groups], "right", rank=2),
+        Column("rows", [str(sum(len(one.time) for one in chosen)) for *_, chosen in groups], "right", rank=3),
         *(
             Column(joint, [percent(relative_error(chosen, j)) for *_, chosen in groups], "right", rank=1)
             for j, joint in enumerate(joints)
@@ -222,6 +227,11 @@ def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: S
         _section(console, "The same by motor", motor_errors_table(series, joints, width=console.width))
 
 
+def _seconds(series: CurrentSeries) -> float:
+    """How long a recording is, s."""
+    return float(np.ptp(series.time))
+
+
 def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
     poor = sum(is_poor(one) for one in quantities)
     if poor:
@@ -236,8 +246,12 @@ def _quantity_columns(quantities: Sequence[Quantity]) -> list[Column]:
     values = [value for value, _ in pairs]
     both = aligned_pair(values, [std for _, std in pairs], " ± ")
     both = [text.replace(f"± {GIVEN}", f"  {GIVEN}") for text in both]
+    both = [ABSORBED if math.isinf(one.std) else text for text, one in zip(both, quantities, strict=True)]
     relative = [
-        f"{'! ' if is_poor(one) else ''}{percent(one.relative_std)}" if one.std else "–" for one in quantities
+        f"{'! ' if is_poor(one) else ''}{percent(one.relative_std)}"
+        if one.std and math.isfinite(one.std)
+        else "–"
+        for one in quantities
     ]
     if given:
         return [Column("value", values, "right")]

@@ -94,7 +94,9 @@ def _send_effects(
     stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, one: Shown, motor: int
 ) -> None:
     by_effect = {} if one.torques is None else one.torques.by_effect
-    shown = {name: torque[:, motor] for name, torque in by_effect.items() if torque[:, motor].any()}
+    shown = {
+        name: torque[:, motor] for name, torque in by_effect.items() if np.nan_to_num(torque[:, motor]).any()
+    }
     if len(shown) < 2:
         return
     for number, (name, torque) in enumerate(shown.items()):

@@ -1,0 +1,158 @@
+"""The command that shows a dataset, a model, results or a sweep in the viewer."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from bench.cli import main, open_viewer
+from bench.sweep.again import run_again, telling_runs
+from bench.truth.dataset import write_simulation
+from tests.hidden_kit import run
+from tests.rrd_reader import numbers, origins, static_value, verified
+
+FRICTION = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
+LONGER = {"optimise": False, "duration": 6.0, "ramp": 0.5}
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """Measurements of a two-link arm with friction at its shoulder, and the truth beside them."""
+    folder = tmp_path_factory.mktemp("view") / "data"
+    write_simulation(run("two_link", FRICTION, design=LONGER), folder)
+    return folder
+
+
+def viewed(*arguments):
+    assert main(["view", *map(str, arguments)]) == 0
+
+
+def test_a_dataset_with_an_effect_shows_it_beside_the_truth(data, tmp_path, capsys):
+    path = tmp_path / "arm.rrd"
+    viewed(data, "--with", "viscous_friction:shoulder", "--save", path)
+    assert capsys.readouterr().out == f"Recording: {path}\n"
+    assert verified(path)
+    times, hidden = numbers(path, "/free/torque/shoulder/0_hidden")
+    at, found = numbers(path, "/free/torque/shoulder/3_found")
+    hidden = np.interp(at, times, hidden)
+    moving = np.isfinite(found)
+    assert moving.mean() > 0.8
+    assert np.sqrt(np.mean((found - hidden)[moving] ** 2)) < 0.05 * np.sqrt(np.mean(hidden**2))
+    before, after = (numbers(path, f"/free/steps/shoulder/{k}")[1] for k in (0, 1))
+    assert np.nanstd(after) < 0.3 * np.nanstd(before)
+    (text,) = static_value(path, "/summary", "TextDocument:text")
+    assert "1.500" in text  # the truth, beside what was found
+    assert numbers(path, "/held/following")[1].max() > 0.0
+
+
+def test_without_truth_nothing_of_it_is_shown(data, tmp_path):
+    path = tmp_path / "arm.rrd"
+    viewed(data, "--no-truth", "--save", path)
+    assert not [one for one in origins(path) if "torque" in one or "following" in one]
+
+
+def test_changed_measurements_have_no_truth(data, tmp_path):
+    shutil.copytree(data, tmp_path / "other")
+    shutil.copy(data.with_name("data.truth.json"), tmp_path / "other.truth.json")
+    for file in (tmp_path / "other").glob("*.csv"):
+        lines = file.read_text().splitlines(keepends=True)
+        file.write_text("".join([lines[0], *lines[11:]]))
+    path = tmp_path / "arm.rrd"
+    viewed(tmp_path / "other", "--save", path)
+    assert not [one for one in origins(path) if "torque" in one]
+
+
+def test_a_model_file_knows_its_dataset_and_takes_another(data, tmp_path):
+    model = tmp_path / "model.json"
+    assert main(["identify", str(data), "--with", "viscous_friction:shoulder", "--json", str(model)]) == 0
+    viewed(model, "--save", tmp_path / "own.rrd")
+    shutil.copytree(data, tmp_path / "other")
+    viewed(model, "--data", tmp_path / "other", "--save", tmp_path / "other.rrd")
+    one, other = (
+        numbers(tmp_path / f"{name}.rrd", "/held/error/elbow/error")[1] for name in ("own", "other")
+    )
+    np.testing.assert_array_equal(one, other)
+
+
+def test_a_diagnosis_shows_its_ladder(data, tmp_path):
+    assert main(["diagnose", str(data), "-o", str(tmp_path / "found")]) == 0
+    path = tmp_path / "found.rrd"
+    viewed(tmp_path / "found", "--save", path)
+    names = [static_value(path, f"/free.csv/steps/shoulder/{k}", "SeriesLines:names")[0] for k in (0, 1)]
+    assert names == ["the model as it is", "+ viscous friction"]
+    _, hidden = numbers(path, "/free.csv\\ \\(end\\)/torque/shoulder/0_hidden")  # the part that was judged
+    assert 0.2 < len(hidden) / len(numbers(path, "/free.csv/torque/shoulder/0_hidden")[1]) < 0.6
+    (text,) = static_value(path, "/summary", "TextDocument:text")
+    assert "### What is missing" in text
+    content = json.loads((tmp_path / "found" / "report.json").read_text())
+    assert content["diagnosis"]["missing"] == ["viscous_friction"]
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A sweep of four runs, of which nothing but the table is kept."""
+    folder = tmp_path_factory.mktemp("swept")
+    (folder / "bits.toml").write_text(
+        'base = "two_link"\nseeds = 2\n[scenario]\n"design.optimise" = false\n"design.duration" = 4.0\n'
+        '[axes]\n"sensors.encoder_bits" = [14, 20]\n'
+    )
+    assert main(["sweep", str(folder / "bits.toml"), "-o", str(folder / "out"), "--workers", "1"]) == 0
+    return folder / "out"
+
+
+def test_runs_of_a_sweep_are_made_again_and_stand_side_by_side(swept, tmp_path):
+    from bench.sweep.again import plan_of
+    from bench.sweep.results import table_in
+    from bench.sweep.table import read_table
+
+    path = tmp_path / "swept.rrd"
+    viewed(swept, "--run", "0", "--run", "3", "--save", path)
+    assert verified(path)
+    tabs = [one for one in origins(path) if one.endswith("/robot")]
+    assert {one.split("/")[1].split("\\ ")[0] for one in tabs} == {"0", "1"}
+    plan = plan_of(swept)
+    table = read_table(table_in(swept), ["run", "seed", "sensors.encoder_bits"])
+    again = run_again(swept, plan, 3)
+    row = table["run"].index(3)
+    assert again.run.seed == table["seed"][row]
+    assert f"sensors.encoder_bits {table['sensors.encoder_bits'][row]}" in again.title
+    chosen = telling_runs(swept, plan)
+    assert len(chosen) == len(set(chosen)) == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["{tmp}/nowhere"], "no such folder or model file"),
+        (["{tmp}"], "neither a dataset (dataset.toml), nor a result (report.json), nor a sweep (sweep.toml)"),
+        (["{data}", "--save", "{tmp}/a.txt"], "a Rerun recording is an .rrd file"),
+        (["{data}", "--with", "nonsense"], "nonsense"),
+        (["{swept}", "--run", "99"], "no run 99; there are 0 to 3"),
+    ],
+)
+def test_a_mistake_is_one_line(data, swept, tmp_path, capsys, arguments, said):
+    given = [one.format(tmp=tmp_path, data=data, swept=swept) for one in arguments]
+    capsys.readouterr()
+    assert main(["view", *given]) == 2
+    out, err = capsys.readouterr()
+    assert said in err
+    assert out == ""
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_it_opens_in_a_window_of_its_own_where_there_is_a_screen(data, tmp_path, monkeypatch, capsys):
+    shutil.copytree(data, tmp_path / "arm")
+    started = []
+    monkeypatch.setattr(open_viewer.subprocess, "Popen", lambda command, **_: started.append(command))
+    monkeypatch.setenv("DISPLAY", ":0")
+    viewed(tmp_path / "arm")
+    assert started[0][1] == str(tmp_path / "arm.rrd")
+    assert "Opened in the Rerun viewer" in capsys.readouterr().out
+    monkeypatch.delenv("DISPLAY")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr(open_viewer.sys, "platform", "linux")
+    viewed(tmp_path / "arm")
+    assert len(started) == 1
+    assert f"rerun --web-viewer {tmp_path / 'arm.rrd'}" in capsys.readouterr().out
