@@ -6,6 +6,7 @@ law; where the effect lies in the drive, the torque of the motor and the logged 
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 from bench.scenario import load_scenario
 from bench.truth.simulate import simulate
@@ -141,8 +142,11 @@ def test_current_delay(steps):
 def test_current_loop_lag():
     simulation = run("five_bar", {"effect": "current_loop_lag", "T": 0.004}, every_step=True)
     for s in states(simulation, "five_bar", step=1):
-        flowing, stay = s.torque / s.gains, np.exp(-0.00025 / 0.004)
-        np.testing.assert_allclose(flowing[1:], stay * flowing[:-1] + (1 - stay) * s.current[1:], atol=1e-11)
+        flowing, time = s.torque / s.gains, 0.00025 * np.arange(len(s.current))
+        for j in range(flowing.shape[1]):  # straight between two steps
+            first = flowing[0, j] * 0.004
+            expected = lsim(([1.0], [0.004, 1.0]), s.current[:, j], time, X0=first)[1]
+            np.testing.assert_allclose(flowing[:, j], expected, atol=1e-9)
         np.testing.assert_allclose(s.extra, 0, atol=1e-10)
 
 

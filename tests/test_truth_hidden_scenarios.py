@@ -135,9 +135,11 @@ def test_delays_and_lags_add_up():
     delay, lag = {"effect": "current_delay", "T": 0.001}, {"effect": "current_loop_lag", "T": 0.002}
     simulation = run("five_bar", delay, lag, {"effect": "current_delay", "T": -0.003}, every_step=True)
     for s in states(simulation, "five_bar", step=1):
-        flowing, stay = s.torque / s.gains, np.exp(-0.00025 / 0.002)
-        entering = (flowing[1:] - stay * flowing[:-1]) / (1 - stay)  # at 1, 2, … : the reference 4 steps ago
-        np.testing.assert_allclose(s.current[8 + 1 :], entering[: len(entering) - 8], atol=1e-8)
+        flowing, entering = (s.torque / s.gains)[:-8], s.current[8:]  # what enters: the reference 4 steps ago
+        stay = np.exp(-0.00025 / 0.002)
+        mean = (1 - stay) * 0.002 / 0.00025
+        expected = stay * flowing[:-1] + (1 - mean) * entering[1:] + (mean - stay) * entering[:-1]
+        np.testing.assert_allclose(flowing[1:], expected, atol=1e-8)
 
 
 def test_a_law_in_python_and_the_same_law_in_mujoco_move_alike():
