@@ -1,5 +1,6 @@
 """A robot: the folder that describes it, its actuators with their nominal drive gains, its tool."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -8,7 +9,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from bench.catalogue import built_in_robots
-from bench.errors import BenchError
+from bench.errors import BenchError, meant
 from bench.toml_input import UserTable, one_line, read_toml
 
 GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V"]
@@ -108,9 +109,21 @@ def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
         return description.resolve()
     if path.is_dir():
         raise BenchError(f"robot {str(robot)!r}: there is no robot.toml in {path}")
-    raise BenchError(
-        f"robot {str(robot)!r}: neither a built-in robot ({', '.join(built_in)}) nor a folder ({path})"
-    )
+    hint = meant(str(robot), built_in, f"there is no {path}, and built-in are")
+    raise BenchError(f"robot {str(robot)!r}: neither a built-in robot nor a folder: {hint}")
+
+
+def _compiler_message(path: Path, text: str) -> str:
+    """MuJoCo's message in one line that starts with file and line, without the parser's own bookkeeping."""
+    text = one_line(text).removeprefix("XML Error: ").removeprefix("Error: ")
+    line = re.search(r",? ?[Ll]ine(?: number)? ?[=:]? ?(\d+)", text)
+    where = f"{path}, line {line.group(1)}" if line else str(path)
+    if parser := re.match(r"XML parse error \d+: ?Error=XML_(?:ERROR_)?(\w+)(?:.*name=(\w+))?", text):
+        said, element = parser.group(1).lower().replace("_", " "), parser.group(2)
+        return f"{where}: not valid XML: {said}{f' <{element}>' if element else ''}"
+    if line:
+        text = text[: line.start()] + text[line.end() :]
+    return f"{where}: MuJoCo cannot compile it: {text.strip(' ,:')}"
 
 
 def _check_against_mjcf(description: Path, table: _RobotTable, model_path: Path) -> None:
@@ -120,7 +133,7 @@ def _check_against_mjcf(description: Path, table: _RobotTable, model_path: Path)
         model = mujoco.MjModel.from_xml_path(str(model_path))
         joint_names = [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
     except (ValueError, mujoco.FatalError) as error:
-        raise BenchError(f"{model_path}: MuJoCo cannot compile it: {one_line(error)}") from error
+        raise BenchError(_compiler_message(model_path, str(error))) from error
 
     units = {int(mujoco.mjtJoint.mjJNT_HINGE): "N*m", int(mujoco.mjtJoint.mjJNT_SLIDE): "N"}
     seen: dict[str, int] = {}

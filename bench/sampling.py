@@ -53,7 +53,7 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
         return None
     row = int(wrong[0]) + 1
     what = "repeats" if steps[row - 1] == 0.0 else "goes back: it follows"
-    text = f"{float(time[row])!r} s {what} {float(time[row - 1])!r} s{_more(wrong.size)}"
+    text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{_more(wrong.size)}"
     if wrong.size > 0.1 * time.size and not (steps < 0.0).any():
         text += ": are the stamps rounded more coarsely than a step?"
     return TimeFault(row, text)
@@ -83,9 +83,14 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
     row = int(gaps[0]) + 1
     return TimeFault(
         row,
-        f"a gap of {steps[row - 1]:.6g} s before {float(time[row])!r} s, where samples are {step:.6g} s apart"
+        f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"
         f"{_more(gaps.size)}",
     )
+
+
+def _stamp(value: float) -> str:
+    """A time stamp as it was written, without what binary fractions add."""
+    return f"{float(value):.12g}"
 
 
 def _more(count: int) -> str:

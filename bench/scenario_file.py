@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.catalogue import built_in_robots, built_in_scenarios
-from bench.errors import BenchError
+from bench.errors import BenchError, meant
 from bench.toml_input import one_line
 
 
@@ -20,10 +20,8 @@ def find_scenario(scenario: str | Path, folder: Path | None = None) -> Path:
         return built_in[scenario]
     path = (folder or Path.cwd()) / Path(scenario).expanduser()
     if not path.is_file():
-        raise BenchError(
-            f"scenario {str(scenario)!r}: neither a built-in scenario ({', '.join(built_in)}) nor a file"
-            f" ({path})"
-        )
+        hint = meant(str(scenario), built_in, f"there is no {path}, and built-in are")
+        raise BenchError(f"scenario {str(scenario)!r}: neither a built-in scenario nor a file: {hint}")
     return path
 
 

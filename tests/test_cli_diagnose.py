@@ -13,12 +13,14 @@ from rich.console import Console
 from bench.cli import main
 from bench.dataset import load_dataset
 from bench.diagnose.as_json import diagnosis_json
+from bench.diagnose.possible import impossible_effects, refused
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
 from bench.diagnose.summary import doubts, error_share, motor_torques, reason, summary_sentences
+from bench.effects import CATALOGUE, EffectInstance
 from bench.estimate.model_file import apply_model, load_model
-from bench.estimate.result import relative_error
+from bench.estimate.result import Quantity, relative_error
 from bench.robot import load_robot
-from bench.show.diagnosis import bar, diagnosis_report, size_words
+from bench.show.diagnosis import bar, diagnosis_report, ranking_table, size_words
 from bench.show.diagnosis_figures import (
     errors_before_after_figure,
     gains_figure,
@@ -149,6 +151,31 @@ def test_what_is_not_supported_is_only_named_unless_asked_for(found):
     assert "not supported, too" not in long
     for one in OTHERS:
         assert " ".join(one.why.split()) in " ".join(long.split())
+
+
+def test_a_friction_that_drives_is_refused(found):
+    friction = replace(CATALOGUE["stribeck_friction"])
+    instances = [EffectInstance(friction, joint, "stribeck_friction") for joint in ("left", "right")]
+
+    def model(left, right):
+        values = {
+            joint: {"Fc": Quantity(2.0, 0.1, "N*m"), "Fs": Quantity(fs, 0.1, "N*m")}
+            for joint, fs in (("left", left), ("right", right))
+        }
+        return replace(found.after, effect_parameters={"stribeck_friction": values})
+
+    assert impossible_effects(model(-1.0, -2.0), instances) == {"stribeck_friction": "Fs"}
+    assert impossible_effects(model(-1.0, 1.0), instances) == {}  # at one joint it may be left out
+    assert impossible_effects(model(-0.2, -0.2), instances) == {}  # two deviations are nothing
+    verdict = refused(replace(VISCOUS, effect="stribeck_friction"), "Fs")
+    assert verdict.verdict == "not supported"
+    assert "Stribeck friction would need a negative Fs" in verdict.why
+    assert refused(VISCOUS, None) is VISCOUS
+
+
+def test_columns_with_nothing_in_them_are_left_out(nothing):
+    headers = [column.header for column in ranking_table(nothing, OTHERS[1:7]).columns]
+    assert headers == ["effect", "verdict", "evidence", "without", "with it"]
 
 
 def test_nothing_missing_is_said_first_and_nothing_moves(nothing):
@@ -358,6 +385,8 @@ def test_the_applied_model_has_the_effect_and_the_error_of_the_ladder(diagnosed)
         (["{data}", "--with", "viscous_friction:knee"], "knee"),
         (["{data}", "--effect-file", "absent.py"], "absent.py"),
         (["{data}", "--border", "x"], "--border"),
+        (["{data}", "--json", "no_such_folder/answer.json"], "there is no folder no_such_folder"),
+        (["{data}", "--with", "coulomb_frction"], "did you mean 'coulomb_friction'?"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(diagnosed, capsys, arguments, culprit):

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.cli import main
+from bench.effects import CATALOGUE
 
 PUBLISHED_FILTERS = [
     "--position-cutoff",
@@ -49,3 +50,23 @@ def test_import_and_identify_give_the_published_table(measured_data: Path, tmp_p
     assert f"{model['condition']:.4f}" == "25.9883"
     assert f"{100 * model['error']['identify']:.4f}" == "4.0834"
     assert model["drive_gains"]["axis"] == {"value": 35.15065, "std": 0.0, "unit": "N/V", "nominal": 35.15065}
+
+
+def test_diagnosis_climbs_from_inertia_alone_with_signs_that_can_be(
+    measured_data: Path, tmp_path: Path
+) -> None:
+    log = measured_data / "emps" / "DATA_EMPS.mat"
+    if not log.is_file():
+        pytest.skip("the measured EMPS data are not here (set PARABENCH_DATA)")
+    columns = ["--map", "position.axis=qm", "--map", "current.axis=vir", "--map", "time=t"]
+    assert main(["import", str(log), "--robot", "emps", *columns, "-o", str(tmp_path / "emps")]) == 0
+    assert main(["diagnose", str(tmp_path / "emps"), "--json", str(tmp_path / "answer.json")]) == 0
+    answer = json.loads((tmp_path / "answer.json").read_text())
+    assert answer["ladder"][0]["error"]["validate"] > 0.5
+    assert (
+        answer["ladder"][-1]["error"]["validate"] < 0.0408
+    )  # the published model's, on the data it was fitted to
+    for name, joints in answer["after"]["effect_parameters"].items():
+        for parameter in CATALOGUE[name].parameters:
+            value = joints["axis"][parameter.name]
+            assert not parameter.positive or value["value"] > -3.0 * value["std"], (name, parameter.name)

@@ -174,12 +174,24 @@ def test_errors_are_those_of_the_recordings_by_motor_and_in_all(result):
     fitted = [one for one in result.recordings if one.use == "identify"]
     expected = [*(percent(relative_error(fitted, j)) for j in (0, 1)), percent(result.error.identify)]
     assert (
-        next(line for line in lines if line.startswith("all fitted")).split()[2:]
+        next(line for line in lines if line.startswith("all fitted")).split()[5:]
         == " ".join(expected).split()
     )
+    seconds, rows = sum(np.ptp(one.time) for one in fitted), sum(len(one.time) for one in fitted)
+    assert f"all fitted {seconds:.3g} s {rows} " in " ".join(" ".join(lines).split())
     check = next(line for line in lines if line.startswith("check.csv"))
     assert "not fitted" in check
     assert check.endswith(percent(result.error.validate))
+
+
+def test_what_is_absorbed_has_no_value(result):
+    nothing = Quantity(0.0, float("inf"), "kg*m^2")
+    effects = {"rotor_inertia": {"left": {"Ia": nothing}}}
+    line = next(
+        one for one in printed(replace(result, effect_parameters=effects), 100).splitlines() if " Ia " in one
+    )
+    assert "absorbed" in line
+    assert "inf" not in line
 
 
 def test_many_motors_get_a_table_of_their_own(result):

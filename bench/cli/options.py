@@ -31,8 +31,21 @@ effect_file_option = click.option(
     help="Python file with effects of your own. Repeat for each.",
 )
 
+
+def in_existing_folder(_context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
+    """Refuse a file in a folder that is not there, before any work is done: it is misspelt more often than meant."""
+    if file is not None and not file.parent.is_dir():
+        raise BenchError(f"{option.opts[0]} {file}: there is no folder {file.parent}")
+    return file
+
+
 json_option = click.option(
-    "--json", "json_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the answer as JSON."
+    "--json",
+    "json_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    callback=in_existing_folder,
+    help="Write the answer as JSON.",
 )
 
 

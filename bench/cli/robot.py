@@ -34,7 +34,8 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     robot_report(report, Console(), verbose=verbose)
     if report.failures:
         first = report.failures[0]
-        raise BenchError(f"robot {report.robot.name}: {first.name}: {first.detail}")
+        prefix = f"robot {report.robot.name}: "
+        raise BenchError(f"{prefix}{first.name}: {first.detail.removeprefix(prefix)}")
     if json_file is not None:
         write_json_atomically(json_file, report_json(report))
         click.echo(f"Report: {json_file}")

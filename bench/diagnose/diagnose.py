@@ -1,6 +1,6 @@
 """Which effects a model lacks, judged on recordings that were not fitted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.dataset import Dataset
 from bench.diagnose.candidates import Context, Proposal, context_of, propose, shaped
+from bench.diagnose.possible import SHOWS, impossible_effects, refused
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
 from bench.diagnose.search import Found, search
 from bench.diagnose.split import with_judged_parts
@@ -23,7 +24,6 @@ from bench.estimate.summary import ROBOT
 from bench.signals.settings import FilterSettings
 
 ROUNDS = 6  # of searching, each about the model that the last one found
-SHOWS = 3.0  # deviations by which a parameter must differ from zero for its effect to show at a joint
 
 
 def diagnose(
@@ -44,8 +44,14 @@ def diagnose(
     fit_gains = gains_can_be_fitted(start, None)
     start = settled(start, fit_gains)
     before = fit(start, fit_gains=fit_gains)
-    model, proposals, system, found = _searched(start, catalogue, fit_gains)
-    model, after = _where_it_shows(start, model, fit_gains)
+    barred: dict[str, str] = {}
+    while True:
+        model, proposals, system, found = _searched(start, catalogue, fit_gains, barred)
+        model, after = _where_it_shows(start, model, fit_gains)
+        impossible = impossible_effects(after, model.effects[len(start.effects) :])
+        if not impossible:
+            break
+        barred |= impossible
     added = model.effects[len(start.effects) :]
     places: dict[str, tuple[str, ...]] = {}
     for one in added:
@@ -56,6 +62,7 @@ def diagnose(
     ranking = verdicts(
         system, proposals, found, _shown_places(proposals, found, places), scale, left.significant
     )
+    ranking = tuple(refused(one, barred.get(one.effect)) for one in ranking)
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
     ladder = _ladder(start, added, before, after, fit_gains)
     missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
@@ -72,12 +79,15 @@ def diagnose(
 
 
 def _searched(
-    start: Prepared, catalogue: Mapping[str, Effect], fit_gains: bool
+    start: Prepared, catalogue: Mapping[str, Effect], fit_gains: bool, barred: Collection[str]
 ) -> tuple[Prepared, list[Proposal], System, Found]:
-    """Search, linearise about what was found, and search again until the same is found."""
+    """Search, linearise about what was found, and search again until the same is found.
+
+    barred: effects that may not be found, since the data would give them an impossible sign.
+    """
     model = start
     proposals = propose(context_of(start, fit_gains), catalogue)
-    system, found = _judged(start, start, proposals, fit_gains)
+    system, found = _judged(start, start, proposals, fit_gains, barred)
     seen: list[set[str]] = []
     for _ in range(ROUNDS - 1):
         chosen = [proposals[i] for i in found.best.fit.chosen]
@@ -87,7 +97,7 @@ def _searched(
         instances = [one for proposal in chosen for one in proposal.instances]
         model = settled(with_effects(start, (*start.effects, *instances)), fit_gains)
         proposals = _reshaped(start, model, proposals, system, found, fit_gains)
-        system, found = _judged(start, model, proposals, fit_gains)
+        system, found = _judged(start, model, proposals, fit_gains, barred)
         if {proposals[i].name for i in found.best.fit.chosen} == {one.name for one in chosen}:
             break
     instances = [one for i in found.best.fit.chosen for one in proposals[i].instances]
@@ -95,14 +105,19 @@ def _searched(
 
 
 def _judged(
-    start: Prepared, model: Prepared, proposals: Sequence[Proposal], fit_gains: bool
+    start: Prepared,
+    model: Prepared,
+    proposals: Sequence[Proposal],
+    fit_gains: bool,
+    barred: Collection[str],
 ) -> tuple[System, Found]:
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
     _, solution = solved_quickly(model, fit_gains)
     about = with_effects(start, start.effects, present_model(model, solution))
     own = replace(solved_quickly(about, fit_gains)[1], weights=solution.weights)
     system = build_system(about, [one.instances for one in proposals], own)
-    return system, search(system, [i for i, one in enumerate(proposals) if not one.absorbed])
+    usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
+    return system, search(system, usable)
 
 
 def _reshaped(

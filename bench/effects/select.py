@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import Effect, Place
 from bench.effects.places import Places
-from bench.errors import BenchError
+from bench.errors import BenchError, meant
 
 NOWHERE: dict[Place, str] = {
     "actuator": "the robot has no motor",
@@ -36,7 +36,7 @@ def select_effects(
     for request in requests:
         name, _, joint = request.partition(":")
         if name not in catalogue:
-            raise BenchError(f"unknown effect {name!r}; known: {', '.join(catalogue)}")
+            raise BenchError(f"unknown effect {name!r}; {meant(name, catalogue, 'known:')}")
         effect = catalogue[name]
         possible = places.of(effect.place)
         if joint and joint not in possible:
