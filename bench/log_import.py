@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +15,7 @@ import pyarrow as pa
 
 from bench.catalogue import built_in_robots
 from bench.dataset_toml import DATASET_FILE, RecordingEntry, extended_toml
-from bench.errors import BenchError
+from bench.errors import BenchError, meant
 from bench.files import write_text_atomically
 from bench.joint_facts import joint_facts
 from bench.log_file import read_log
@@ -26,18 +29,33 @@ from bench.table_file import SUFFIXES, Table
 Array = npt.NDArray[np.float64]
 
 
+UNITS: Mapping[str, float] = {
+    "deg": np.pi / 180.0,
+    "turn": 2.0 * np.pi,
+    "mrad": 1e-3,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "ms": 1e-3,
+    "us": 1e-6,
+    "mA": 1e-3,
+    "mV": 1e-3,
+}
+"""Units that a log may be in, as factors that turn them into SI."""
+
+
 @dataclass(frozen=True)
 class LogMap:
     """Which names of a log become which columns of a recording.
 
     columns  column -> name in the log; columns are `time`, `position.JOINT`, `current.JOINT`, and any other
              name for a column to keep for plots. A column that the log itself calls so needs no entry.
-    scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres
+    scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
+             (see UNITS); `position` and `current` stand for those of all joints
     rate     Hz, for a log without a time column; its time then starts at zero
     """
 
     columns: Mapping[str, str]
-    scale: Mapping[str, float] | None = None
+    scale: Mapping[str, float | str] | None = None
     rate: float | None = None
 
 
@@ -65,7 +83,8 @@ def import_log(
     """
     file, folder = Path(file), Path(folder)
     loaded = load_robot(robot)
-    reference = robot if robot in built_in_robots() else loaded.folder.as_posix()
+    reference = _reference(loaded, folder)
+    log_map = replace(log_map, scale=_factors(file, log_map.scale or {}, loaded))
     columns = _columns(file, read_log(file), loaded, log_map)
     parts = _split(file, columns, use, name or f"{file.stem}.csv", validate_fraction)
     label = payload.name if isinstance(payload, Payload) else payload
@@ -75,9 +94,55 @@ def import_log(
     )
     joints = joint_facts(loaded)
     for part in parts:
-        recording_from_table(Table(file, part.table, None), part.name, part.use, label, joints, accept)
+        try:
+            recording_from_table(Table(file, part.table, None), part.name, part.use, label, joints, accept)
+        except BenchError as error:
+            raise BenchError(_with_cure(str(error))) from error
     _write(folder, text, parts)
     return entries
+
+
+def _reference(robot: Robot, folder: Path) -> str:
+    """How a dataset in `folder` names the robot: a built-in name, else a path relative to it where there is one."""
+    for name, built_in in built_in_robots().items():
+        if built_in.resolve() == robot.folder.resolve():
+            return name
+    try:
+        relative = Path(os.path.relpath(robot.folder.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # on another drive
+        return robot.folder.as_posix()
+    return relative if relative.startswith(".") else f"./{relative}"
+
+
+def _factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -> dict[str, float]:
+    """Factors by column: units by their names, and those of all joints one by one."""
+    factors: dict[str, float] = {}
+    for target, given in scale.items():
+        if isinstance(given, str) and given not in UNITS:
+            raise BenchError(f"{file}: the scale of {target}: no unit {given!r}; {meant(given, UNITS)}")
+        factor = UNITS[given] if isinstance(given, str) else given
+        all_joints = target in ("position", "current")
+        for column in [f"{target}.{joint}" for joint in robot.joints] if all_joints else [target]:
+            factors[column] = factor
+    return factors
+
+
+CURES = {
+    "looks like degrees": "--scale position=deg",
+    "looks like millimetres": "--scale position=mm",
+    "looks like milliseconds": "--scale time=ms",
+    "looks like microseconds": "--scale time=us",
+    "looks like nanoseconds": "--scale time=1e-9",
+    "looks like thousandths": "--scale current=mA",
+}
+"""What to add to the command, by what a check says."""
+
+
+def _with_cure(message: str) -> str:
+    """A check's message as it helps in an import: an option instead of a key of dataset.toml."""
+    found = re.sub(r' \(accept = \["(\w+)"\] .*\)$', r" (--accept \1 if that is meant)", message)
+    cure = next((option for said, option in CURES.items() if said in message), None)
+    return found if cure is None else f"{found}; add {cure}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +173,7 @@ def _columns(file: Path, log: Mapping[str, Array], robot: Robot, log_map: LogMap
     for target, source in sources.items():
         if source not in log:
             raise BenchError(f"{file}: there is no {source!r} for {target} (the log has {_inventory(log)})")
-    scale = log_map.scale or {}
+    scale: Mapping[str, Any] = log_map.scale or {}
     columns = {target: log[source] * scale.get(target, 1.0) for target, source in sources.items()}
     if log_map.rate is not None:
         columns = {"time": np.arange(log[sources[needed[0]]].size) / log_map.rate} | columns
@@ -125,7 +190,8 @@ def _check_targets(file: Path, log_map: LogMap, needed: Sequence[str], robot: Ro
         if target not in needed and target.startswith(("position.", "current.")):
             joints = ", ".join(robot.joints)
             raise BenchError(f"{file}: {target!r}: the robot {robot.name!r} drives {joints}")
-    for target, factor in (log_map.scale or {}).items():
+    scale: Mapping[str, Any] = log_map.scale or {}
+    for target, factor in scale.items():
         if target not in needed and target not in log_map.columns:
             raise BenchError(f"{file}: {target!r} has a scale but nothing is mapped to it")
         if not np.isfinite(factor) or factor == 0.0:

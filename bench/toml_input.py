@@ -1,5 +1,6 @@
 """Reading a TOML file that a user wrote: validated by a pydantic model, refused in one line."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any, TypeVar
@@ -37,21 +38,51 @@ def read_toml(path: Path, table: type[Table]) -> Table:
     try:
         return table.model_validate(content)
     except ValidationError as error:
-        raise BenchError(f"{path}: {first_mistake(error)}") from error
+        line = line_of(text, mistakes_of(error)[0]["loc"])
+        where = str(path) if line is None else f"{path}, line {line}"
+        raise BenchError(f"{where}: {first_mistake(error)}") from error
+
+
+def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
+    """The line of TOML, counted from one, on which a key of this location stands, or its table; None if unsure."""
+    wanted = [str(part) for part in location]
+    here: list[str] = []
+    counts: dict[str, int] = {}
+    best: tuple[int, int] | None = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        header = re.match(r"\s*(\[\[?)\s*([\w.\"'-]+)\s*\]", line)
+        key = re.match(r"\s*([\w.\"'-]+)\s*=", line)
+        if header:
+            name = header.group(2).replace('"', "").replace("'", "")
+            counts[name] = counts.get(name, -1) + 1
+            here = [*name.split("."), *([str(counts[name])] if header.group(1) == "[[" else [])]
+            found = here
+        elif key:
+            found = [*here, *key.group(1).replace('"', "").replace("'", "").split(".")]
+        else:
+            continue
+        if wanted[: len(found)] == found and (best is None or len(found) > best[0]):
+            best = len(found), number
+    return best[1] if best else None
+
+
+def mistakes_of(error: ValidationError) -> list[Any]:
+    """The mistakes of a pydantic validation, an unknown key first: it is usually the missing one, misspelt."""
+    return sorted(error.errors(include_url=False), key=lambda m: m["type"] != "extra_forbidden")
 
 
 def first_mistake(error: ValidationError) -> str:
     """The first mistake of a pydantic validation as "key: what is wrong, got value", in one line.
 
-    An unknown key goes before a missing one: it is usually the missing one, misspelt.
+    An unknown key goes before a missing one.
     """
-    mistakes = sorted(error.errors(include_url=False), key=lambda m: m["type"] != "extra_forbidden")
+    mistakes = mistakes_of(error)
     first = mistakes[0]
     text = f"{key_name(first['loc'])}: {_explain(first['type'], first['msg'])}"
     if first["type"] not in ("missing", "extra_forbidden"):
         text += f", got {_shorten(first['input'])}"
     if len(mistakes) > 1:
-        text += f" (and {len(mistakes) - 1} more)"
+        text += f"; and {len(mistakes) - 1} more, such as {key_name(mistakes[1]['loc'])}"
     return one_line(text)
 
 

@@ -1,6 +1,7 @@
 """`bench import`: from a log to a dataset that loads."""
 
 import os
+import shutil
 
 import numpy as np
 import pytest
@@ -74,6 +75,48 @@ def test_rate_scale_and_a_part_for_validation(run, log, tmp_path, capsys):
     np.testing.assert_array_equal(kept.current[:, 0], 0.5 * log["i1"][750:])
 
 
+def test_units_are_named_and_hold_for_all_joints(run, log, tmp_path):
+    foreign = {**log, "t": 1e3 * log["t"]}
+    foreign |= {name: np.rad2deg(log[name]) for name in ("q1", "q2")}
+    foreign |= {name: 1e3 * log[name] for name in ("i1", "i2")}
+    np.savez(tmp_path / "log.npz", **foreign)
+    units = ("--scale", "time=ms", "--scale", "position=deg", "--scale", "current=mA")
+    assert run(*MAPS, "--map", "time=t", *units, "-o", "data") == 0
+    (recording,) = load_dataset(tmp_path / "data").recordings
+    np.testing.assert_allclose(recording.position[:, 0], log["q1"], rtol=1e-12)
+    np.testing.assert_allclose(recording.current[:, 1], log["i2"], rtol=1e-12)
+    assert recording.rate == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(
+    ("names", "factor", "cure"),
+    [
+        (["t"], 1e3, "add --scale time=ms"),
+        (["q1", "q2"], 180.0 / np.pi, "add --scale position=deg"),
+        (["i1", "i2"], 1e6, "(--accept units if that is meant); add --scale current=mA"),
+    ],
+)
+def test_a_wrong_unit_is_told_with_its_cure(run, log, tmp_path, capsys, names, factor, cure):
+    np.savez(tmp_path / "log.npz", **{**log, **{name: factor * log[name] for name in names}})
+    assert run(*MAPS, "--map", "time=t", "-o", "data") == 2
+    err = capsys.readouterr().err
+    assert cure in err
+    assert "accept =" not in err
+    assert not (tmp_path / "data").exists()
+
+
+def test_a_built_in_robot_is_named_and_another_found_from_the_dataset(run, log, tmp_path, monkeypatch):
+    own = tmp_path / "robots" / "mine"
+    shutil.copytree(load_robot("five_bar").folder, own)
+    for robot, name in ((load_robot("five_bar").folder, "five_bar"), ("robots/mine", "../../robots/mine")):
+        folder = tmp_path / "data" / name.rpartition("/")[2]
+        assert run(*MAPS, "--map", "time=t", "--robot", str(robot), "-o", str(folder)) == 0
+        assert f'robot = "{name}"' in (folder / "dataset.toml").read_text()
+        monkeypatch.chdir("/")
+        assert load_dataset(folder).robot.joints == ("left", "right")
+        monkeypatch.chdir(tmp_path)
+
+
 def test_payload_is_defined_and_then_named(run, tmp_path):
     common = (*MAPS, "--map", "time=t", "-o", "data")
     assert run(*common, "--name", "a.csv") == 0
@@ -92,7 +135,7 @@ def test_payload_is_defined_and_then_named(run, tmp_path):
         ([*MAPS, "--map", "time=clock"], "'clock'"),
         ([*MAPS, "--map", "time=t", "--map", "time=t"], "'time' is given twice"),
         ([*MAPS, "--map", "time"], "'time'"),
-        ([*MAPS, "--map", "time=t", "--scale", "time=ms"], "'ms'"),
+        ([*MAPS, "--map", "time=t", "--scale", "time=fortnight"], "no unit 'fortnight'"),
         ([*MAPS, "--map", "time=t", "--map", "position.elbow=q1"], "'position.elbow'"),
         ([*MAPS, "--map", "time=t", "--payload-mass", "1"], "--payload"),
         ([*MAPS, "--map", "time=t", "--payload", "disc", "--payload-mass", "-1"], "mass"),

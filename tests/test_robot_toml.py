@@ -7,6 +7,7 @@ import pytest
 
 from bench.errors import BenchError
 from bench.robot import load_robot
+from bench.toml_input import line_of
 
 TOML = """\
 name = "slider"
@@ -138,6 +139,28 @@ def test_a_robot_that_is_nowhere_names_the_built_in_ones(tmp_path: Path) -> None
     assert "delta, emps, five_bar" in message
     assert str(tmp_path) in message
     assert refusal("five_bra").endswith("did you mean 'five_bar'?")
+
+
+def test_a_mistake_is_told_with_its_line(tmp_path: Path) -> None:
+    folder = write_robot(tmp_path)
+    text = (folder / "robot.toml").read_text()
+    lines = text.splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("gain ="))
+    lines[at] = 'gain = "three"'
+    (folder / "robot.toml").write_text("\n".join(lines))
+    assert f"robot.toml, line {at + 1}: actuators[0].gain: should be a valid number" in refusal(folder)
+
+
+def test_lines_are_found_by_location() -> None:
+    text = (
+        'robot = "x"\n\n[payloads.disc]\nmass = 1\n\n[[recordings]]\nfile = "a"\n[[recordings]]\nuse = "b"\n'
+    )
+    assert line_of(text, ("robot",)) == 1
+    assert line_of(text, ("payloads", "disc", "mass")) == 4
+    assert line_of(text, ("recordings", 0, "file")) == 7
+    assert line_of(text, ("recordings", 1, "file")) == 8  # it is missing there: its table
+    assert line_of(text, ("recordings", 1, "use")) == 9
+    assert line_of(text, ("elsewhere",)) is None
 
 
 def test_a_folder_without_a_description_is_named(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from bench.cli.parameters import Assignment, unique
+from bench.cli.parameters import Assignment, number_or_word, unique
 
 CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 
@@ -24,10 +24,11 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 )
 @click.option(
     "--scale",
-    type=Assignment(float),
+    type=Assignment(number_or_word),
     multiple=True,
     metavar="COLUMN=FACTOR",
-    help="Multiply COLUMN to get SI units, such as position.axis=1e-3 for a log in millimetres.",
+    help="Multiply COLUMN to get SI units, or name its unit: time=ms, position.axis=1e-3, position=deg or"
+    " current=mA for all joints.",
 )
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate of a log without a time column.")
 @click.option(
@@ -66,7 +67,7 @@ def import_log(
     file: Path,
     robot: str,
     mapping: tuple[tuple[str, str], ...],
-    scale: tuple[tuple[str, float], ...],
+    scale: tuple[tuple[str, float | str], ...],
     rate: float | None,
     output: Path | None,
     payload: str | None,

@@ -1,5 +1,6 @@
 """Kinds of command-line values that several commands take."""
 
+from collections.abc import Callable
 from typing import Any
 
 import click
@@ -10,7 +11,7 @@ class Assignment(click.ParamType[tuple[str, str | float]]):
 
     name = "assignment"
 
-    def __init__(self, value: type[str] | type[float] = str) -> None:
+    def __init__(self, value: Callable[[str], str | float] = str) -> None:
         self.value = value
 
     def convert(
@@ -26,6 +27,14 @@ class Assignment(click.ParamType[tuple[str, str | float]]):
             return key.strip(), self.value(text.strip())
         except ValueError:
             self.fail(f"{value!r}: {text.strip()!r} is not a number", param, ctx)
+
+
+def number_or_word(text: str) -> float | str:
+    """A number where the text is one, otherwise the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def unique(pairs: tuple[tuple[str, Any], ...], option: str) -> dict[str, Any]:
