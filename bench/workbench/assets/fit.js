@@ -1,0 +1,141 @@
+"use strict";
+/* The model with any effects: shapes found, columns linearised about the present model, as bench/estimate/settle.py does. */
+const WorkbenchFit = (() => {
+  const {times, factorised, solved, smallest} = WorkbenchNumbers;
+  const MOST_ROUNDS = 4;
+  const SETTLED = 1e-4;
+
+  function create(data) {
+    const columns = WorkbenchColumns.create(data);
+    const {motors, places, found, within, coefficients, combined} = columns;
+    const {systemOf, errors, solve, besides, differenceOf, squares} = WorkbenchEquations.create(data, columns);
+    const own = data.own;
+
+    /* The branch and the value of a shape that explain most of what is left; held: the value stays. */
+    function bestShape(term, {inner, score}, present) {
+      const {place} = term;
+      const {count, size} = place;
+      const unexplained = (value, branch) => {
+        const table = coefficients({place, value, branch}, present);
+        const matrix = new Float64Array(count * count);
+        const right = new Float64Array(count);
+        for (let a = 0; a < count; a++) {
+          const row = times(inner, size, table.subarray(a * size, (a + 1) * size));
+          for (let i = 0; i < size; i++) right[a] += table[a * size + i] * score[i];
+          for (let b = 0; b < count; b++) {
+            for (let i = 0; i < size; i++) matrix[b * count + a] += table[b * size + i] * row[i];
+          }
+        }
+        const x = solved(factorised(matrix, count), right);
+        return -right.reduce((sum, one, i) => sum + one * x[i], 0);
+      };
+      const along = (brackets, branch) => {
+        if (term.held) return {value: term.value, branch, cost: unexplained(term.value, branch)};
+        let best = null;
+        for (const [low, value, high] of brackets) {
+          const cost = unexplained(value, branch);
+          if (!best || cost < best.cost) best = {low, value, high, cost, branch};
+        }
+        if (best.low === best.high) return best;
+        const tolerance = 1e-4 * Math.max(Math.abs(best.low), Math.abs(best.high));
+        const reached = smallest((value) => unexplained(value, branch), best.low, best.high, tolerance);
+        return reached.cost < best.cost ? {value: reached.at, cost: reached.cost, branch} : best;
+      };
+      return place.brackets.map(along).reduce((best, one) => (one.cost < best.cost ? one : best));
+    }
+
+    function about(terms, theta) {
+      let at = own;
+      for (const term of terms) {
+        if (term.fixed) continue;
+        if (term.place.kind === "value") term.value = theta[at];
+        at += term.place.count;
+      }
+    }
+
+    /* Shapes found and columns linearised, in a few rounds, as bench/estimate/settle.py does it: the present model. */
+    function settled(terms) {
+      const solveWith = (some, present) => {
+        const system = systemOf(some, present);
+        const solution = solve(system);
+        return {system, solution, present: {gains: solution.gains, difference: differenceOf(system, solution)}};
+      };
+      if (!terms.some((term) => term.place.curved)) return found;
+      let {present} = solveWith(terms.filter((term) => !term.place.curved), found);
+      let before = null;
+      for (let round = 0; round < MOST_ROUNDS; round++) {
+        for (const term of terms) {
+          if (term.place.kind !== "shape" || (term.held && term.place.brackets.length < 2)) continue;
+          const others = solveWith(terms.filter((other) => other !== term), present);
+          Object.assign(term, chosen(bestShape(term, besides(others.system, others.solution, term.place), present)));
+        }
+        const reached = solveWith(terms, present);
+        present = reached.present;
+        about(terms, reached.solution.theta);
+        const now = [...present.gains, ...terms.filter((term) => term.place.kind === "shape").map((term) => term.value)];
+        const still = before && now.every((value, i) => Math.abs(value - before[i]) <= SETTLED * Math.abs(value));
+        if (still) break;
+        before = now;
+      }
+      return present;
+    }
+
+    const chosen = ({value, branch}) => ({value, branch});
+
+    /*
+    The model with the effects of these keys. held: values by key at which a shape, or a time, is held. Errors are
+    shares of the measured current; `by` motor.
+    */
+    function fit(keys, held = {}) {
+      const terms = places
+        .filter((place) => keys.has(place.key))
+        .map((place) => ({
+          place,
+          value: held[place.key] ?? (place.kind === "shape" ? place.shape.value : 0),
+          branch: 0,
+          held: held[place.key] !== undefined,
+          fixed: held[place.key] !== undefined && place.kind === "value",
+        }));
+      const system = systemOf(terms, settled(terms));
+      const solution = solve(system);
+      const left = {fitted: errors(system.fitted, system.K, solution.d, solution.gains)};
+      const judged = motors.map((one) => combined(one, one.judged, system.columns));
+      left.judged = errors(judged, system.K, solution.d, solution.gains);
+      const share = (use, j) => {
+        const sum = (values) => (j === undefined ? values.reduce((a, b) => a + b, 0) : values[j]);
+        return sum(squares[use]) > 0 ? Math.sqrt(sum(left[use]) / sum(squares[use])) : null;
+      };
+      let at = own;
+      const effects = terms.map((term) => {
+        const values = [];
+        let shown = false;
+        for (const parameter of term.place.parameters) {
+          if (term.fixed) values.push({...parameter, value: term.value, held: true});
+          else values.push({...parameter, value: solution.theta[at], absorbed: !solution.kept.includes(at)});
+          if (!term.fixed) at += 1;
+          shown = shown || values[values.length - 1].value !== 0;
+        }
+        if (term.place.kind === "shape") {
+          const {others, branches, ...moved} = term.place.shape;
+          others.forEach((one, i) => values.push({...one, value: branches[term.branch][i]}));
+          values.push({...moved, value: term.value, held: term.held, searched: true});
+        }
+        const outside = term.place.kind === "value" && !term.fixed && within(term.place, term.value).outside;
+        return {place: term.place, key: term.place.key, values, outside, shown};
+      });
+      return {
+        fitted: share("fitted"),
+        judged: share("judged"),
+        by: data.motors.map((motor, j) => ({fitted: share("fitted", j), judged: share("judged", j), gain: solution.gains[j]})),
+        theta: solution.theta.slice(0, own),
+        effects,
+        difference: differenceOf(system, solution),
+        gains: solution.gains,
+      };
+    }
+
+    return {fit, places};
+  }
+
+  return {create};
+})();

@@ -1,0 +1,160 @@
+"use strict";
+/* Numbers in text, small dense matrices (row after row in a Float64Array), and a search along a line. */
+const WorkbenchNumbers = (() => {
+  function bytes(text) {
+    const raw = atob(text);
+    const found = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; i++) found[i] = raw.charCodeAt(i);
+    return new DataView(found.buffer);
+  }
+
+  function read(text, size, at) {
+    const view = bytes(text);
+    const count = view.byteLength / size;
+    const values = new Float64Array(count);
+    for (let i = 0; i < count; i++) values[i] = at(view, i * size);
+    return values;
+  }
+
+  const floats = (text) => read(text, 4, (view, i) => view.getFloat32(i, true));
+  const doubles = (text) => read(text, 8, (view, i) => view.getFloat64(i, true));
+  const counts = (text) => read(text, 2, (view, i) => view.getInt16(i, true));
+
+  /* Inner products (c, c) of the columns whose triangular factor is packed row after row. */
+  function gramOf(packed, size) {
+    const gram = new Float64Array(size * size);
+    let at = 0;
+    for (let row = 0; row < size; row++) {
+      for (let a = row; a < size; a++) {
+        const left = packed[at + a - row];
+        if (left !== 0) for (let b = a; b < size; b++) gram[a * size + b] += left * packed[at + b - row];
+      }
+      at += size - row;
+    }
+    for (let a = 0; a < size; a++) for (let b = 0; b < a; b++) gram[a * size + b] = gram[b * size + a];
+    return gram;
+  }
+
+  /* x' G y for vectors (size,). */
+  function product(gram, size, x, y) {
+    let sum = 0;
+    for (let a = 0; a < size; a++) {
+      if (x[a] === 0) continue;
+      let row = 0;
+      for (let b = 0; b < size; b++) row += gram[a * size + b] * y[b];
+      sum += x[a] * row;
+    }
+    return sum;
+  }
+
+  function times(gram, size, x) {
+    const found = new Float64Array(size);
+    for (let a = 0; a < size; a++) {
+      let row = 0;
+      for (let b = 0; b < size; b++) row += gram[a * size + b] * x[b];
+      found[a] = row;
+    }
+    return found;
+  }
+
+  /*
+  Cholesky factor of a symmetric matrix whose diagonal is made one first. A column that the ones before leave less than
+  `least` of, in squares, is passed over: its unknown is zero.
+  */
+  function factorised(matrix, size, least = 1e-14) {
+    const norms = new Float64Array(size);
+    for (let i = 0; i < size; i++) norms[i] = Math.sqrt(Math.max(matrix[i * size + i], 0)) || 1;
+    const factor = new Float64Array(size * size);
+    const passed = new Uint8Array(size);
+    for (let i = 0; i < size; i++) {
+      for (let k = 0; k <= i; k++) {
+        let value = matrix[i * size + k] / (norms[i] * norms[k]);
+        for (let m = 0; m < k; m++) value -= factor[i * size + m] * factor[k * size + m];
+        if (k < i) factor[i * size + k] = passed[k] ? 0 : value / factor[k * size + k];
+        else if (value > least) factor[i * size + i] = Math.sqrt(value);
+        else passed[i] = 1;
+      }
+      if (passed[i]) factor.fill(0, i * size, (i + 1) * size);
+    }
+    return {factor, norms, passed, size};
+  }
+
+  /* x with (matrix) x = right, from its factor. */
+  function solved({factor, norms, passed, size}, right) {
+    const x = new Float64Array(size);
+    for (let i = 0; i < size; i++) {
+      if (passed[i]) continue;
+      let value = right[i] / norms[i];
+      for (let k = 0; k < i; k++) value -= factor[i * size + k] * x[k];
+      x[i] = value / factor[i * size + i];
+    }
+    for (let i = size - 1; i >= 0; i--) {
+      if (passed[i]) continue;
+      let value = x[i];
+      for (let k = i + 1; k < size; k++) value -= factor[k * size + i] * x[k];
+      x[i] = value / factor[i * size + i];
+    }
+    for (let i = 0; i < size; i++) x[i] /= norms[i];
+    return x;
+  }
+
+  /*
+  The smallest value of a function between two ends: golden section and parabolas. Source: Brent, "Algorithms for
+  Minimization without Derivatives", 1973; Forsythe, Malcolm and Moler, "Computer Methods for Mathematical
+  Computations", 1977 (fmin).
+  */
+  function smallest(cost, low, high, tolerance) {
+    const golden = 0.5 * (3 - Math.sqrt(5));
+    const precision = Math.sqrt(2.2e-16);
+    let [a, b] = [low, high];
+    let best = a + golden * (b - a);
+    let [second, third] = [best, best];
+    let [step, last] = [0, 0];
+    let costBest = cost(best);
+    let [costSecond, costThird] = [costBest, costBest];
+    for (let count = 1; count < 500; count++) {
+      const middle = 0.5 * (a + b);
+      const fine = precision * Math.abs(best) + tolerance / 3;
+      if (Math.abs(best - middle) <= 2 * fine - 0.5 * (b - a)) break;
+      let parabola = false;
+      if (Math.abs(last) > fine) {
+        const r = (best - second) * (costBest - costThird);
+        let q = (best - third) * (costBest - costSecond);
+        let p = (best - third) * q - (best - second) * r;
+        q = 2 * (q - r);
+        if (q > 0) p = -p;
+        q = Math.abs(q);
+        const before = last;
+        last = step;
+        if (Math.abs(p) < Math.abs(0.5 * q * before) && p > q * (a - best) && p < q * (b - best)) {
+          parabola = true;
+          step = p / q;
+          const x = best + step;
+          if (x - a < 2 * fine || b - x < 2 * fine) step = middle >= best ? fine : -fine;
+        }
+      }
+      if (!parabola) {
+        last = best >= middle ? a - best : b - best;
+        step = golden * last;
+      }
+      const x = best + (step >= 0 ? 1 : -1) * Math.max(Math.abs(step), fine);
+      const value = cost(x);
+      if (value <= costBest) {
+        if (x >= best) a = best;
+        else b = best;
+        [third, costThird, second, costSecond, best, costBest] = [second, costSecond, best, costBest, x, value];
+      } else {
+        if (x < best) a = x;
+        else b = x;
+        if (value <= costSecond || second === best) {
+          [third, costThird, second, costSecond] = [second, costSecond, x, value];
+        } else if (value <= costThird || third === best || third === second) {
+          [third, costThird] = [x, value];
+        }
+      }
+    }
+    return {at: best, cost: costBest};
+  }
+
+  return {floats, doubles, counts, gramOf, product, times, factorised, solved, smallest};
+})();

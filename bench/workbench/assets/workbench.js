@@ -1,0 +1,383 @@
+"use strict";
+/* The workbench: tick effects, and see errors, gains, ladder and curves of the model that has them. */
+(() => {
+  const {make, spoken, titled, unitOf, rowOf} = WorkbenchList;
+  const SLICE = 14; // ms of solving between two looks at the page
+  const MOST_STEPS = 6; // effects of which a ladder is made
+
+  function segments(parent, name, options, changed) {
+    const set = make("fieldset", "", parent);
+    make("legend", "", set, name);
+    const select = make("select", "", set);
+    select.setAttribute("aria-label", name);
+    options.forEach((option, i) => (make("option", "", select, option).value = i));
+    select.addEventListener("change", () => changed(Number(select.value)));
+    return select;
+  }
+
+  function tile(list, name) {
+    const one = make("div", "tile", list);
+    make("dt", "", one, name);
+    return {value: make("dd", "", one), note: make("dd", "note", one)};
+  }
+
+  function skeleton(section, data) {
+    section.classList.add("bench");
+    make("h2", "", section, "Workbench");
+    make(
+      "p",
+      "lead",
+      section,
+      "Tick an effect, and this page fits the model anew. What it shows is what bench identify finds with these effects.",
+    );
+    const now = make("div", "bench-now", section);
+    const tiles = make("dl", "tiles", now);
+    const judged = tile(tiles, "Error, not fitted");
+    const fitted = tile(tiles, "Error, fitted");
+    const buttons = make("div", "bench-buttons", now);
+    const found = make("button", "", buttons, "Found by diagnose");
+    const nothing = make("button", "", buttons, "Nothing");
+    for (const one of [found, nothing]) one.type = "button";
+    const said = make("p", "bench-said", section);
+    said.setAttribute("role", "status");
+    const grid = make("div", "bench-grid", section);
+    const left = make("div", "bench-list", grid);
+    make("h3", "", left, "Effects");
+    make("p", "aid", left, "Beside each: the error on recordings that were not fitted, if you tick it or take it out.");
+    const list = make("ul", "bench-effects", left);
+    const hidden = make("p", "aid", left);
+    const right = make("div", "bench-answer", grid);
+    const part = (title, aid) => {
+      const one = make("div", "part", right);
+      make("h3", "", one, title);
+      if (aid) make("p", "aid", one, aid);
+      return one;
+    };
+    const ladder = part("Error, effect by effect", "From the model without any effect; at each step the one that helps most.");
+    const motors = part("Drive gains and errors", "Fitted, not fitted: error of this motor's current.");
+    const curves = part("Currents", "");
+    const choices = make("div", "choices", curves);
+    const aid = make("p", "aid", curves);
+    const more = make("div", "part", right);
+    const fold = (title) => {
+      const details = make("details", "", more);
+      make("summary", "", details, title);
+      return details;
+    };
+    return {
+      judged,
+      fitted,
+      found,
+      nothing,
+      said,
+      list,
+      hidden,
+      ladder: make("div", "chart", ladder),
+      gains: make("div", "scroll", motors),
+      choices,
+      aid,
+      curves: make("div", "chart", curves),
+      parameters: make("div", "scroll", fold("Dynamic parameters")),
+      command: make("pre", "", fold("The same on the command line")),
+      data,
+    };
+  }
+
+  function table(holder, heads, rows) {
+    const found = document.createElement("table");
+    const top = make("tr", "", make("thead", "", found));
+    heads.forEach((head, i) => (make("th", i ? "right" : "", top, head).scope = "col"));
+    const body = make("tbody", "", found);
+    for (const row of rows) {
+      const line = make("tr", "", body);
+      row.forEach((cell, i) => {
+        const at = make("td", i ? "right" : "", line, cell.text ?? cell);
+        if (cell.data) Object.assign(at.dataset, cell.data);
+      });
+    }
+    holder.replaceChildren(found);
+  }
+
+  function start(section, data, Charts) {
+    const {formatNumber} = Charts;
+    const equations = WorkbenchFit.create(data);
+    const {places} = equations;
+    const curves = WorkbenchCurves.create(data);
+    const parts = skeleton(section, data);
+    const known = new Map(); // fits by what is ticked and held
+    const chosenPlaces = new Map(); // at which places an effect was ticked last
+    let state = WorkbenchChoice.start(data, places);
+    const foundTicks = new Set(state.ticks);
+    const judgedAny = data.motors.some((motor) => motor.judged.squares > 0);
+    const errorOf = (fit) => (judgedAny ? fit.judged : fit.fitted);
+    const percent = (share, digits = 3) => (share === null ? "–" : `${formatNumber(100 * share, digits)} %`);
+    let task = 0;
+    let shown = null;
+
+    const ownOf = (name) => places.filter((place) => place.effect === name);
+    const heldOf = (ticks, held) => Object.fromEntries(Object.entries(held).filter(([key]) => ticks.has(key)));
+    const nameOf = (ticks, held) => JSON.stringify([[...ticks].sort(), Object.entries(heldOf(ticks, held)).sort()]);
+
+    function fitOf(ticks, held = state.held) {
+      const name = nameOf(ticks, held);
+      if (!known.has(name)) known.set(name, equations.fit(ticks, heldOf(ticks, held)));
+      return known.get(name);
+    }
+
+    function switched(name) {
+      const ticks = new Set(state.ticks);
+      const own = ownOf(name).map((place) => place.key);
+      if (own.some((key) => ticks.has(key))) own.forEach((key) => ticks.delete(key));
+      else (chosenPlaces.get(name) || own).forEach((key) => ticks.add(key));
+      return ticks;
+    }
+
+    function remember() {
+      for (const {name} of data.effects) {
+        const ticked = ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key));
+        if (ticked.length) chosenPlaces.set(name, ticked);
+      }
+    }
+
+    /* A new choice; kept in the address as a step that the back button takes back, unless it is in passing. */
+    function choose(changes, lasting = true) {
+      state = {...state, ...changes};
+      remember();
+      const hash = WorkbenchChoice.written(data, places, state);
+      if (lasting && location.hash !== hash) location.hash = hash;
+      draw(lasting);
+    }
+
+    const actions = {
+      effect: (name) => choose({ticks: switched(name)}),
+      place(key, on) {
+        const ticks = new Set(state.ticks);
+        if (on) ticks.add(key);
+        else ticks.delete(key);
+        choose({ticks});
+      },
+      hold(key, value, lasting) {
+        const held = {...state.held};
+        if (value === undefined) delete held[key];
+        else held[key] = value;
+        choose({held}, lasting);
+      },
+    };
+
+    const rows = data.effects
+      .filter((effect) => effect.places.length)
+      .sort((a, b) => a.rank - b.rank)
+      .map((effect) => rowOf(parts.list, effect, ownOf(effect.name), (value) => formatNumber(value, 4), actions));
+    const unseen = data.effects.filter((effect) => !effect.places.length).map((effect) => spoken(effect.name));
+    parts.hidden.textContent = unseen.length
+      ? `Not listed, since the model's own parameters take them up and no data of this robot can show them: ${unseen.join(", ")}.`
+      : "";
+    parts.found.addEventListener("click", () => choose({ticks: new Set(foundTicks), held: {}}));
+    parts.nothing.addEventListener("click", () => choose({ticks: new Set(), held: {}}));
+    const motor = segments(parts.choices, "Motor", data.motors.map((one) => one.joint), (i) => choose({motor: i}));
+    const named = data.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
+    const recording = segments(parts.choices, "Recording", named, (i) => choose({recording: i}));
+    const ladderChart = Charts.create(parts.ladder, ladderFigure([["no effect", null]]));
+    let curveChart = null;
+
+    function ladderFigure(steps) {
+      const line = (role, name, use) => ({
+        kind: "line",
+        role,
+        name,
+        marker: true,
+        x: {start: 0, step: 1},
+        y: steps.map(([, fit]) => (fit ? fit[use] : null)),
+        texts: steps.map(([, fit]) => (fit && use === "judged" ? percent(fit[use]) : "")),
+      });
+      const lines = [line("before", "fitted", "fitted")];
+      if (judgedAny) lines.push(line("after", "not fitted", "judged"));
+      const floor = {kind: "rule", role: "noise", name: "noise of the currents", axis: "y", at: data.noise_floor};
+      return {
+        label: "Error after each effect that is ticked",
+        height: 260,
+        x: {label: "", scale: "band", categories: steps.map(([name]) => name)},
+        panels: [{y: {label: "error of the current [%]", scale: "log", percent: true, room: true}, series: [floor, ...lines]}],
+      };
+    }
+
+    function drawFigures(fit) {
+      parts.judged.value.textContent = percent(fit.judged, 4);
+      parts.fitted.value.textContent = percent(fit.fitted, 4);
+      parts.judged.value.dataset.value = fit.judged;
+      parts.fitted.value.dataset.value = fit.fitted;
+      parts.judged.value.dataset.figure = "validate";
+      parts.fitted.value.dataset.figure = "identify";
+      parts.judged.note.textContent = `noise of the currents ${percent(data.noise_floor)}`;
+      parts.fitted.note.textContent = `${state.ticks.size ? WorkbenchChoice.requests(data, places, state.ticks).length : "no"} effect${
+        WorkbenchChoice.requests(data, places, state.ticks).length === 1 ? "" : "s"
+      } ticked`;
+      const same = (other) => other.size === state.ticks.size && [...other].every((key) => state.ticks.has(key));
+      parts.found.setAttribute("aria-pressed", same(foundTicks));
+      parts.nothing.setAttribute("aria-pressed", state.ticks.size === 0);
+      table(
+        parts.gains,
+        ["motor", "drive gain", "off nominal", "fitted", "not fitted"],
+        data.motors.map((one, j) => {
+          const {gain, fitted, judged} = fit.by[j];
+          const off = 100 * (gain / one.nominal - 1);
+          return [
+            one.joint,
+            {text: `${formatNumber(gain, 5)} ${unitOf(one.unit)}`, data: {gain: one.joint, value: gain}},
+            `${off > 0 ? "+" : ""}${formatNumber(off, 3)} %`,
+            percent(fitted),
+            percent(judged),
+          ];
+        }),
+      );
+      table(
+        parts.parameters,
+        ["parameter", "value", "unit"],
+        data.parameters.map((one, i) => [one.name, formatNumber(fit.theta[i], 5), unitOf(one.unit)]),
+      );
+      const requests = WorkbenchChoice.requests(data, places, state.ticks);
+      parts.command.textContent = ["bench identify DATASET", ...requests.map((one) => `--with ${one}`)].join(" \\\n  ");
+      parts.said.textContent = notes(fit).join(" ");
+    }
+
+    /* What keeps the page from being bench identify to the last digit, for what is ticked. */
+    function notes(fit) {
+      const said = [];
+      const names = (test) => [...new Set(fit.effects.filter(test).map((one) => spoken(one.place.effect)))];
+      const list = (words) => (words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}` : words[0]);
+      const near = names((one) => one.place.approximate);
+      const whole = [...foundTicks].every((key) => state.ticks.has(key));
+      const needed = names((one) => one.place.needed && !whole);
+      const outside = names((one) => one.outside);
+      const windows = names((one) => one.place.windows && !one.values.some((value) => value.held));
+      const held = names((one) => one.values.some((value) => value.held));
+      if (near.length) {
+        said.push(
+          `${titled(list(near))}: linearised about the model that was found; bench identify linearises anew, and may differ in the third digit.`,
+        );
+      }
+      if (needed.length) {
+        said.push(
+          `${titled(list(needed))}: made of the torque that the model needs; without all effects that were found, bench identify may differ by some percent.`,
+        );
+      }
+      if (outside.length) {
+        said.push(`${titled(list(outside))}: a time beyond what this page carries; bench identify may differ.`);
+      }
+      if (windows.length) {
+        said.push(`${titled(list(windows))}: the period is looked for near the two that stood out of the error; bench identify looks everywhere.`);
+      }
+      if (held.length) said.push(`${titled(list(held))}: held where you put it; bench identify would look for the best value.`);
+      if (!data.whole) {
+        said.push(`Fitted to the first part of every recording and judged on the rest; bench identify fits them whole.`);
+      }
+      return said;
+    }
+
+    function drawCurves(fit) {
+      motor.value = state.motor;
+      recording.value = state.recording;
+      const seen = data.recordings[state.recording];
+      const {time, low, high, modelled, error} = curves.of(fit, state.recording, state.motor);
+      const unit = data.motors[state.motor].unit.split("/")[1] || "A";
+      parts.aid.textContent =
+        seen.step > 1
+          ? `Measured: smallest to largest of every ${seen.step} samples. Modelled and error: one of ${seen.step} (${time.length} of ${seen.rows}); the figures use all.`
+          : "Every sample of the fit. Gaps: the joint stands still, which is neither fitted nor judged.";
+      const figure = {
+        height: 340,
+        x: {label: "time [s]"},
+        label: `Current of ${data.motors[state.motor].joint} in ${seen.name}`,
+        panels: [
+          {
+            weight: 2,
+            y: {label: `current [${unit}]`},
+            series: [
+              seen.step > 1
+                ? {kind: "envelope", role: "measured", name: "measured", x: time, low, high}
+                : {kind: "line", role: "measured", name: "measured", x: time, y: low},
+              {kind: "line", role: "modelled", name: "modelled", x: time, y: modelled},
+            ],
+          },
+          {y: {label: `error [${unit}]`}, series: [{kind: "line", role: "error", name: "error", x: time, y: error}]},
+        ],
+      };
+      if (curveChart) curveChart.update(figure);
+      else curveChart = Charts.create(parts.curves, figure);
+    }
+
+    /* Steps of the ladder, and the error behind every tick, solved in slices so that the page stays awake. */
+    function* later() {
+      const nothing = fitOf(new Set(), {});
+      yield;
+      const ticked = rows.map((row) => row.name).filter((name) => ownOf(name).some((place) => state.ticks.has(place.key)));
+      const steps = [["no effect", nothing]];
+      let taken = new Set();
+      let left = ticked;
+      while (left.length && steps.length <= MOST_STEPS) {
+        let best = null;
+        for (const name of left) {
+          const ticks = new Set([...taken, ...ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key))]);
+          const fit = fitOf(ticks);
+          if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
+          yield;
+        }
+        taken = best.ticks;
+        left = left.filter((name) => name !== best.name);
+        steps.push([`+ ${spoken(best.name)}`, best.fit]);
+      }
+      if (left.length) steps.push([`+ ${left.length} more`, fitOf(state.ticks)]);
+      ladderChart.update(ladderFigure(steps));
+      yield;
+      const now = fitOf(state.ticks);
+      const largest = Math.max(errorOf(nothing), errorOf(now));
+      for (const row of rows) {
+        row.after(state, now, fitOf(switched(row.name)), errorOf, largest, percent);
+        yield;
+      }
+      section.dataset.ready = "true";
+    }
+
+    function draw(whole = true) {
+      const began = performance.now();
+      const fit = fitOf(state.ticks);
+      shown = fit;
+      for (const row of rows) row.show(state, fit);
+      drawFigures(fit);
+      drawCurves(fit);
+      section.dataset.ready = "false";
+      section.dataset.reaction = (performance.now() - began).toFixed(1);
+      clearTimeout(task);
+      if (!whole) {
+        task = setTimeout(() => draw(true), 250);
+        return;
+      }
+      const work = later();
+      const slice = () => {
+        const until = performance.now() + SLICE;
+        let done = false;
+        while (!done && performance.now() < until) ({done} = work.next());
+        if (!done) task = setTimeout(slice, 0);
+      };
+      task = setTimeout(slice, 0);
+    }
+
+    addEventListener("hashchange", () => {
+      if (location.hash === WorkbenchChoice.written(data, places, state)) return;
+      const before = WorkbenchChoice.read(data, places, location.hash);
+      if (before) state = before;
+      else if (location.hash === "") state = WorkbenchChoice.start(data, places);
+      else return;
+      remember();
+      draw();
+    });
+    remember();
+    const given = WorkbenchChoice.read(data, places, location.hash);
+    if (given) state = given;
+    draw();
+    if (given) section.scrollIntoView();
+    return {fit: () => shown};
+  }
+
+  window.Workbench = {start};
+})();

@@ -1,0 +1,81 @@
+"""The model that a diagnosis found, made ready again: the one about which the workbench's columns are taken."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.diagnose.result import Diagnosis
+from bench.diagnose.split import with_judged_parts
+from bench.effects import EffectInstance, places_in, select_effects
+from bench.effects.effect import Effect
+from bench.estimate.effect_columns import PresentModel
+from bench.estimate.identify import gains_can_be_fitted
+from bench.estimate.partial import PartialRegression, partial_regression
+from bench.estimate.prepare import Prepared, prepare, with_effects
+from bench.estimate.result import Identification
+from bench.estimate.settle import present_model, solved_quickly
+from bench.estimate.solution import Solution
+from bench.estimate.summary import ROBOT
+
+
+@dataclass(frozen=True)
+class FoundModel:
+    """plain: the equations without any effect; found: with those that the diagnosis found, linearised about the
+    answer; solution: the answer, theta in the order of `found`. bare, left: what the fits without any effect and
+    with the found ones leave. started: effects that the model had before the diagnosis, as (effect, place).
+    """
+
+    plain: Prepared
+    found: Prepared
+    solution: Solution
+    fit_gains: bool
+    bare: PartialRegression
+    left: PartialRegression
+    started: tuple[tuple[str, str], ...]
+    judged_on: str
+
+
+def found_model(dataset: Dataset, diagnosis: Diagnosis, catalogue: dict[str, Effect]) -> FoundModel:
+    """Prepare the equations of a diagnosis again, with the filters that it used."""
+    dataset, split = with_judged_parts(dataset)
+    before, after = diagnosis.before, diagnosis.after
+    plain = prepare(dataset, (), before.settings, catalogue=catalogue)
+    fit_gains = gains_can_be_fitted(plain, None)
+    weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
+    places = places_in(plain.model.geometry, weighed)
+    instances = select_effects(_requests(after), places, catalogue)
+    instances = tuple(_as_found(after, one) for one in instances)
+    present = _present(plain, after)
+    found = with_effects(plain, instances, present)
+    stack, solution = solved_quickly(found, fit_gains)
+    # the solution is about itself once more, as identify does it
+    found = with_effects(plain, instances, present_model(found, solution))
+    stack, solution = solved_quickly(found, fit_gains)
+    left = partial_regression(stack, solution)
+    bare = left if not instances else partial_regression(*solved_quickly(plain, fit_gains))
+    started = tuple((one.effect.name, one.joint) for one in select_effects(before.effects, places, catalogue))
+    return FoundModel(plain, found, solution, fit_gains, bare, left, started, split)
+
+
+def _requests(result: Identification) -> list[str]:
+    return [
+        name if place == ROBOT else f"{name}:{place}"
+        for name, values in result.effect_parameters.items()
+        for place in values
+    ]
+
+
+def _as_found(result: Identification, instance: EffectInstance) -> EffectInstance:
+    values = result.effect_parameters[instance.effect.name][instance.joint or ROBOT]
+    shapes = {one.name: values[one.name].value for one in instance.effect.shape}
+    effect = replace(instance.effect, **shapes) if shapes else instance.effect
+    linear = {one.name: values[one.name].value for one in effect.parameters}
+    return replace(instance, effect=effect.about(linear))
+
+
+def _present(plain: Prepared, result: Identification) -> PresentModel:
+    """The found model as effects see it."""
+    gains = np.array([gain.value for gain in result.drive_gains.values()])
+    theta = np.array([one.value for one in result.parameters])
+    return present_model(plain, Solution(theta, gains, np.ones(len(gains)), "current", result.gains_fitted))

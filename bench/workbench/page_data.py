@@ -1,0 +1,169 @@
+"""What the workbench's page carries: equations of the fitted and of the judged recordings, and a thinned sample."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.diagnose.result import Diagnosis
+from bench.effects import catalogue_for
+from bench.effects.effect import Effect
+from bench.workbench.encode import doubles, floats, triangle
+from bench.workbench.found import FoundModel, found_model
+from bench.workbench.reduce import Reduced
+from bench.workbench.sample import thinned
+from bench.workbench.system import System, build, coordinates_of
+from bench.workbench.variants import shape_order
+
+VERSION = 1
+
+
+def page_data(
+    dataset: Dataset, diagnosis: Diagnosis, catalogue: Mapping[str, Effect] | None = None
+) -> dict[str, Any]:
+    """Everything with which the page solves for any choice of effects, ready for JSON.
+
+    diagnosis: of this dataset; its filters are used. catalogue: the effects by name, by default the built-in ones
+    and the dataset's own. Arrays are base64 of little-endian numbers; `triangle` holds the upper triangle of the
+    factor R of [columns, modelled, error], row after row.
+    """
+    known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
+    model = found_model(dataset, diagnosis, known)
+    verdicts = {one.effect: one for one in diagnosis.ranking}
+    usable = [
+        effect
+        for name, effect in known.items()
+        if name in {one.effect.name for one in model.found.effects}
+        or (name in verdicts and verdicts[name].verdict != "absorbed")
+    ]
+    system = build(model, usable)
+    robot = dataset.robot
+    return {
+        "version": VERSION,
+        "robot": robot.name,
+        "judged_on": model.judged_on,
+        "whole": any(one.use == "validate" for one in dataset.recordings),
+        "fits_gains": model.fit_gains,
+        "noise_floor": diagnosis.unexplained.noise_floor,
+        "motors": [_motor(model, system, j) for j in range(len(robot.actuators))],
+        "rows": int(system.fitted.sum()),
+        "own": system.starts[0],
+        "columns": system.columns.shape[2],
+        "parameters": _parameters(diagnosis),
+        "reference": doubles(system.reference),
+        "effects": [
+            _effect(model, system, diagnosis, name)
+            for name in known
+            if name in verdicts or known[name] in usable
+        ],
+        "found": [[one.effect.name, one.joint] for one in model.found.effects],
+        "started": [list(one) for one in model.started],
+        "recordings": thinned(model, system),
+    }
+
+
+def _motor(model: FoundModel, system: System, j: int) -> dict[str, Any]:
+    actuator = model.plain.dataset.robot.actuators[j]
+    columns = np.flatnonzero(system.columns[:, j].any(axis=0))
+    rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
+    measured = system.modelled[:, j] + system.error[:, j]
+    found: dict[str, Any] = {
+        "joint": actuator.joint,
+        "nominal": actuator.gain,
+        "unit": actuator.gain_unit,
+        "gain": float(system.gains[j]),
+        "columns": columns.tolist(),
+    }
+    for use, chosen in (("fitted", system.fitted), ("judged", ~system.fitted)):
+        factor = np.zeros((rows.shape[1], rows.shape[1]))
+        if chosen.any():
+            upper = np.linalg.qr(rows[chosen], mode="r")
+            factor[: len(upper)] = upper
+        found[use] = {
+            "triangle": triangle(factor),
+            "squares": float((measured[chosen] ** 2).sum()),
+            "moving": int(system.moving[chosen, j].sum()),
+        }
+    return found
+
+
+def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
+    return [{"name": one.name, "unit": one.unit} for one in diagnosis.after.parameters]
+
+
+def _effect(model: FoundModel, system: System, diagnosis: Diagnosis, name: str) -> dict[str, Any]:
+    ranks = [one.effect for one in diagnosis.ranking]
+    verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
+    parts = [(i, part) for i, part in enumerate(system.effects) if part.variants.instance.effect.name == name]
+    return {
+        "name": name,
+        "rank": ranks.index(name) if name in ranks else -1,
+        "verdict": None if verdict is None else verdict.verdict,
+        "why": "" if verdict is None else verdict.why,
+        "places": [_place(model, system, i, part) for i, part in parts],
+    }
+
+
+def _follows(system: System, part: Reduced) -> dict[str, Any] | None:
+    """How the columns move with the present model: coordinates (m, c) by so many of the page's columns."""
+    coordinates = coordinates_of(system, part)
+    if coordinates is None:
+        return None
+    columns = np.flatnonzero(coordinates.any(axis=0))
+    return {
+        "count": len(coordinates),
+        "columns": columns.tolist(),
+        "coordinates": floats(coordinates[:, columns]),
+    }
+
+
+def _place(model: FoundModel, system: System, i: int, part: Reduced) -> dict[str, Any]:
+    variants = part.variants
+    instance, effect = variants.instance, variants.instance.effect
+    robot = model.plain.dataset.robot
+    names = list(robot.joints)
+    joint = names.index(instance.joint) if instance.joint in names else -1
+    rotates = {one.name: one.kind != "slide" for one in model.plain.model.geometry.joints}
+    turning = rotates.get(instance.joint, True)
+    drive = robot.actuators[joint].gain_unit.partition("/")[2] if joint >= 0 else "A"
+    shape = None
+    if effect.shape:
+        free, others = shape_order(effect)
+        shape = {
+            "name": free.name,
+            "unit": free.unit_at(turning, drive),
+            "value": float(getattr(effect, free.name)),
+            "others": [{"name": one.name, "unit": one.unit_at(turning, drive)} for one in others],
+            "branches": [list(one) for one in variants.branches],
+        }
+    return {
+        "place": instance.joint,
+        "motor": joint,
+        "start": system.starts[i],
+        "stop": system.starts[i + 1],
+        "drawn": part.drawn,
+        "kind": variants.kind,
+        "scale": variants.scale,
+        "follows": _follows(system, part),
+        "table": floats(part.tables[0]) if variants.follows and not variants.pieces else None,
+        "needed": variants.follows == "needed",
+        "approximate": variants.approximate,
+        "windows": variants.windows,
+        "curved": bool(effect.shape or effect.depends_on_model),
+        "parameters": [
+            {"name": one.name, "unit": one.unit_at(turning, drive), "positive": one.positive}
+            for one in effect.parameters
+        ],
+        "shape": shape,
+        "brackets": [[list(one) for one in branch] for branch in variants.brackets],
+        "pieces": [
+            {
+                "nodes": piece.nodes.tolist(),
+                "logarithmic": piece.logarithmic,
+                "branch": piece.branch,
+                "table": floats(table),
+            }
+            for piece, table in zip(variants.pieces, part.tables, strict=bool(variants.pieces))
+        ],
+    }

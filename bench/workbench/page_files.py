@@ -1,0 +1,29 @@
+"""The script and the style of the workbench, to be set into a page."""
+
+from importlib.resources import files
+
+SCRIPTS = (
+    "numbers.js",
+    "columns.js",
+    "equations.js",
+    "fit.js",
+    "choice.js",
+    "curves.js",
+    "sliders.js",
+    "effects_list.js",
+    "workbench.js",
+)
+
+
+def script() -> str:
+    """All scripts as one, which defines `window.Workbench.start(section, data, Charts)`."""
+    return "\n".join(_text(name) for name in SCRIPTS)
+
+
+def style() -> str:
+    """The style sheet; its colours are those of the page."""
+    return _text("workbench.css")
+
+
+def _text(name: str) -> str:
+    return (files("bench.workbench") / "assets" / name).read_text(encoding="utf-8")

@@ -1,0 +1,64 @@
+"""A thinned sample of every recording, from which the page draws its curves."""
+
+from typing import Any
+
+import numpy as np
+
+from bench.workbench.encode import floats, quantised
+from bench.workbench.found import FoundModel
+from bench.workbench.system import System
+
+BYTES = 380_000  # of all quantised columns together
+FEWEST, MOST = 60, 500  # rows of a recording
+
+
+def thinned(model: FoundModel, system: System) -> list[dict[str, Any]]:
+    """Every recording at evenly spaced rows of the fit, with the columns that curves need.
+
+    Of the measured current each stretch around such a row also has its smallest and largest value.
+    """
+    drawn = drawn_columns(system)
+    used = [np.intersect1d(drawn, np.flatnonzero(one.any(axis=0))) for one in system.columns.swapaxes(0, 1)]
+    lengths = [len(one.time) for one in model.plain.observations]
+    wanted = BYTES / (2.0 * sum(len(one) for one in used) * len(lengths))
+    step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
+    found, start = [], 0
+    for one in model.plain.observations:
+        rows = start + np.arange(step // 2, len(one.time), step)
+        edges = np.arange(0, len(one.time), step)
+        motors = []
+        for j, columns in enumerate(used):
+            measured, modelled = one.current[:, j], system.modelled[rows, j]
+            moving = system.moving[rows, j]
+            motors.append(
+                {
+                    "columns": columns.tolist(),
+                    **quantised(system.columns[rows][:, j, columns]),
+                    "modelled": floats(np.where(moving, modelled, np.nan)),
+                    "measured": floats(measured[rows - start]),
+                    "low": floats(np.minimum.reduceat(measured, edges)[: len(rows)]),
+                    "high": floats(np.maximum.reduceat(measured, edges)[: len(rows)]),
+                }
+            )
+        found.append(
+            {
+                "name": one.name,
+                "use": one.use,
+                "payload": one.payload_name,
+                "rows": len(one.time),
+                "step": step,
+                "time": floats(one.time[rows - start]),
+                "motors": motors,
+            }
+        )
+        start += len(one.time)
+    return found
+
+
+def drawn_columns(system: System) -> np.ndarray:
+    """Indices of the model's own columns and of those that curves need of each effect."""
+    parts = [np.arange(system.starts[0])]
+    parts += [
+        start + np.arange(one.drawn) for start, one in zip(system.starts[:-1], system.effects, strict=True)
+    ]
+    return np.concatenate(parts)
