@@ -78,7 +78,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         tool = model.geometry.tool if geometry is None else geometry.tool
         if payload is not None and tool is not None:
             columns = np.concatenate((columns, model.payload_columns))
-            parameters = np.append(parameters, payload_transform(tool) @ present.payloads[payload])
+            parameters = np.concatenate((parameters, payload_transform(tool) @ present.payloads[payload]))
         active = (position, velocity, acceleration)
         rows = perturbed_rows(model, measured, columns, active, gravity, geometry, every)
         return np.asarray(rows @ parameters)
