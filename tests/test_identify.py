@@ -164,3 +164,16 @@ def test_hidden_friction_is_recovered_with_its_effects() -> None:
     assert offsets["left"]["c"].value == pytest.approx(-0.07, abs=4 * offsets["left"]["c"].std)
     assert offsets["right"]["c"].value == pytest.approx(0.0, abs=4 * offsets["right"]["c"].std)
     assert max(one["c"].std for one in offsets.values()) < 0.01
+
+
+@pytest.mark.parametrize(("factor", "asked"), [(1000.0, "in grams?"), (0.001, "in mA?")])
+def test_a_payload_in_grams_is_asked_for(noisy: Simulation, factor: float, asked: str) -> None:
+    dataset = as_dataset(noisy)
+    payloads = {
+        name: replace(one, mass=factor * one.mass, inertia=factor * one.inertia)
+        for name, one in dataset.payloads.items()
+    }
+    result = identify(replace(dataset, payloads=payloads))
+    (note,) = [one for one in result.notes if "The drive gains came out at about" in one]
+    assert asked in note
+    assert not any("far from its nominal" in one for one in result.notes)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -35,26 +36,33 @@ def discrimination_figure(found: Discrimination) -> Figure:
                 (("position", recorded.low, recorded.high), ("velocity", -recorded.speed, recorded.speed))
             ):
                 one = axes[j, column]
-                one.axhspan(low, high, color=BAND, alpha=0.2, linewidth=0.0, label="recorded so far")
+                one.axhspan(
+                    low,
+                    high,
+                    color=BAND,
+                    alpha=0.2,
+                    linewidth=0.0,
+                    label="recorded so far; at the right: the noise",
+                )
                 one.plot(table["time"], table[f"{kind}.{joint}"], color=MOVING, linewidth=1.1)
                 one.set_ylabel(f"{joint} [{length}{'/s' if column else ''}]")
-            axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0, label="noise, one deviation")
+            axes[j, 2].set_ylabel(f"{joint}, current [σ of noise]")
+            axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0)
             for asked, answer, colour in zip(found.questions, found.motion.answers, COLOURS, strict=False):
                 name = said(asked.truth.request.replace(":", " at "))
-                axes[j, 2].set_ylabel(f"{joint} [deviations]")
                 axes[j, 2].plot(
                     answer.time,
-                    answer.left[:, j],
+                    np.where(answer.left[:, j] == 0.0, np.nan, answer.left[:, j]),  # no row at standstill
                     color=colour,
                     linewidth=1.0,
                     label=f"if {name} is the truth",
                 )
-        for column, title in enumerate(("Position", "Velocity", "What the wrong model lacks of the current")):
+        for column, title in enumerate(("Position", "Velocity", "What the wrong model lacks")):
             axes[0, column].set_title(title)
             axes[-1, column].set_xlabel("time [s]")
             axes[-1, column].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         figure.align_ylabels()
-        handles = [axes[0, 0].patches[0], axes[0, 2].patches[0], *axes[0, 2].get_lines()]
+        handles = [axes[0, 0].patches[0], *axes[0, 2].get_lines()]
         figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
     return figure
 
