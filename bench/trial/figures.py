@@ -60,10 +60,11 @@ def confusion_figure(summary: TrialSummary) -> Figure:
     axes.tick_params(which="both", length=0)
     axes.set_xlabel("named first", fontsize=8)
     axes.set_ylabel("hidden", fontsize=8)
-    axes.set_title(
-        f"{summary.robot}: one effect hidden, own error at least {LARGE:g} × the noise floor; cases",
+    figure.suptitle(
+        f"{summary.robot}: cases with one effect hidden,\nown error at least {LARGE:g} × the noise floor",
         fontsize=8,
-        loc="left",
+        x=0.01,
+        ha="left",
     )
     return figure
 
