@@ -15,7 +15,7 @@ from bench.estimate.measured import Measured
 from bench.workbench.found import FoundModel
 
 NEGLIGIBLE = 3e-5  # of the torque: smaller changes are left out
-MOST_RIGID, MOST_NEEDED = 6, 6
+MOST_RIGID, FEW_RIGID, MOST_NEEDED = 6, 2, 6
 REWEIGHTINGS = 3  # of the motors, by what a model leaves
 FIRST = 10.0  # times that the model without any effect counts
 
@@ -82,10 +82,13 @@ class Directions:
         return replace(found.present, base=own[: found.layout.base], payloads=payloads)
 
 
-def directions_of(model: FoundModel, terms: Terms, known: np.ndarray, current: np.ndarray) -> Directions:
+def directions_of(
+    model: FoundModel, terms: Terms, known: np.ndarray, current: np.ndarray, roomy: bool
+) -> Directions:
     """Directions in which models with one effect, or with one more or fewer than the found ones, differ.
 
-    known, current (M, n): torque of the known payload, and current, of the fitted recordings.
+    known, current (M, n): torque of the known payload, and current, of the fitted recordings. roomy:
+    whether effects through the loops are few.
     """
     weights = model.solution.weights / model.solution.gains
     differences = _differences(model, terms, known, current)
@@ -93,7 +96,7 @@ def directions_of(model: FoundModel, terms: Terms, known: np.ndarray, current: n
     torque = ((current * model.solution.gains) ** 2).sum(axis=0)
     own = terms.own
     gram = np.sum([w * w * one[:own, :own] for w, one in zip(weights, grams, strict=True)], axis=0)
-    rigid = _main(differences[:own], gram, float(weights**2 @ torque), MOST_RIGID)
+    rigid = _main(differences[:own], gram, float(weights**2 @ torque), MOST_RIGID if roomy else FEW_RIGID)
     needed = [
         _main(differences, one, float(size), MOST_NEEDED) for one, size in zip(grams, torque, strict=True)
     ]

@@ -26,13 +26,15 @@ from bench.workbench.variants import (
 
 LENGTH = 0.02  # of a body's length: errors of it up to that size are told apart
 ANGLE, SLIDE = 0.05, 0.005  # rad, m: likewise of a joint's zero
+MANY = 8  # effects through the loops: more are told apart less finely
 SAME = 1e-9  # of columns: what rounding leaves of a sum
 
 
 class Kinds:
     """Effects as the page can evaluate them about the found model.
 
-    unit: what effects see of every recording with drive gains of one.
+    unit: what effects see of every recording with drive gains of one. roomy: whether bodies and joints are few, so
+    that errors of lengths and zeros can be told apart by their size.
     """
 
     def __init__(self, model: FoundModel) -> None:
@@ -43,6 +45,7 @@ class Kinds:
         self._scaled = [_signals(found, 0, size * ones) for size in (1.0, 2.0, -1.0)]
         weighed = [name for name, one in found.dataset.payloads.items() if one.mass is not None]
         self._places = places_in(found.model.geometry, weighed)
+        self.roomy = len(self._places.body) + len(self._places.actuator) <= MANY
         self._without: dict[str, PartialRegression] = {}
         self._additive: dict[str, bool] = {}
 
@@ -89,6 +92,8 @@ class Kinds:
             return linear(instance, "none", True)
         if effect.about({parameter.name: 0.0 for parameter in effect.parameters}) is effect:
             return linear(instance, "none", False, "rigid")
+        if not self.roomy:
+            return linear(instance, "none", True, "rigid")
         geometry = self.model.plain.model.geometry
         if len(effect.parameters) == 1 and effect.place == "body":
             return valued(instance, LENGTH * lengths(geometry)[instance.joint].length)

@@ -1,6 +1,7 @@
 """A few columns from which an effect's columns at every value are combined."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,7 +9,8 @@ from bench.workbench.variants import Piece, Variants
 
 KEPT = 1e-5  # of a column's length: what is left out of it at most
 KEPT_FOLLOWING = 1e-4  # the same of an effect that follows the present model, small beside what it follows
-DRAWN = 1e-2  # the same, where curves are drawn
+DRAWN, DRAWN_FOLLOWING = 1e-2, 5e-2  # the same, where curves are drawn
+MOST_BYTES = 800_000  # of the triangles of all motors together
 
 
 @dataclass(frozen=True)
@@ -17,13 +19,15 @@ class Reduced:
 
     tables: for every piece of the effect's scalar (one for a linear effect) coefficients (G, D, k, b): column k at
     node G is columns @ tables[piece][G, 0, k] in the found model; the other D add the directions in which the present
-    model differs from it. drawn: how many of the columns a curve needs, the first ones.
+    model differs from it. drawn: how many of the columns a curve needs, the first ones. left_out (b,): of a column's
+    length, what the columns before leave out.
     """
 
     variants: Variants
     columns: np.ndarray
     tables: tuple[np.ndarray, ...]
     drawn: int
+    left_out: np.ndarray
 
 
 def reduced(variants: Variants, rows: np.ndarray, seen: np.ndarray, parts: int = 1) -> Reduced:
@@ -34,7 +38,7 @@ def reduced(variants: Variants, rows: np.ndarray, seen: np.ndarray, parts: int =
     """
     parameters = len(variants.instance.effect.parameters)
     if variants.kind == "linear" and parts == 1:
-        return Reduced(variants, rows, (np.eye(parameters)[None, None],), parameters)
+        return Reduced(variants, rows, (np.eye(parameters)[None, None],), parameters, np.ones(parameters))
     flat = (rows * seen[:, :, None]).reshape(-1, rows.shape[2])
     lengths = np.linalg.norm(flat, axis=0).reshape(-1, parts, parameters)
     lengths = (
@@ -44,14 +48,44 @@ def reduced(variants: Variants, rows: np.ndarray, seen: np.ndarray, parts: int =
     triangle = np.linalg.qr(flat[flat.any(axis=1)] / lengths, mode="r")
     _, singular, right = np.linalg.svd(triangle, full_matrices=False)
     left_out = np.sqrt(np.cumsum((singular**2)[::-1])[::-1])
-    size = max(int(np.sum(left_out > (KEPT_FOLLOWING if variants.follows else KEPT))), 1)
-    drawn = max(int(np.sum(left_out > DRAWN)), 1)
+    kept, drawn = (KEPT_FOLLOWING, DRAWN_FOLLOWING) if variants.follows else (KEPT, DRAWN)
+    size = max(int(np.sum(left_out > kept)), 1)
     # rows / lengths ~ (rows / lengths) V V', so that the kept columns are (rows / lengths) V
     vectors = right[:size].T
     columns = rows @ (vectors / lengths[:, None])
     coefficients = (vectors * lengths[:, None]).reshape(-1, parts, parameters, size)
     edges = np.cumsum([len(piece.nodes) for piece in variants.pieces])[:-1]
-    return Reduced(variants, columns, tuple(np.split(coefficients, edges)), drawn)
+    tables = tuple(np.split(coefficients, edges))
+    return Reduced(variants, columns, tables, max(int(np.sum(left_out > drawn)), 1), left_out[:size])
+
+
+def within_reach(parts: Sequence[Reduced], own: int) -> tuple[Reduced, ...]:
+    """The effects with as many columns as a page can carry beside the model's own: the least ones go first."""
+    share = KEPT
+    found = tuple(parts)
+    while _bytes(found, own) > MOST_BYTES and share < 1.0:
+        share *= 2.0
+        found = tuple(_shortened(one, share) for one in parts)
+    return found
+
+
+def _bytes(parts: Sequence[Reduced], own: int) -> int:
+    """Of a triangle of single precision for each motor, of fitted and of judged recordings."""
+    counts = own + sum(one.columns.any(axis=0).sum(axis=1) for one in parts)
+    return int(2 * 4 * np.sum(counts * (counts + 1.0) / 2.0))
+
+
+def _shortened(part: Reduced, share: float) -> Reduced:
+    size = max(int(np.sum(part.left_out > share)), 1)
+    if size >= len(part.left_out):
+        return part
+    return replace(
+        part,
+        columns=part.columns[:, :, :size],
+        tables=tuple(one[..., :size] for one in part.tables),
+        drawn=min(part.drawn, size),
+        left_out=part.left_out[:size],
+    )
 
 
 def coefficients_at(piece: Piece, table: np.ndarray, value: float) -> np.ndarray:

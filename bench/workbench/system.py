@@ -17,7 +17,7 @@ from bench.workbench.directions import (
 )
 from bench.workbench.found import FoundModel
 from bench.workbench.kinds import Kinds
-from bench.workbench.reduce import Reduced, coefficients_at, reduced
+from bench.workbench.reduce import Reduced, coefficients_at, reduced, within_reach
 from bench.workbench.rows import Rows
 from bench.workbench.variants import Variants, shape_order
 
@@ -57,19 +57,19 @@ def build(model: FoundModel, effects: Sequence[Effect]) -> System:
     rows = Rows(kinds)
     parts = {i: reduced(one, rows.of(one), moving) for i, one in enumerate(variants) if not one.follows}
     terms = _terms(model, list(parts.values()), [one for one in variants if one.follows], own, fitted)
-    directions = directions_of(model, terms, known[fitted], current[fitted])
+    directions = directions_of(model, terms, known[fitted], current[fitted], kinds.roomy)
     rows = Rows(kinds, directions)
     for i, one in enumerate(variants):
         if one.follows:
             parts[i] = reduced(one, rows.of(one), moving, rows.parts(one))
-    every = [parts[i] for i in range(len(variants))]
+    every = within_reach([parts[i] for i in range(len(variants))], own.shape[2])
     columns = np.concatenate([own, *(one.columns for one in every)], axis=2) * moving[:, :, None]
     starts = np.cumsum([own.shape[2], *(one.columns.shape[2] for one in every)])
     reference = _reference(model, every, starts, columns.shape[2])
     modelled = (columns @ reference + known) / model.solution.gains
     return System(
         columns=columns,
-        effects=tuple(every),
+        effects=every,
         starts=tuple(int(one) for one in starts),
         reference=reference,
         gains=model.solution.gains,
