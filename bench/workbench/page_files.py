@@ -1,6 +1,8 @@
 """The script and the style of the workbench, to be set into a page."""
 
-from importlib.resources import files
+from pathlib import Path
+
+ASSETS = Path(__file__).with_name("assets")
 
 SCRIPTS = (
     "numbers.js",
@@ -26,4 +28,4 @@ def style() -> str:
 
 
 def _text(name: str) -> str:
-    return (files("bench.workbench") / "assets" / name).read_text(encoding="utf-8")
+    return (ASSETS / name).read_text(encoding="utf-8")
