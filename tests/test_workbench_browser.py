@@ -1,0 +1,224 @@
+"""The workbench in a real browser: its figures are those of `bench identify --with`, to four digits."""
+
+import json
+import os
+import re
+
+import pytest
+
+from bench.cli import main
+from bench.dataset import load_dataset
+from bench.report.parts import Page, Section
+from bench.report.render import Workbench, render_page
+from bench.workbench.page_data import page_data
+from bench.workbench.page_files import script, style
+from tests.workbench_kit import FOUND, diagnosis_of, write_dataset
+
+pytest.importorskip("playwright", reason="playwright comes with the dev dependencies")
+
+from bench.report.browser import browser, browser_program, opened
+
+LAWS = (
+    "coulomb_friction",
+    "current_delay",
+    "drive_flexibility",
+    "geometric_error",
+    "rotor_inertia",
+    "stribeck_friction",
+    "viscous_friction",
+)
+
+
+@pytest.fixture(scope="module")
+def program():
+    if browser_program() is None:
+        if os.environ.get("CI") == "true":
+            pytest.fail("no Chromium: .ci/run installs it")
+        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    with browser() as launched:
+        yield launched
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A dataset, and a page with nothing but the workbench."""
+    folder = tmp_path_factory.mktemp("workbench")
+    dataset = load_dataset(write_dataset(folder / "data"))
+    data = page_data(dataset, diagnosis_of(dataset, names=LAWS))
+    page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
+    text = render_page(page, Workbench(data, script(), style()))
+    (folder / "page.html").write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def look(program, folder):
+    pages = []
+
+    def look(address="", **options):
+        page = opened(program, folder / "page.html", **options)
+        pages.append(page)
+        page.heard = []
+        page.on("console", lambda message: page.heard.append(message.text))
+        page.on("pageerror", lambda error: page.heard.append(str(error)))
+        page.on("request", lambda request: page.heard.append(request.url))
+        page.goto("about:blank")
+        page.goto((folder / "page.html").as_uri() + address)
+        page.heard = [one for one in page.heard if not one.startswith((folder / "page.html").as_uri())]
+        return settled(page)
+
+    yield look
+    for page in pages:
+        page.close()
+
+
+def settled(page):
+    page.wait_for_selector("#workbench[data-ready=true]")
+    return page
+
+
+def press(page, place, key="Space"):
+    page.locator(place).focus()
+    page.keyboard.press(key)
+    return settled(page)
+
+
+def shown(page):
+    """Numbers on the page: errors, gains by joint, effect parameters by key."""
+    return page.evaluate(
+        """() => {
+          const value = (one) => Number(one.dataset.value);
+          const all = (name) => [...document.querySelectorAll(`#workbench ${name}`)];
+          return {
+            error: Object.fromEntries(all("[data-figure]").map((one) => [one.dataset.figure, value(one)])),
+            words: Object.fromEntries(all("[data-figure]").map((one) => [one.dataset.figure, one.textContent])),
+            gains: Object.fromEntries(all("[data-gain]").map((one) => [one.dataset.gain, value(one)])),
+            parameters: all("[data-parameter]").map((one) => [one.dataset.key, one.dataset.parameter, value(one)]),
+            then: Object.fromEntries(all(".bench-effect").map((one) =>
+              [one.dataset.effect, value(one.querySelector(".bench-then"))])),
+          };
+        }"""
+    )
+
+
+def identified(folder, *requests):
+    answer = folder / "answer.json"
+    asked = [word for one in requests for word in ("--with", one)]
+    assert main(["identify", str(folder / "data"), *asked, "--json", str(answer)]) == 0
+    return json.loads(answer.read_text())
+
+
+def agree(seen, answer, sure=None):
+    for use in ("identify", "validate"):
+        assert seen["error"][use] == pytest.approx(answer["error"][use], rel=5e-5)
+        digits = format(100.0 * answer["error"][use], ".4g")
+        assert seen["words"][use] == f"{float(digits):g} %"
+    for joint, gain in answer["drive_gains"].items():
+        assert seen["gains"][joint] == pytest.approx(gain["value"], rel=5e-5)
+    compared = 0
+    for key, name, value in seen["parameters"]:
+        effect, _, place = key.partition(":")
+        known = answer["effect_parameters"][effect][place or "robot"][name]
+        if sure is None or (key, name) in sure:
+            # four digits of what is known at all: a hundredth of its deviation where that is wider
+            near = max(1e-4 * abs(known["value"]), 0.01 * known["std"])
+            assert value == pytest.approx(known["value"], abs=near), (key, name)
+            compared += 1
+    assert compared == len(sure or seen["parameters"])
+
+
+def test_what_was_found_is_ticked_and_agrees(look, folder):
+    page = look()
+    agree(shown(page), identified(folder, *FOUND))
+    assert page.locator("[data-effect=coulomb_friction] input[data-effect]").is_checked()
+    assert page.get_by_role("button", name="Found by diagnose").get_attribute("aria-pressed") == "true"
+    assert page.heard == []
+
+
+def test_effects_ticked_by_keyboard_agree_with_the_command(look, folder):
+    page = look()
+    page.get_by_role("button", name="Nothing").focus()
+    page.keyboard.press("Enter")
+    before = shown(settled(page))
+    agree(before, identified(folder))
+    page.keyboard.press("Tab")  # on to the first effect
+    assert page.evaluate("document.activeElement.dataset.effect") == "coulomb_friction"
+    page.keyboard.press("Space")
+    one = shown(settled(page))
+    agree(one, identified(folder, "coulomb_friction:left"))  # where it was ticked before
+    assert before["then"]["coulomb_friction"] == pytest.approx(one["error"]["validate"], rel=1e-9)
+    two = shown(press(page, "input[data-effect=stribeck_friction]"))
+    assert one["then"]["stribeck_friction"] == pytest.approx(two["error"]["validate"], rel=1e-9)
+    press(page, "input[data-effect=coulomb_friction]")
+    agree(shown(page), identified(folder, "stribeck_friction"))
+    assert "--with stribeck_friction" in page.locator("#workbench pre").text_content()
+    assert page.heard == []
+
+
+def test_places_of_an_effect_can_be_ticked_one_by_one(look, folder):
+    page = look()
+    opener = "[data-effect=geometric_error] .bench-open"
+    press(page, opener, "Enter")
+    assert page.locator(opener).get_attribute("aria-expanded") == "true"
+    press(page, "input[data-key='geometric_error:left_rod']")
+    agree(
+        shown(page),
+        identified(folder, "coulomb_friction:left", "geometric_error:left_rod", "viscous_friction:left"),
+    )
+
+
+def test_the_address_holds_the_choice_and_back_takes_it_back(look, folder):
+    page = look()
+    press(page, "input[data-effect=viscous_friction]")
+    page.get_by_label("Motor").select_option(label="right")
+    settled(page)
+    address = page.evaluate("location.hash")
+    assert re.fullmatch(r"#workbench\?with=coulomb_friction:left&motor=right&recording=\S+", address)
+    seen = shown(page)
+    again = look(address)
+    assert shown(again) == seen
+    assert again.get_by_label("Motor").evaluate("one => one.selectedOptions[0].text") == "right"
+    page.go_back()
+    settled(page)
+    page.go_back()
+    settled(page)
+    agree(shown(page), identified(folder, *FOUND))
+    assert page.heard == [] == again.heard
+
+
+def test_a_shape_can_be_held_by_a_slider_and_let_go(look, folder):
+    page = look("#workbench?with=stribeck_friction:left")
+    found = shown(page)
+    slider = page.locator("[data-effect=stribeck_friction] input[type=range]")
+    slider.focus()
+    for _ in range(12):
+        page.keyboard.press("ArrowLeft")
+    settled(page)
+    held = shown(page)
+    assert held["error"]["identify"] > found["error"]["identify"]
+    assert "hold=stribeck_friction:left@" in page.evaluate("location.hash")
+    assert "held where you put it" in page.locator("#workbench [role=status]").text_content()
+    again = shown(look(page.evaluate("location.hash")))
+    assert again["error"] == held["error"]
+    page.get_by_role("button", name="back to the value that the fit finds").click()
+    assert shown(settled(page))["error"] == found["error"]
+
+
+def test_what_the_page_cannot_follow_is_said(look):
+    page = look("#workbench?with=drive_flexibility")
+    assert "may differ" in page.locator("#workbench [role=status]").text_content()
+    assert "rotor inertia" in page.locator("#workbench .bench-list").text_content()
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_nothing_is_wider_than_the_page(look, width):
+    page = look(width=width)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.locator("#workbench svg[role=img]").count() == 2
+
+
+def test_a_choice_that_the_page_does_not_know_is_left_out(look, folder):
+    page = look("#workbench?with=warp_drive,coulomb_friction&hold=nothing@x&motor=third&recording=%E0%A4")
+    agree(shown(page), identified(folder, *FOUND))
+    page = look("#workbench?with=warp_drive,coulomb_friction&hold=nothing@x&motor=third")
+    agree(shown(page), identified(folder, "coulomb_friction"))

@@ -1,0 +1,380 @@
+"""The page's solver written once more, with numpy and from what the page carries alone; and a dataset to try it on."""
+
+import base64
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.effects import CATALOGUE
+from bench.estimate.identify import identify
+from bench.scenario import load_scenario
+from bench.truth.dataset import write_simulation
+from bench.truth.simulate import simulate
+
+FRICTION = (
+    {"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},
+    {"effect": "viscous_friction", "joint": "left", "Fv": 0.1},
+)
+FOUND = ("coulomb_friction:left", "viscous_friction:left")
+ABSORBED = ("payload_mass_error", "rotor_inertia")
+
+
+def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0):
+    """A short dataset with two recordings to fit and two to judge on."""
+    payload = next(iter(load_scenario(robot).settings.payloads))
+    tables = [
+        {"name": name, "use": use, "design": {"seed": seed}, **({"payload": payload} if loaded else {})}
+        for name, use, seed, loaded in (
+            ("free", "identify", 1, False),
+            ("held", "identify", 2, True),
+            ("free_check", "validate", 3, False),
+            ("held_check", "validate", 4, True),
+        )
+    ]
+    design = {"optimise": False, "duration": duration, "ramp": 0.5}
+    changes = {"design": design, "recordings": tables, "hidden": list(hidden)}
+    write_simulation(simulate(load_scenario(robot, changes), threads=1), folder)
+    return folder
+
+
+def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE)):
+    """A diagnosis that found these effects and ranks these, without the search."""
+    before, after = identify(dataset), identify(dataset, found)
+    present = {one.partition(":")[0] for one in found}
+    ranking = tuple(
+        EffectVerdict(
+            name,
+            "missing" if name in present else "absorbed" if name in ABSORBED else "not supported",
+            before.error.validate,
+            after.error.validate,
+            1.0,
+            (),
+            (),
+            {},
+            f"What is said of {name}.",
+        )
+        for name in sorted(names, key=lambda name: name not in present)
+    )
+    steps = (
+        LadderStep((), before.error.identify, before.error.validate),
+        LadderStep(tuple(present), after.error.identify, after.error.validate),
+    )
+    left = Unexplained(False, after.error.validate, after.error.validate, (), "")
+    return Diagnosis(
+        dataset.robot.name,
+        "recordings that were not fitted",
+        tuple(present),
+        steps,
+        ranking,
+        left,
+        before,
+        after,
+    )
+
+
+def numbers(text, kind="<f4"):
+    return np.frombuffer(base64.b64decode(text), dtype=kind).astype(float)
+
+
+class Solver:
+    """`fit({key, ...})` answers as the page does; a key is EFFECT:PLACE, or EFFECT for an effect of the robot."""
+
+    def __init__(self, data):
+        self.data, self.own, self.count = data, data["own"], data["columns"]
+        self.reference = numbers(data["reference"], "<f8")
+        motors = data["motors"]
+        self.n, self.rows, self.free = len(motors), data["rows"], data["fits_gains"]
+        self.gains0 = np.array([one["gain"] for one in motors])
+        self.nominal = np.array([one["nominal"] for one in motors])
+        self.grams = {use: [self._gram(one, use) for one in motors] for use in ("fitted", "judged")}
+        self.moving = np.array([one["fitted"]["moving"] for one in motors])
+        self.squares = {
+            use: np.array([one[use]["squares"] for one in motors]) for use in ("fitted", "judged")
+        }
+        self.places = {}
+        for effect in data["effects"]:
+            for place in effect["places"]:
+                key = f"{effect['name']}:{place['place']}" if place["place"] else effect["name"]
+                self.places[key] = self._place(place)
+
+    def _gram(self, motor, use):
+        """Inner products (C + 2, C + 2) of [columns, modelled, error]."""
+        size = len(motor["columns"]) + 2
+        factor = np.zeros((size, size))
+        factor[np.triu_indices(size)] = numbers(motor[use]["triangle"])
+        index = np.append(motor["columns"], [self.count, self.count + 1])
+        gram = np.zeros((self.count + 2,) * 2)
+        gram[np.ix_(index, index)] = factor.T @ factor
+        return gram
+
+    def _place(self, place):
+        k, size, follows = len(place["parameters"]), place["stop"] - place["start"], place["follows"]
+        shape = (-1, 1 + (follows["count"] if follows else 0), k, size)
+        own = SimpleNamespace(**place, k=k, size=size, coordinates=None, values=None)
+        own.tables = [numbers(piece["table"]).reshape(shape) for piece in place["pieces"]]
+        if place["table"]:
+            own.values = numbers(place["table"]).reshape(shape)[0]
+        if follows:
+            own.coordinates = np.zeros((follows["count"], self.count))
+            own.coordinates[:, follows["columns"]] = numbers(follows["coordinates"]).reshape(
+                follows["count"], -1
+            )
+        return own
+
+    def coefficients(self, place, value, branch, present):
+        """(k, b) of the page's columns beside a present model."""
+        scale = 1.0
+        if place.scale != "none":
+            scale = present.gains[place.motor]
+            scale = scale if place.scale == "gain" else abs(scale)
+        if place.kind == "linear" and place.values is None:
+            return scale * np.eye(place.k)
+        table = place.values if place.values is not None else self._interpolated(place, value, branch)
+        total = table[0]
+        if place.coordinates is not None:
+            total = total + np.tensordot(place.coordinates @ present.difference, table[1:], axes=1)
+        return scale * total
+
+    @staticmethod
+    def _interpolated(place, value, branch):
+        own = [
+            (max(one["nodes"][0] - value, value - one["nodes"][-1], 0.0), i)
+            for i, one in enumerate(place.pieces)
+            if one["branch"] == branch
+        ]
+        i = min(own)[1]
+        nodes = np.array(place.pieces[i]["nodes"])
+        change = np.log if place.pieces[i]["logarithmic"] else np.asarray
+        at, x = change(nodes), change(np.clip(value, nodes[0], nodes[-1]))
+        if np.abs(at - x).min() <= 1e-14 * np.abs(at).max():
+            return place.tables[i][int(np.abs(at - x).argmin())]
+        shares = np.array(
+            [np.prod([(x - other) / (one - other) for other in at if other != one]) for one in at]
+        )
+        return np.tensordot(shares, place.tables[i], axes=1)
+
+    def map_of(self, terms, present):
+        """How [own, effects, known, modelled, error] follow from the page's columns."""
+        p = self.own + sum(one.place.k for one in terms)
+        found = np.zeros((self.count + 2, p + 3))
+        found[np.arange(self.own), np.arange(self.own)] = 1.0
+        at = self.own
+        for one in terms:
+            place = one.place
+            coefficients = self.coefficients(place, one.value, one.branch, present)
+            found[place.start : place.stop, at : at + place.k] = coefficients.T
+            at += place.k
+        found[self.own : self.count, p] = -self.reference[self.own :]
+        found[self.count, p + 1] = found[self.count + 1, p + 2] = 1.0
+        return found
+
+    def vectors(self, d, gains):
+        """Each motor's current error as a combination of [columns, known, modelled, error]."""
+        return [
+            np.concatenate((-d / g, [-1.0 / g, 1.0 - g0 / g, 1.0]))
+            for g, g0 in zip(gains, self.gains0, strict=True)
+        ]
+
+    def errors(self, grams, d, gains):
+        return np.array(
+            [max(x @ gram @ x, 0.0) for x, gram in zip(self.vectors(d, gains), grams, strict=True)]
+        )
+
+    def kept(self, grams, p):
+        """Columns that those before them, and the known payload, do not take up."""
+        start = np.zeros(p)
+        start[: self.own] = self.reference[: self.own]
+        gram = np.zeros((p + 1, p + 1))
+        for one, g in zip(grams, self.gains0, strict=True):
+            take = np.zeros((p + 3, p + 1))
+            take[:p, :p] = np.eye(p)
+            take[:, p] = np.concatenate((-start, [1.0, g, 0.0]))
+            gram += take.T @ one @ take
+        norms = np.sqrt(np.diag(gram))
+        largest = norms[: self.own].max()
+        basis = [*range(self.own), *([p] if self.free else [])]
+        basis = [i for i in basis if norms[i] > 0]
+        norms[norms == 0.0] = 1.0
+        gram /= np.outer(norms, norms)
+        kept = list(range(self.own))
+        for i in range(self.own, p):
+            if norms[i] <= 1e-9 * largest or gram[i, i] == 0.0:
+                continue
+            inner = gram[np.ix_(basis, basis)]
+            left = gram[i, i] - gram[i, basis] @ np.linalg.lstsq(inner, gram[basis, i], rcond=1e-14)[0]
+            if left > 1e-10:
+                kept.append(i)
+                basis.append(i)
+        return np.array(kept)
+
+    def linear(self, grams, weights):
+        """Weighted least squares of the torque's error: d and gains."""
+        k = len(grams[0]) - 3
+        size = k + (self.n if self.free else 0)
+        normal, right = np.zeros((size, size)), np.zeros(size)
+        for j, gram in enumerate(grams):
+            columns, aim = np.zeros((k + 3, size)), np.zeros(k + 3)
+            columns[:k, :k] = -np.eye(k)
+            gain = self.gains0[j] if self.free else self.nominal[j]
+            aim[k:] = -1.0, gain - self.gains0[j], gain
+            if self.free:
+                columns[k + 1 :, k + j] = 1.0
+            normal += weights[j] ** 2 * columns.T @ gram @ columns
+            right -= weights[j] ** 2 * columns.T @ gram @ aim
+        x = scaled_solve(normal, right)
+        return x[:k], self.gains0 + x[k:] if self.free else self.nominal
+
+    def linearised(self, grams, d, gains, weights):
+        """Normal matrix, right side and each motor's map of the linearised current errors."""
+        k = len(d)
+        size = k + (self.n if self.free else 0)
+        normal, right, maps = np.zeros((size, size)), np.zeros(size), []
+        for j, (gram, g, x) in enumerate(zip(grams, gains, self.vectors(d, gains), strict=True)):
+            columns = np.zeros((k + 3, size))
+            columns[:k, :k] = np.eye(k) / g
+            if self.free:
+                columns[: k + 2, k + j] = np.concatenate((-d, [-1.0, -self.gains0[j]])) / g**2
+            maps.append(columns)
+            normal += weights[j] ** 2 * columns.T @ gram @ columns
+            right += weights[j] ** 2 * columns.T @ gram @ x
+        return normal, right, maps
+
+    def minimised(self, grams, d, gains, weights):
+        k, cost = len(d), self.errors(grams, d, gains) @ weights**2
+        for _ in range(50):
+            normal, right, _ = self.linearised(grams, d, gains, weights)
+            step = scaled_solve(normal, right)
+            new_d, new_gains = d + step[:k], gains + step[k:] if self.free else gains
+            new = self.errors(grams, new_d, new_gains) @ weights**2
+            if new > cost * (1 + 1e-12):
+                break
+            settled = cost - new <= 1e-12 * cost
+            d, gains, cost = new_d, new_gains, new
+            if settled:
+                break
+        return d, gains
+
+    def solve(self, terms, present):
+        columns = self.map_of(terms, present)
+        p = columns.shape[1] - 3
+        grams = [columns.T @ one @ columns for one in self.grams["fitted"]]
+        kept = self.kept(grams, p)
+        index = np.append(kept, [p, p + 1, p + 2])
+        taken = [one[np.ix_(index, index)] for one in grams]
+
+        def torque_weights(d, gains):
+            vectors = [x * g for x, g in zip(self.vectors(d, gains), gains, strict=True)]
+            return 1.0 / np.sqrt([x @ one @ x / self.rows for x, one in zip(vectors, taken, strict=True)])
+
+        d, gains = self.linear(taken, np.ones(self.n))
+        for _ in range(3):
+            d, gains = self.linear(taken, torque_weights(d, gains))
+        for _ in range(3):
+            weights = 1.0 / np.sqrt(self.errors(taken, d, gains) / self.rows)
+            d, gains = self.minimised(taken, d, gains, weights)
+        full, theta = np.zeros(p), np.zeros(p)
+        full[kept] = theta[kept] = d
+        theta[: self.own] += self.reference[: self.own]
+        difference = (columns[:, : p + 1] @ np.append(full, 1.0))[: self.count]
+        return SimpleNamespace(
+            columns=columns, grams=grams, d=full, theta=theta, gains=gains, difference=difference
+        )
+
+    def besides(self, solution, place):
+        """Schur complements (b, b), (b,) of an effect's columns beside a solved model."""
+        p, b = len(solution.d), place.size
+        extra = np.zeros((self.count + 2, b))
+        extra[place.start : place.stop] = np.eye(b)
+        whole = np.concatenate((solution.columns, extra), axis=1)
+        errors = self.errors(solution.grams, solution.d, solution.gains)
+        weights = 1.0 / np.sqrt(errors / np.maximum(self.moving, 1))
+        normal, right, maps = self.linearised(solution.grams, solution.d, solution.gains, weights)
+        cross, inner, score = np.zeros((len(normal), b)), np.zeros((b, b)), np.zeros(b)
+        for j, (g, x) in enumerate(
+            zip(solution.gains, self.vectors(solution.d, solution.gains), strict=True)
+        ):
+            gram = weights[j] ** 2 * whole.T @ self.grams["fitted"][j] @ whole
+            inner += gram[p + 3 :, p + 3 :] / g**2
+            cross += maps[j].T @ gram[: p + 3, p + 3 :] / g
+            score += gram[p + 3 :, : p + 3] @ x / g
+        explained = np.column_stack([scaled_solve(normal, one) for one in (*cross.T, right)])
+        return inner - cross.T @ explained[:, :-1], score - cross.T @ explained[:, -1]
+
+    def best_shape(self, place, inner, score, present):
+        best = (np.inf, 0.0, 0)
+        for branch, brackets in enumerate(place.brackets):
+
+            def cost(value, branch=branch):
+                c = self.coefficients(place, float(value), branch, present)
+                return -float(c @ score @ scaled_solve(c @ inner @ c.T, c @ score))
+
+            costs = [cost(value) for _, value, _ in brackets]
+            i = int(np.argmin(costs))
+            low, value, high = brackets[i]
+            best = min(best, (costs[i], value, branch))
+            if low < high:
+                xatol = 1e-4 * max(abs(low), abs(high))
+                found = minimize_scalar(cost, bounds=(low, high), method="bounded", options={"xatol": xatol})
+                best = min(best, (float(found.fun), float(found.x), branch))
+        return best[1:]
+
+    def fit(self, keys):
+        terms = [
+            SimpleNamespace(
+                key=key, place=place, branch=0, value=place.shape["value"] if place.kind == "shape" else 0.0
+            )
+            for key, place in self.places.items()
+            if key in keys
+        ]
+        present = SimpleNamespace(gains=self.gains0, difference=np.zeros(self.count))
+        if any(one.place.curved for one in terms):
+            present = self.solve([one for one in terms if not one.place.curved], present)
+            before = None
+            for _ in range(4):
+                for one in terms:
+                    if one.place.kind == "shape":
+                        others = self.solve([other for other in terms if other is not one], present)
+                        one.value, one.branch = self.best_shape(
+                            one.place, *self.besides(others, one.place), present
+                        )
+                present = self.solve(terms, present)
+                self._about(terms, present.theta)
+                now = np.array([*present.gains, *(one.value for one in terms if one.place.kind == "shape")])
+                if before is not None and np.all(np.abs(now - before) <= 1e-4 * np.abs(now)):
+                    break
+                before = now
+        solution = self.solve(terms, present)
+        judged = [solution.columns.T @ one @ solution.columns for one in self.grams["judged"]]
+        left = {"fitted": solution.grams, "judged": judged}
+        errors = {
+            use: float(
+                np.sqrt(self.errors(grams, solution.d, solution.gains).sum() / self.squares[use].sum())
+            )
+            for use, grams in left.items()
+        }
+        return SimpleNamespace(**errors, gains=solution.gains, effects=self._named(terms, solution.theta))
+
+    def _about(self, terms, theta):
+        at = self.own
+        for one in terms:
+            if one.place.kind == "value":
+                one.value = theta[at]
+            at += one.place.k
+
+    def _named(self, terms, theta):
+        found, at = {}, self.own
+        for one in terms:
+            values = {each["name"]: theta[at + i] for i, each in enumerate(one.place.parameters)}
+            at += one.place.k
+            if one.place.kind == "shape":
+                values[one.place.shape["name"]] = one.value
+            found[one.key] = values
+        return found
+
+
+def scaled_solve(normal, right):
+    norms = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    norms[norms == 0.0] = 1.0
+    return np.linalg.lstsq(normal / np.outer(norms, norms), right / norms, rcond=1e-15)[0] / norms
