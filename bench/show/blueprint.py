@@ -12,7 +12,7 @@ from bench.show.shown import Motor
 SUMMARY, PARAMETERS = "/summary", "/parameters"
 FOLLOWING, OPENING = "tool: actual path to reference path [mm]", "largest opening of a loop [µm]"
 SMALLER = (FOLLOWING, OPENING)
-MOTORS_IN_COLUMN = 3
+MOTORS_IN_COLUMN = 2
 MOST_LANES = 4  # of the time line of states that are in view at once
 BACKGROUND = (16, 20, 27)
 GRID = (120, 140, 165, 45)
