@@ -6,6 +6,8 @@ Needs a Vulkan driver; a software one will do (Debian: mesa-vulkan-drivers, libv
 """
 
 import argparse
+import os
+import signal
 import socket
 import subprocess
 import sys
@@ -24,7 +26,7 @@ def screenshot(recording: Path, picture: Path, at: float, size: str) -> None:
     """Open a recording in a viewer without a window, and save the picture once nothing changes any more."""
     with _viewer(size) as client:
         client.open(str(recording.resolve()))
-        client.set_time("time", duration=at, play_state="paused")
+        _set_time(client, at)
         picture.write_bytes(_settled(client))
 
 
@@ -43,11 +45,14 @@ def _viewer(size: str) -> Iterator[ViewerClient]:
         str(port),
         "--hide-welcome-screen",
     ]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+    # The program starts the viewer as a process of its own, and would leave it behind: both are one group.
+    with subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    ) as process:
         try:
             yield _connected(port)
         finally:
-            process.terminate()
+            os.killpg(process.pid, signal.SIGTERM)
 
 
 def _connected(port: int) -> ViewerClient:
@@ -62,6 +67,20 @@ def _connected(port: int) -> ViewerClient:
             time.sleep(0.5)
         else:
             return client
+
+
+def _set_time(client: ViewerClient, at: float) -> None:
+    """Go to a time [s], once the recording has been loaded."""
+    end = time.monotonic() + STARTING
+    while True:
+        try:
+            client.set_time("time", duration=at, play_state="paused")
+        except ConnectionError:  # no recording yet
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.3)
+        else:
+            return
 
 
 def _settled(client: ViewerClient) -> bytes:
