@@ -4,6 +4,7 @@ from pathlib import Path
 
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
+from bench.effects import catalogue_for
 from bench.estimate.model_file import Comparison
 from bench.estimate.result import Identification
 from bench.files import write_text_atomically
@@ -12,6 +13,8 @@ from bench.report.content_run import Run
 from bench.report.folder import Kept, keep_run
 from bench.report.parts import Page
 from bench.report.render import Workbench, render_page
+from bench.workbench.page_data import page_data
+from bench.workbench.page_files import script, style
 
 REPORT_FILE = "report.html"
 
@@ -41,12 +44,14 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None) -> Path:
     again = [kept.run.line()]
     if folder is not None:
         again.append(f"bench report {folder} -o {path}")
-    after = kept.after
+    after, workbench = kept.after, None
     if kept.diagnosis is not None:
         page = diagnosis_page(kept.diagnosis, kept.dataset, again)
+        catalogue = catalogue_for(kept.dataset.effect_files, [Path(one) for one in kept.run.effect_files])
+        workbench = Workbench(page_data(kept.dataset, kept.diagnosis, catalogue), script(), style())
     elif kept.model:
         comparison = Comparison(after.robot, kept.model, after.recordings, after.error)
         page = comparison_page(comparison, kept.dataset, after, again)
     else:
         page = identification_page(after, kept.dataset, again)
-    return write_page(path, page)
+    return write_page(path, page, workbench)
