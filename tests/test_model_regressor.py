@@ -89,7 +89,7 @@ def parameters_of(inertias):
 
 
 def test_tree_torque_is_rneas(robot):
-    """tau = Y pi on the opened tree, which is all that the model takes from Pinocchio."""
+    """tau = Y pi on the opened tree with Pinocchio's own regressor: signs and order of the parameters."""
     geometry = read_geometry(robot)
     inertias = random_inertias(geometry)
     model, bare = tree_with(geometry, inertias), build_tree(geometry)

@@ -118,14 +118,14 @@ def frames_of(links: tuple[Link, ...], q: np.ndarray) -> Frames:
             if link.kind == "slide":
                 base = add(base, scaled(axis, q[link.q]))
             else:
-                fixed = product(fixed, _turn(link, q[link.q]))
+                fixed = product(fixed, turn_of(link, q[link.q]))
         frames.rotation[link.index] = fixed
         frames.origin[link.index] = base
     return frames
 
 
-def _turn(link: Link, angle: np.ndarray) -> Matrix:
-    """Rodrigues: a a' + sin K - cos K K."""
+def turn_of(link: Link, angle: np.ndarray) -> Matrix:
+    """Rotation of a hinge by an angle (N,). Rodrigues: a a' + sin K - cos K K."""
     sine, cosine = np.sin(angle), np.cos(angle)
 
     def column(k: int) -> Vector:

@@ -1,66 +1,110 @@
-"""The observation matrix's rows: Pinocchio's tree regressor, projected by the loop Jacobians (eqs. 1, 6).
+"""The observation matrix's rows: the tree's regressor, projected by the loop Jacobians (eqs. 1, 6).
 
 Standard parameters of a body, in Pinocchio's order, about its joint frame: m [kg], mx my mz [kg m],
 Ixx Ixy Iyy Ixz Iyz Izz [kg m2].
 """
 
-import numpy as np
-import pinocchio as pin
+from itertools import pairwise
 
+import numpy as np
+
+from bench.model.body_rates import BodyRates, body_rates
 from bench.model.geometry import Anchor, Geometry
-from bench.model.kinematics import ancestors
+from bench.model.kinematics import IDENTITY as AXES
+from bench.model.kinematics import ZERO, ancestors, link_of
 from bench.model.motion import Motion
-from bench.model.tree import build_tree
+from bench.model.scalars import (
+    Scalar,
+    Vector,
+    add,
+    constant_vector,
+    cross,
+    dot,
+    plus,
+    plus_product,
+    scaled,
+    subtract,
+    times,
+)
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 UNITS = ("kg", "kg*m", "kg*m", "kg*m", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2")
-BLOCK = 2048  # samples projected together
+BLOCK = 6144  # samples worked on together, at most
+PRODUCTS = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))  # axes of the products of inertia, in order
 
 
 def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray | None = None) -> np.ndarray:
     """phi_st of equation 6 at every sample: (N, n, p), in N*m or N for each standard parameter.
 
     `columns` picks from the 10 parameters of every joint of the geometry (a joint without a body has columns
-    too, see `body_columns`); all by default.
+    too, see `body_columns`); all by default. A parameter's column is the power of its inertial force and moment
+    on the velocities that unit speed of each motor gives its body.
     """
-    model = build_tree(geometry)
-    data = model.createData()
-    regressor = pin.computeJointTorqueRegressor
-    tree = data.jointTorqueRegressor.T.reshape(-1)  # Pinocchio's own memory, column after column
     chosen = np.arange(10 * len(geometry.joints)) if columns is None else np.asarray(columns)
-    supports = [_support(geometry, int(column) // 10) for column in chosen]
-    entries = np.concatenate(
-        [model.nv * column + support for column, support in zip(chosen, supports, strict=True)]
-    )
+    wanted: dict[int, list[tuple[int, int]]] = {}
+    for place, column in enumerate(chosen.tolist()):
+        wanted.setdefault(column // 10, []).append((place, column % 10))
+    moving = sorted({index for joint in wanted for index in ancestors(geometry, joint)})
+    links = [link_of(index, geometry.joints[index]) for index in moving]
+    gravity = constant_vector(geometry.gravity)
     samples, n = len(motion.time), len(geometry.active)
-    rows = np.empty((samples, n, len(chosen)))
-    taken = np.empty((min(BLOCK, samples), len(entries)))
-    for start in range(0, samples, BLOCK):
-        block = slice(start, min(start + BLOCK, samples))
-        for q, v, a, out in zip(motion.q[block], motion.v[block], motion.a[block], taken, strict=False):
-            regressor(model, data, q, v, a)
-            tree.take(entries, out=out, mode="clip")
-        _project(motion.jacobian[block], taken[: block.stop - start], supports, rows[block])
-    return rows
+    rows = np.empty((n, len(chosen), samples))
+    blocks = -(-samples // BLOCK)
+    edges = [samples * k // blocks for k in range(blocks + 1)] if samples else []
+    for start, stop in pairwise(edges):
+        block = slice(start, stop)
+        q = np.ascontiguousarray(motion.q[block].T)
+        v, a = _scalars(motion.v[block].T), _scalars(motion.a[block].T)
+        motors = [_scalars(motion.jacobian[block, :, j].T) for j in range(n)]
+        rates = body_rates(links, gravity, q, v, a, motors)
+        for joint, entries in wanted.items():
+            _fill(rates[joint], entries, rows[:, :, block])
+    return rows.transpose(2, 0, 1)
 
 
-def _support(geometry: Geometry, joint: int) -> np.ndarray:
-    """Velocity indices of the joints that carry a joint's body: no other feels its parameters."""
-    return np.concatenate(
-        [np.arange(geometry.joints[i].v.start, geometry.joints[i].v.stop) for i in ancestors(geometry, joint)]
-    )
+def _scalars(values: np.ndarray) -> list[Scalar]:
+    """Rows (k, N) as scalars: floats where all samples are zero or all are one."""
+    rows = np.ascontiguousarray(values)
+    low, high = rows.min(axis=1), rows.max(axis=1)
+    return [
+        float(least) if least == most and least in (0.0, 1.0) else row
+        for row, least, most in zip(rows, low, high, strict=True)
+    ]
 
 
-def _project(jacobian: np.ndarray, taken: np.ndarray, supports: list[np.ndarray], rows: np.ndarray) -> None:
-    """rows (K, n, p) = jacobian (K, nv, n)' regressor; of that, `taken` (K, e) has the supports' entries."""
-    weights, values = jacobian.transpose(2, 1, 0).copy(), taken.T.copy()
-    at = 0
-    for column, support in enumerate(supports):
-        sums = weights[:, support[0]] * values[at]
-        for i, index in enumerate(support[1:], start=1):
-            sums += weights[:, index] * values[at + i]
-        rows[:, :, column] = sums.T
-        at += len(support)
+def _fill(rates: BodyRates, entries: list[tuple[int, int]], rows: np.ndarray) -> None:
+    """The entries (place among the columns, parameter) of one body, into rows (n, p, N).
+
+    With mass m, first moments c and inertia I about the frame: force m a + w' x c + w x (w x c), moment
+    I w' + w x I w + c x a.
+    """
+    w, turning, a = rates.angular, rates.turning, rates.acceleration
+    parameters = {parameter for _, parameter in entries}
+    square = dot(w, w) if parameters & {1, 2, 3} else 0.0
+    swept = {}
+    for k in sorted(parameters & {1, 2, 3}):
+        axis = AXES[k - 1]
+        swept[k] = subtract(add(cross(turning, axis), scaled(w, w[k - 1])), scaled(axis, square))
+    for j, twist in enumerate(rates.twists):
+        angular, linear = twist.angular, twist.linear
+        lever = cross(a, angular) if swept else ZERO
+        about = cross(angular, w) if max(parameters) > 3 else ZERO
+        for place, parameter in entries:
+            if parameter == 0:
+                value = dot(linear, a)
+            elif parameter < 4:
+                value = plus(lever[parameter - 1], dot(linear, swept[parameter]))
+            else:
+                value = _inertial(angular, turning, about, w, *PRODUCTS[parameter - 4])
+            rows[j, place] = value
+
+
+def _inertial(angular: Vector, turning: Vector, about: Vector, w: Vector, k: int, m: int) -> Scalar:
+    """The column of the inertia's element k, m."""
+    value = plus_product(times(angular[k], turning[m]), about[k], w[m])
+    if k == m:
+        return value
+    return plus_product(plus_product(value, angular[m], turning[k]), about[m], w[k])
 
 
 def body_columns(geometry: Geometry) -> np.ndarray:

@@ -127,6 +127,11 @@ def turned(rotation: Matrix, vector: Vector) -> Vector:
     )
 
 
+def turned_back(rotation: Matrix, vector: Vector) -> Vector:
+    """Transposed matrix times vector."""
+    return dot(rotation[0], vector), dot(rotation[1], vector), dot(rotation[2], vector)
+
+
 def product(first: Matrix, second: Matrix) -> Matrix:
     """Matrix times matrix."""
     return turned(first, second[0]), turned(first, second[1]), turned(first, second[2])

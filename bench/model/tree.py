@@ -9,7 +9,7 @@ AXES = np.eye(3)
 
 
 def build_tree(geometry: Geometry) -> pin.Model:
-    """Every leg a tree, the platform a free body, no inertia: only regressors are asked of it.
+    """Every leg a tree, the platform a free body, no inertia: only kinematics are asked of it.
 
     Joint i of the geometry is joint i + 1 of the model, with the same slices of q and v.
     """

@@ -1,0 +1,122 @@
+"""Velocities and accelerations of the bodies of the opened tree, each in its own axes, for all samples at once.
+
+The scalars are those of bench.model.scalars. Angular velocity w, angular acceleration w' and acceleration a of a
+joint frame's origin, less gravity, follow from those of the joint before it; so do the velocities that unit speed
+of one motor gives. Source of the recursion: W. Khalil and E. Dombre, "Modeling, Identification and Control of
+Robots", 2002, chapter 9.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.model.kinematics import ZERO, Link, carried, rotation_of, turn_of
+from bench.model.scalars import Matrix, Scalar, Vector, add, cross, minus, scaled, turned, turned_back
+
+
+@dataclass(frozen=True)
+class Twist:
+    """Angular velocity of a joint frame and velocity of its origin, for unit speed of one motor."""
+
+    angular: Vector
+    linear: Vector
+
+
+@dataclass(frozen=True)
+class BodyRates:
+    """Of one joint frame, in its axes: w [1/s], w' [1/s2], a less gravity [m/s2], and a twist for every motor."""
+
+    angular: Vector
+    turning: Vector
+    acceleration: Vector
+    twists: tuple[Twist, ...]
+
+
+def body_rates(
+    links: Sequence[Link],
+    gravity: Vector,
+    q: np.ndarray,
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    motors: Sequence[Sequence[Scalar]],
+) -> dict[int, BodyRates]:
+    """Rates by joint index of the links (parents first) at configurations q (nq, N), tree velocities v (nv),
+    accelerations a (nv) and, for every motor, the tree velocities at its unit speed (nv).
+    """
+    x, y, z = gravity
+    resting = minus(0.0, x), minus(0.0, y), minus(0.0, z)
+    rates = {-1: BodyRates(ZERO, ZERO, resting, (Twist(ZERO, ZERO),) * len(motors))}
+    for link in links:
+        if link.kind == "free":
+            rates[link.index] = _free(link, rates[-1].acceleration, q, v, a, motors)
+        else:
+            rates[link.index] = _carried_on(link, rates[link.parent], q, v, a, motors)
+    return rates
+
+
+def _free(
+    link: Link,
+    resting: Vector,
+    q: np.ndarray,
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    motors: Sequence[Sequence[Scalar]],
+) -> BodyRates:
+    linear, angular = _three(v, link.v), _three(v, link.v + 3)
+    own = add(_three(a, link.v), cross(angular, linear))
+    rotation = rotation_of(q[link.q + 3 : link.q + 7])
+    return BodyRates(
+        angular,
+        _three(a, link.v + 3),
+        add(own, turned_back(rotation, resting)),
+        tuple(Twist(_three(unit, link.v + 3), _three(unit, link.v)) for unit in motors),
+    )
+
+
+def _carried_on(
+    link: Link,
+    parent: BodyRates,
+    q: np.ndarray,
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    motors: Sequence[Sequence[Scalar]],
+) -> BodyRates:
+    arm = link.translation
+    if link.kind == "slide":
+        arm = add(arm, turned(link.rotation, scaled(link.axis, q[link.q])))
+        own: Matrix | None = None
+    elif link.kind == "hinge":
+        own = turn_of(link, q[link.q])
+    else:
+        own = rotation_of(q[link.q : link.q + 4])
+
+    def back(vector: Vector) -> Vector:
+        fixed = turned_back(link.rotation, vector)
+        return fixed if own is None else turned_back(own, fixed)
+
+    def at(rates: Sequence[Scalar]) -> Vector:
+        return _three(rates, link.v) if link.kind == "ball" else scaled(link.axis, rates[link.v])
+
+    before = back(parent.angular)
+    turning = back(parent.turning)
+    acceleration = back(add(parent.acceleration, carried(parent.angular, parent.turning, arm)))
+    twists = [
+        (back(one.angular), back(add(one.linear, cross(one.angular, arm))), at(unit))
+        for one, unit in zip(parent.twists, motors, strict=True)
+    ]
+    speed, growth = at(v), at(a)
+    if link.kind == "slide":
+        sliding = add(growth, scaled(cross(before, speed), 2.0))
+        along = tuple(Twist(angular, add(linear, unit)) for angular, linear, unit in twists)
+        return BodyRates(before, turning, add(acceleration, sliding), along)
+    return BodyRates(
+        add(before, speed),
+        add(add(turning, growth), cross(before, speed)),
+        acceleration,
+        tuple(Twist(add(angular, unit), linear) for angular, linear, unit in twists),
+    )
+
+
+def _three(values: Sequence[Scalar], first: int) -> Vector:
+    return values[first], values[first + 1], values[first + 2]
