@@ -161,6 +161,26 @@ def run(plan, folder, pool=Inline, work=None, report=lambda journal: None, **opt
 
 
 def main():
-    """A sweep with two workers; arguments: file, folder, seconds that every task waits."""
+    """A sweep with two workers; arguments: file, folder, seconds that every task waits.
+
+    In the file memory.txt beside it, if there is one: a line for every thousand runs, their number and how many
+    kilobytes of memory the process has.
+    """
     file, target, pause = sys.argv[1:]
-    run(make_plan(load_sweep(file)), Path(target), lambda: LocalPool(2), StandIn(pause=float(pause)))
+    memory = Path(file).with_name("memory.txt")
+    said = [0]
+
+    def report(journal):
+        if memory.exists() and journal.count >= said[0] + 1000:
+            said[0] = journal.count
+            with memory.open("a") as log:
+                log.write(f"{journal.count} {resident()}\n")
+
+    plan = make_plan(load_sweep(file))
+    run(plan, Path(target), lambda: LocalPool(2), StandIn(pause=float(pause)), report)
+
+
+def resident():
+    """Kilobytes of memory that this process has (Linux)."""
+    status = Path("/proc/self/status").read_text()
+    return next(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmRSS"))

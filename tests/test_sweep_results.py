@@ -8,7 +8,7 @@ import pytest
 from bench.cli import main
 from bench.errors import BenchError
 from bench.sweep.results import write_plots, write_summary
-from bench.sweep.summary import share_interval, summarise
+from bench.sweep.summary import share_interval, summarise, summarise_in_parts
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
 
@@ -96,12 +96,47 @@ def test_mistakes_are_one_line(folder, arguments, told, capsys):
     assert told in error
 
 
-def test_a_drawn_axis_is_cut_into_bins(folder, tmp_path):
+@pytest.fixture
+def drawn(tmp_path):
+    """A table in which every run has a mass of its own; three runs failed, one mass is not known."""
     random = np.random.default_rng(5)
-    x = random.uniform(0, 1, 500)
-    path = tmp_path / "runs.parquet"
-    pq.write_table(pa.table({"status": ["ok"] * 500, "mass": x, "gain_error": 1 + 0 * x}), path)
-    assert main(["plot", str(tmp_path), "--x", "mass", "--y", "gain_error", "--linear"]) == 0
+    mass = [None, *random.uniform(0.0, 1.0, 503)]
+    status = ["ok"] * 501 + ["failed"] * 3
+    error = [1.0, *[value**2 for value in mass[1:501]], None, None, None]
+    content = {"status": status, "mass": mass, "bits": [20, 16] * 252, "gain_error": error}
+    pq.write_table(pa.table(content), tmp_path / "runs.parquet")
+    return tmp_path
+
+
+def test_a_drawn_axis_is_cut_into_parts_that_hold_every_run(drawn):
+    summary = summarise_in_parts(drawn / "runs.parquet", ["mass"], ["gain_error"])
+    *parts, unknown = summary.lines
+    assert unknown.values == (None,)
+    assert len(parts) == 12
+    assert sum(line.runs for line in parts) == 503
+    assert sum(line.failed for line in parts) == 3
+    for line in parts:
+        (part,) = line.values
+        assert part.low < part.middle < part.high
+        assert part.low**2 <= line.spreads["gain_error"].median <= part.high**2
+    assert [line.values[0].low for line in parts] == sorted(line.values[0].low for line in parts)
+    few = summarise_in_parts(drawn / "runs.parquet", ["bits"], ["gain_error"])
+    assert [line.values for line in few.lines] == [(16,), (20,)]
+
+
+def test_a_drawn_axis_is_shown_by_its_parts(drawn, capsys):
+    assert main(["plot", str(drawn), "--x", "mass", "--y", "gain_error", "--linear"]) == 0
+    assert main(["plot", str(drawn), "--x", "mass", "--y", "gain_error", "--lines", "bits"]) == 0
+    assert main(["table", str(drawn), "--by", "mass"]) == 0
+    assert capsys.readouterr().out.count(" … ") == 12
+
+
+def test_ticks_of_a_logarithmic_axis_are_plain_numbers(folder, tmp_path):
+    target = tmp_path / "figure.svg"
+    x = "sensors.current_noise_ratio"
+    assert main(["plot", str(folder), "--x", x, "--y", "gain_error", "-o", str(target)]) == 0
+    text = target.read_text()
+    assert all(f">{tick}<" in text for tick in ("0.001", "0.01", "0.1"))
 
 
 def test_a_file_that_is_no_table_is_refused(tmp_path):

@@ -128,10 +128,12 @@ def test_a_motion_that_fails_fails_its_runs_with_the_same_reason(tmp_path):
 
 def test_failed_runs_are_tried_again_on_request_only(tmp_path, undisturbed):
     plan = plan_of(tmp_path)
-    assert run(plan, tmp_path / "out", work=StandIn(Accidents(broken=(4, 5)))).failed == 2
-    assert run(plan, tmp_path / "out", work=StandIn(NONE)).failed == 2
+    first = run(plan, tmp_path / "out", work=StandIn(Accidents(broken=(4, 5))))
+    assert (first.failed, first.kept) == (2, 0)
+    second = run(plan, tmp_path / "out", work=StandIn(NONE))
+    assert (second.failed, second.kept) == (2, 90)
     finished = run(plan, tmp_path / "out", work=StandIn(NONE), retry_failed=True)
-    assert finished.failed == 0
+    assert (finished.failed, finished.kept) == (0, 88)
     assert finished.table.read_bytes() == undisturbed
 
 

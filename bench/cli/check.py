@@ -41,9 +41,8 @@ def check(
     if update and not (reason or "").strip():
         raise BenchError("check --update: say why the reference changes, with --reason")
 
-    from rich.console import Console
-
     from bench.sweep.check import CheckOptions, check_accuracy, identification_work, update_reference
+    from bench.sweep.console import table_console
     from bench.sweep.reference import reference_folder
 
     options = CheckOptions(
@@ -55,6 +54,6 @@ def check(
         verbose=verbose,
     )
     if not update:
-        return check_accuracy(options, Console(), identification_work)
-    update_reference(options, reason or "", Console(), identification_work)
+        return check_accuracy(options, table_console(), identification_work)
+    update_reference(options, reason or "", table_console(), identification_work)
     return 0

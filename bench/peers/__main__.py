@@ -6,7 +6,7 @@ import json
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 from rich import box
-from rich.console import Console
 from rich.table import Table
 
 from bench.files import write_json_atomically, write_text_atomically
 from bench.peers.own import Answer, solve_all_unknown, solve_mass_known, solve_two_masses
 from bench.peers.problems import COULOMB_SHARE, DURATION, Problem, make_problem
+from bench.sweep.console import table_console
 from bench.sweep.versions import versions
 
 warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
@@ -32,6 +32,9 @@ EXPLANATION = (
     " `mujoco.sysid` is given, together with the initial state and the controller. mujoco.sysid does not look at"
     " the currents: it predicts the positions by simulating the controlled machine. At the truth's own step its"
     " model is the very program that made the data; 1 ms is the step of the log. FIGAROH has no closed loops."
+    " Seconds are those of solving alone, from recordings to estimates: the robot's model is built once beforehand"
+    " and not timed, and neither is the set-up of the others (MuJoCo specs, sequences and residual function of"
+    " mujoco.sysid, URDF of FIGAROH)."
 )
 HEADERS = ("solver", "seeds", "seconds", "gain error", "gains within", "mass error", "masses within")
 
@@ -136,22 +139,28 @@ def cells(one: Score) -> list[str]:
     ]
 
 
+def scores_table(scores: Sequence[Score]) -> Table:
+    """The solvers of one problem below each other; in a narrow terminal their names give way, not the numbers."""
+    table = Table(box=box.SIMPLE_HEAD, title=title(scores[0]), title_justify="left", pad_edge=False)
+    table.add_column(HEADERS[0], overflow="fold")
+    for header in HEADERS[1:]:
+        table.add_column(header.replace(" ", "\n"), justify="right", vertical="bottom", no_wrap=True)
+    for one in scores:
+        table.add_row(*cells(one))
+    return table
+
+
 def main() -> int:
     """Run all, print, keep."""
     os.environ.setdefault("MUJOCO_GL", "disable")
-    console = Console()
+    console = table_console()
     scores: list[Score] = []
     text = ["# Beside others", "", EXPLANATION, ""]
     for solve in (five_bar_scores, arm_scores):
         for friction in (False, True):
             found = solve(friction=friction)
             scores += found
-            table = Table(box=box.SIMPLE_HEAD, title=title(found[0]), title_justify="left", pad_edge=False)
-            for i, header in enumerate(HEADERS):
-                table.add_column(header, justify="right" if i else "left", no_wrap=not i)
-            for one in found:
-                table.add_row(*cells(one))
-            console.print(table)
+            console.print(scores_table(found))
             text += [f"## {title(found[0])}", "", "| " + " | ".join(HEADERS) + " |"]
             text += ["|---" + "|---:" * (len(HEADERS) - 1) + "|"]
             text += ["| " + " | ".join(cells(one)) + " |" for one in found] + [""]

@@ -2,11 +2,10 @@
 
 import sys
 
-from rich.console import Console
-
 from bench.speed import diagnosis, main_job, regressor
 from bench.speed.figures import Figure, append_history, figures_table, last_values
 from bench.speed.sweep import sweep_figures
+from bench.sweep.console import table_console
 
 
 def regressor_figures() -> list[Figure]:
@@ -43,7 +42,7 @@ MEASUREMENTS = (regressor_figures, main_job_figures, diagnosis_figures, sweep_fi
 def main() -> int:
     """Measure, print, keep; 1 if a limit is not kept."""
     figures = [figure for measure in MEASUREMENTS for figure in measure()]
-    Console().print(figures_table(figures, last_values()))
+    table_console().print(figures_table(figures, last_values()))
     append_history(figures)
     return 0 if all(figure.kept for figure in figures) else 1
 

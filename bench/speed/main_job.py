@@ -12,13 +12,13 @@ from time import perf_counter
 import mujoco
 import numpy as np
 from mujoco import rollout
-from rich.console import Console
 from rich.table import Table
 
 from bench.estimate.identify import identify
 from bench.excite.scenario import designer
 from bench.files import atomic_path
 from bench.scenario import load_scenario, resolve_trajectories
+from bench.sweep.console import table_console
 from bench.sweep.versions import versions
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
@@ -92,7 +92,7 @@ def main() -> None:
         limit = IDENTIFICATION_LIMITS[one.robot]
         parts = (f"{value:.2f}" for value in (one.simulation, one.rollout, one.ratio, SIMULATION_LIMIT))
         table.add_row(one.robot, *parts, f"{one.identification:.2f}", f"{limit:g}")
-    Console().print(table)
+    table_console().print(table)
     limits = {"ratio_limit": SIMULATION_LIMIT}
     rows = [
         {

@@ -11,7 +11,6 @@ from time import perf_counter
 
 import numpy as np
 import pinocchio as pin
-from rich.console import Console
 from rich.table import Table
 
 from bench.errors import BenchError
@@ -25,6 +24,7 @@ from bench.model.tree import build_tree
 from bench.robot import load_robot
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import FilterSettings
+from bench.sweep.console import table_console
 from bench.sweep.versions import versions
 
 LIMITS = {"five_bar": 6.0, "delta": 4.0}  # times Pinocchio's loop
@@ -107,7 +107,7 @@ def main() -> None:
     for speed in speeds:
         parts = (f"{value:.2f}" for value in (speed.closures, speed.regressor, speed.pinocchio, speed.ratio))
         table.add_row(speed.robot, str(speed.columns), *parts, f"{LIMITS[speed.robot]:g}")
-    Console().print(table)
+    table_console().print(table)
     rows = [{**asdict(speed), "limit": LIMITS[speed.robot], **versions().columns()} for speed in speeds]
     with atomic_path(RESULT) as path:
         path.write_text(json.dumps(rows, indent=2) + "\n")

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from bench.errors import BenchError
 from bench.speed.figures import Figure
 from bench.sweep.plan import make_plan
 from bench.sweep.pool import LocalPool
@@ -67,9 +68,12 @@ def _start_seconds(file: Path, folder: Path) -> float:
     """From the command to the moment when the sweep has been checked and its first task is handed out."""
     start = time.perf_counter()
     command = [sys.executable, "-m", "bench", "sweep", str(file), "-o", str(folder), "--workers", "2"]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
-        while not (folder / RECORD).exists() and process.poll() is None:
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        while not (folder / RECORD).exists():
+            if process.poll() is not None:
+                raise BenchError(f"the sweep to be timed does not start: {process.communicate()[1].strip()}")
             time.sleep(0.01)
         seconds = time.perf_counter() - start
         process.terminate()
+        process.communicate()  # what it says about its end concerns nobody
     return seconds

@@ -135,7 +135,7 @@ def _print(console: Console, comparisons: list[Comparison], *, verbose: bool) ->
     table = Table(
         box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
     )
-    table.add_column("", no_wrap=True)
+    table.add_column("", overflow="fold")
     for header in ("reference", "now", "change", "allowed", "limit"):
         table.add_column(header, justify="right", no_wrap=True)
     table.add_column("", no_wrap=True)

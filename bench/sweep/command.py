@@ -88,9 +88,10 @@ def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> i
     console.print()
     if finished.failed:
         _show_failures(console, finished)
-    console.print(
-        f"{finished.runs} runs in {duration_text(seconds)}, {finished.failed} failed", highlight=False
-    )
+    made = finished.runs - finished.kept
+    kept = f", {finished.kept} kept from before" if finished.kept else ""
+    text = f"{_counted(made, 'run')} in {duration_text(seconds)}{kept}, {finished.failed} failed"
+    console.print(text, highlight=False)
     for name, path in (("Table", finished.table), ("Summary", finished.folder / SUMMARY)):
         console.print(f"{name}: {path}", highlight=False, soft_wrap=True)
     for path in plots:

@@ -10,15 +10,15 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from bench.files import atomic_path
 from bench.sweep.measure import METRICS
-from bench.sweep.summary import Spread, Summary, is_share, spread, summarise
-from bench.sweep.table import read_table
+from bench.sweep.summary import Part, Spread, Summary, is_share, rank, summarise_in_parts
 
-BINS = 12  # a drawn axis, which has a value of its own in every run, is cut into as many parts of equal count
-MOST_VALUES = 40
+MANY_TICKS = 300.0  # ratio of largest to smallest value from which powers of ten are ticks enough
 WIDE = 20.0  # ratio of largest to smallest value from which an axis is logarithmic
 MOST_BANDS = 2  # more than these hide each other
 DODGE = 0.009  # of the axis
@@ -35,7 +35,7 @@ def plot_sweep(
     logarithmic: the axis of y; by default where its values span a wide range.
     Raises BenchError if the table has no such column.
     """
-    found = _binned(table, x, y, lines)
+    found = _by_line(summarise_in_parts(table, [x, *([lines] if lines else [])], [y]), y)
     figure = Figure(figsize=(7.0, 4.4), layout="constrained")
     axes = figure.add_subplot()
     positions, labels = _positions([value for _, values, _ in found for value in values])
@@ -44,6 +44,7 @@ def plot_sweep(
         axes.set_xticks(range(len(labels)), labels, rotation=0 if len(labels) < 6 else 30)
     elif wide:
         axes.set_xscale("log")
+        _plain_ticks(axes.xaxis, list(positions.values()))
     style = _Style(share=is_share(y), joined=labels is None, bands=len(found) <= MOST_BANDS)
     for i, (name, values, spreads) in enumerate(found):
         at = np.array([positions[value] for value in values], dtype=float)
@@ -55,6 +56,9 @@ def plot_sweep(
         axes.axhline(COVERAGE, color="#888888", linewidth=0.8, linestyle="--")
     elif logarithmic or (logarithmic is None and _is_wide(middles)):
         axes.set_yscale("log")
+        _plain_ticks(
+            axes.yaxis, [end for _, _, spreads in found for one in spreads for end in (one.low, one.high)]
+        )
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.set_title(METRICS.get(y.split(".", maxsplit=1)[0], y).split(";")[0], fontsize=9, color="#555555")
@@ -79,46 +83,16 @@ Found = list[tuple[Any, list[Any], list[Spread]]]
 """For each line: its value, values of x, spreads of y."""
 
 
-def _binned(table: Path, x: str, y: str, lines: str | None) -> Found:
-    raw = read_table(table, [x])[x]
-    distinct = set(raw) - {None}
-    if len(distinct) > MOST_VALUES and all(isinstance(value, int | float) for value in distinct):
-        return _in_bins(table, x, y, lines)
-    summary = summarise(table, [x, *([lines] if lines else [])], [y])
-    return _by_line(summary, y)
-
-
 def _by_line(summary: Summary, y: str) -> Found:
+    """Rising in x; lines in rising order too, if they are numbers."""
     found: dict[Any, tuple[list[Any], list[Spread]]] = {}
-    for line in sorted(summary.lines, key=lambda line: _rank(line.values[0])):
-        if line.values[0] is None or not line.spreads[y].count:
-            continue
-        name = line.values[1] if len(line.values) > 1 else None
-        values, spreads = found.setdefault(name, ([], []))
-        values.append(line.values[0])
-        spreads.append(line.spreads[y])
-    order = {line.values[1] if len(line.values) > 1 else None: None for line in summary.lines}
-    return [(name, *found[name]) for name in order if name in found]
-
-
-def _rank(value: Any) -> tuple[int, float]:
-    return (0, float(value)) if isinstance(value, int | float) else (1, 0.0)
-
-
-def _in_bins(table: Path, x: str, y: str, lines: str | None) -> Found:
-    names = list(dict.fromkeys((x, y, *([lines] if lines else []))))
-    columns = read_table(table, names)
-    keys = columns[lines] if lines else [None] * len(columns[x])
-    found: Found = []
-    for name in dict.fromkeys(keys):
-        rows = [
-            (columns[x][i], columns[y][i])
-            for i in range(len(keys))
-            if keys[i] == name and columns[x][i] is not None and columns[y][i] is not None
-        ]
-        parts = [part for part in np.array_split(np.array(sorted(rows), dtype=float), BINS) if len(part)]
-        found.append((name, [float(np.median(p[:, 0])) for p in parts], [spread(y, p[:, 1]) for p in parts]))
-    return found
+    for line in summary.lines:
+        x, *names = line.values
+        if x is not None and line.spreads[y].count:
+            values, spreads = found.setdefault(names[0] if names else None, ([], []))
+            values.append(x.middle if isinstance(x, Part) else x)
+            spreads.append(line.spreads[y])
+    return [(name, *found[name]) for name in sorted(found, key=rank)]
 
 
 def _positions(values: Sequence[Any]) -> tuple[dict[Any, float], list[str] | None]:
@@ -134,6 +108,15 @@ def _moved(at: np.ndarray, all_values: Sequence[float], share: float, *, wide: b
     low, high = min(all_values), max(all_values)
     moved = at * (high / low) ** share if wide else at + share * (high - low or 1.0)
     return np.asarray(moved)
+
+
+def _plain_ticks(axis: Axis, values: Sequence[float]) -> None:
+    """Ticks of a logarithmic axis as plain numbers, between the powers of ten only where these are few."""
+    known = [value for value in values if np.isfinite(value) and value > 0]
+    wide = not known or max(known) / min(known) >= MANY_TICKS
+    axis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _draw(

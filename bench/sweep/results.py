@@ -11,7 +11,7 @@ from bench.sweep.plan import Plan
 from bench.sweep.plot import plot_sweep
 from bench.sweep.print_summary import summary_markdown
 from bench.sweep.run_sweep import TABLE
-from bench.sweep.summary import Summary, summarise
+from bench.sweep.summary import Summary, summarise, summarise_in_parts
 from bench.sweep.sweep_file import PlotTable
 from bench.sweep.table import column_names
 
@@ -28,7 +28,7 @@ def table_in(folder: Path) -> Path:
 
 def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> tuple[Summary, Path]:
     """Summary of a table by some axes, and the Markdown file beside the table that it is written to."""
-    summary = summarise(table, axes, metrics)
+    summary = summarise_in_parts(table, axes, metrics)
     name = " ".join(metrics) + (f" by {' '.join(axes)}" if axes else "")
     path = table.with_name(f"{_file_name(name)}.md")
     write_text_atomically(path, summary_markdown(summary))

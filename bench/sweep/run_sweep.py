@@ -26,6 +26,8 @@ class Finished:
     table: Path
     runs: int
     failed: int
+    kept: int = 0
+    """Of the runs, those that were there already."""
 
 
 def run_sweep(
@@ -46,6 +48,7 @@ def run_sweep(
     journal = Journal(folder / JOURNAL, plan.size)
     try:
         report(journal)
+        kept = journal.count - (len(journal.failed) if retry_failed else 0)
         if journal.count < plan.size or (retry_failed and journal.failed):
             pool = make_pool()
             try:
@@ -54,7 +57,7 @@ def run_sweep(
                 pool.close()
         metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}
         write_table(journal, folder / TABLE, plan.axis_names, metadata)
-        return Finished(folder, folder / TABLE, journal.count, len(journal.failed))
+        return Finished(folder, folder / TABLE, journal.count, len(journal.failed), kept)
     finally:
         journal.close()
 

@@ -14,6 +14,10 @@ from bench.errors import BenchError
 from bench.sweep.table import column_names, read_table
 
 SPREAD = (0.05, 0.95)
+PARTS = (
+    12  # a drawn axis, which has a value of its own in every run, is cut into as many parts of equal count
+)
+MOST_VALUES = 40
 SHARES = ("gain_within", "parameter_within")
 """Metrics that are a share of successes: their mean is a coverage."""
 
@@ -27,6 +31,18 @@ class Spread:
     mean: float
     low: float
     high: float
+
+
+@dataclass(frozen=True)
+class Part:
+    """Values of an axis that are too many to stand alone: the least, the median and the largest of them."""
+
+    low: float
+    middle: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"{self.low:.3g} … {self.high:.3g}"
 
 
 @dataclass(frozen=True)
@@ -49,14 +65,51 @@ class Summary:
 
 
 def summarise(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
-    """Summary of a Parquet table of runs.
+    """Summary of a Parquet table of runs, a line for each combination of the axes' values.
 
     Raises BenchError if the table has no such column, or one of numbers where a number is needed.
     """
     columns = read_table(table, ["status", *dict.fromkeys((*axes, *metrics))])
-    keys = (
-        list(zip(*(columns[axis] for axis in axes), strict=True)) if axes else [()] * len(columns["status"])
-    )
+    return _summary(table, columns, [(axis, columns[axis]) for axis in axes], metrics)
+
+
+def summarise_in_parts(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
+    """The same for any columns as axes: one with more than 40 numbers is cut into 12 parts, see `Part`.
+
+    Axes of numbers rise from line to line, the first axis slowest.
+    """
+    columns = read_table(table, ["status", *dict.fromkeys((*axes, *metrics))])
+    summary = _summary(table, columns, [(axis, _in_parts(columns[axis])) for axis in axes], metrics)
+    lines = sorted(summary.lines, key=lambda line: [rank(value) for value in line.values])
+    return Summary(summary.axes, summary.metrics, tuple(lines))
+
+
+def _in_parts(values: Sequence[Any]) -> list[Any]:
+    """Numbers (n,) replaced by the part that they are in, if they are many; None stays None."""
+    known = [value for value in values if value is not None]
+    if len(set(known)) <= MOST_VALUES or not all(isinstance(value, int | float) for value in known):
+        return list(values)
+    place: dict[Any, Part] = {}
+    for part in np.array_split(np.sort(np.array(known, dtype=float)), PARTS):
+        one = Part(float(part[0]), float(np.median(part)), float(part[-1]))
+        place |= {value: one for value in part.tolist() if value not in place}
+    return [None if value is None else place.get(value) for value in values]
+
+
+def rank(value: Any) -> tuple[int, float]:
+    """Numbers by size, everything else after them as it came."""
+    if isinstance(value, Part):
+        return 0, value.middle
+    return (0, float(value)) if isinstance(value, int | float) else (1, 0.0)
+
+
+def _summary(
+    table: Path,
+    columns: Mapping[str, Sequence[Any]],
+    by: Sequence[tuple[str, Sequence[Any]]],
+    metrics: Sequence[str],
+) -> Summary:
+    keys = list(zip(*(values for _, values in by), strict=True)) if by else [()] * len(columns["status"])
     ok = np.array([status == "ok" for status in columns["status"]], dtype=bool)
     places: dict[tuple[Any, ...], list[int]] = {}
     for i, key in enumerate(keys):
@@ -68,7 +121,7 @@ def summarise(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summa
         good = rows[ok[rows]]
         spreads = {metric: spread(metric, values[metric][good]) for metric in metrics}
         lines.append(Line(key, len(rows), int((~ok[rows]).sum()), spreads))
-    return Summary(tuple(axes), tuple(metrics), tuple(lines))
+    return Summary(tuple(axis for axis, _ in by), tuple(metrics), tuple(lines))
 
 
 def spread(metric: str, values: np.ndarray) -> Spread:

@@ -1,0 +1,115 @@
+"""What `make speed` and `make peers` print and keep."""
+
+import json
+import subprocess
+import sys
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from bench.errors import BenchError
+from bench.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_table
+from bench.speed import sweep
+from bench.speed.__main__ import MEASUREMENTS
+from bench.speed.figures import Figure, append_history, figures_table, last_values
+from bench.sweep.console import WIDE, table_console
+
+SLOW = Figure("identify", 1.2, "s", 1.0)
+GAIN = Figure("two workers over one", 1.9, "", 1.8, at_least=True)
+FREE = Figure("report", 3.0, "s")
+SCORES = [
+    Score(
+        "five_bar",
+        True,
+        "parabench, rest from CAD, with coulomb_friction",
+        40,
+        0.05,
+        8e-4,
+        0.962,
+        2e-3,
+        0.925,
+    ),
+    Score("five_bar", True, "mujoco.sysid, 0.25 ms step, as the truth", 1, 1.81, 0.0133, 0.0, None, None),
+]
+
+
+def printed(renderable, width):
+    console = Console(file=StringIO(), width=width)
+    console.print(renderable)
+    return console.file.getvalue()
+
+
+def test_limits_are_kept_or_not():
+    assert [one.kept for one in (SLOW, GAIN, FREE)] == [False, True, True]
+
+
+def test_every_figure_stands_beside_that_of_the_last_time(tmp_path):
+    history = tmp_path / "speed" / "history.jsonl"
+    assert last_values(history) == {}
+    append_history([SLOW, FREE], history)
+    append_history([Figure("identify", 0.6, "s", 1.0)], history)
+    assert last_values(history) == {"identify": 0.6, "report": 3.0}
+    assert {"cores", "commit", "version.mujoco"} <= set(json.loads(history.read_text().splitlines()[0]))
+    rows = printed(figures_table([SLOW, GAIN, FREE], last_values(history)), 100).splitlines()[2:]
+    assert [" ".join(row.split()) for row in rows] == [
+        "identify 0.6 1.2 s +100 % ≤ 1",
+        "two workers over one – 1.9 – ≥ 1.8",
+        "report 3 3 s +0 %",
+    ]
+
+
+def test_a_spoilt_history_is_told_with_its_line(tmp_path):
+    history = tmp_path / "history.jsonl"
+    append_history([FREE], history)
+    history.write_text(history.read_text() + "[]\n")
+    with pytest.raises(BenchError, match=r"history\.jsonl: line 2: no speed record"):
+        last_values(history)
+
+
+def test_measurements_can_be_added_as_functions_without_arguments():
+    assert len(set(MEASUREMENTS)) == len(MEASUREMENTS)
+    assert sweep.sweep_figures in MEASUREMENTS
+
+
+def test_a_sweep_that_does_not_start_is_no_quick_start(tmp_path):
+    file = tmp_path / "sweep.toml"
+    file.write_text('base = "six_bar"\n')
+    with pytest.raises(BenchError, match=r"the sweep to be timed does not start: .*six_bar"):
+        sweep._start_seconds(file, tmp_path / "out")
+
+
+def test_timing_the_start_leaves_nothing_on_the_screen(tmp_path, capfd):
+    file = tmp_path / "sweep.toml"
+    file.write_text('base = "five_bar"\n')
+    assert sweep._start_seconds(file, tmp_path / "out") > 0
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("width", [80, 100, WIDE])
+def test_numbers_of_the_peers_are_never_cut(width):
+    text = printed(scores_table(SCORES), width)
+    assert "…" not in text
+    for score in SCORES:
+        for cell in cells(score)[1:]:
+            assert cell in text
+    assert max(map(len, text.splitlines())) <= width
+    assert set(" ".join(HEADERS).split()) <= set(text.split())
+
+
+def test_what_is_timed_of_the_peers_is_said():
+    assert "built once beforehand and not timed" in EXPLANATION
+
+
+def test_a_log_is_wide_and_columns_are_obeyed():
+    program = "from bench.sweep.console import table_console as c; print(c().width)"
+
+    def width(**environment):
+        done = subprocess.run(
+            [sys.executable, "-c", program], env=environment, capture_output=True, check=True
+        )
+        return int(done.stdout)
+
+    assert width() == WIDE
+    assert width(COLUMNS="97") == 97
+    assert table_console().width
