@@ -6,6 +6,7 @@ M. Gautier (1994), used with the published EMPS data; there the acceleration is 
 the velocity.
 """
 
+from functools import lru_cache
 from math import factorial
 
 import numpy as np
@@ -99,10 +100,15 @@ def one_sided_coefficients(at: int, points: int, derivative: int) -> FloatArray:
 
 def _borders(x: FloatArray, out: FloatArray, half: int, derivative: int, points: int) -> None:
     sign = (-1) ** derivative
-    for i in range(half):
-        weights = one_sided_coefficients(i, points, derivative)
-        out[i] = np.tensordot(weights, x[:points], axes=1)
-        out[-1 - i] = sign * np.tensordot(weights, x[::-1][:points], axes=1)
+    weights = _border_coefficients(half, points, derivative)
+    out[:half] = np.tensordot(weights, x[:points], axes=1)
+    out[::-1][:half] = sign * np.tensordot(weights, x[::-1][:points], axes=1)
+
+
+@lru_cache(maxsize=16)
+def _border_coefficients(half: int, points: int, derivative: int) -> FloatArray:
+    """Weights (half, points) of the first samples for derivatives at the first few."""
+    return np.array([one_sided_coefficients(i, points, derivative) for i in range(half)])
 
 
 def _coefficients(

@@ -39,8 +39,7 @@ def low_pass(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Float
             f"low-pass filter: cut-off {cutoff:g} Hz must lie between 0 and {rate / 2:g} Hz, "
             f"half the sampling rate of {rate:g} Hz"
         )
-    sections = signal.butter(order, cutoff, fs=rate, output="sos")
-    return forward_backward(sections, x, order, "low-pass filter")
+    return forward_backward(_butterworth(order, 2.0 * cutoff / rate), x, order, "low-pass filter")
 
 
 def low_pass_gain(frequency: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
@@ -79,6 +78,12 @@ def odd_extension(x: FloatArray, length: int) -> FloatArray:
     before = 2 * x[0] - x[length:0:-1]
     after = 2 * x[-1] - x[-2 : -length - 2 : -1]
     return np.concatenate((before, x, after))
+
+
+@lru_cache(maxsize=64)
+def _butterworth(order: int, cutoff: float) -> FloatArray:
+    """Second-order sections of a low-pass, its cut-off as a share of half the rate."""
+    return np.asarray(signal.butter(order, cutoff, output="sos"), dtype=float)
 
 
 @lru_cache(maxsize=64)

@@ -4,11 +4,12 @@ Source of the averaged periodogram: P. D. Welch, "The use of fast Fourier transf
 power spectra", IEEE Trans. Audio Electroacoustics 15, 1967.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy import signal
-from scipy.ndimage import binary_dilation
+from scipy import fft, signal
 
 from bench.errors import BenchError
 
@@ -40,10 +41,21 @@ def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     if len(x) < SHORTEST:
         raise BenchError(f"spectrum: {len(x)} samples are too few, it needs at least {SHORTEST}")
     length = min(len(x), max(SHORTEST, len(x) // SEGMENTS, int(SEGMENT * rate)))
-    frequency, density = signal.welch(
-        x, rate, window=("kaiser", KAISER), nperseg=length, noverlap=length * 4 // 5, axis=0
-    )
-    return np.asarray(frequency, dtype=float), np.asarray(density, dtype=float)
+    window = _window(length)
+    segments = sliding_window_view(np.ascontiguousarray(x.T), length, axis=1)[:, :: length - length * 4 // 5]
+    centred = segments - segments.mean(axis=2, keepdims=True)
+    centred *= window
+    lines = fft.rfft(centred, axis=2, overwrite_x=True)
+    density = (lines.real**2 + lines.imag**2).mean(axis=1).T * (2.0 / (rate * (window @ window)))
+    density[0] /= 2.0
+    if length % 2 == 0:
+        density[-1] /= 2.0
+    return np.arange(len(density)) * (rate / length), density
+
+
+@lru_cache(maxsize=16)
+def _window(length: int) -> FloatArray:
+    return np.asarray(signal.get_window(("kaiser", KAISER), length), dtype=float)
 
 
 def noise_density(x: FloatArray, rate: float) -> FloatArray:
@@ -61,21 +73,26 @@ def noise_density(x: FloatArray, rate: float) -> FloatArray:
     x = np.asarray(x, dtype=float)
     if len(x) < SHORTEST:
         raise BenchError(f"noise: {len(x)} samples are too few, it needs at least {SHORTEST}")
-    high = signal.oaconvolve(x - x.mean(axis=0), HIGH_PASS[:, None], mode="valid", axes=0)
-    variance = np.array([_clipped_power(channel) for channel in high.T])
-    return np.asarray(variance / (HIGH_PASS @ HIGH_PASS) / (rate / 2), dtype=float)
+    centred = np.array(x.T, order="C")
+    centred -= centred.mean(axis=1, keepdims=True)
+    variance = [_clipped_power(np.convolve(channel, HIGH_PASS, mode="valid")) for channel in centred]
+    return np.asarray(np.array(variance) / (HIGH_PASS @ HIGH_PASS) / (rate / 2), dtype=float)
 
 
 def _clipped_power(x: FloatArray) -> float:
     power = x * x
-    kept = np.ones(len(x), dtype=bool)
+    kept = np.ones(len(x))
+    count, level = len(x), float(power.mean())
     while True:
-        level = float(power[kept].mean())
-        loud = power > CLIP * CLIP * level
-        quiet = ~np.asarray(binary_dilation(loud, iterations=NEIGHBOURS), dtype=bool)
-        if quiet.sum() < len(x) / 10 or not (kept & ~quiet).any():
+        loud = np.flatnonzero(power > CLIP * CLIP * level)
+        quiet = np.ones(len(x))
+        for start in np.maximum(loud - NEIGHBOURS, 0).tolist():
+            quiet[start : start + 2 * NEIGHBOURS + 1] = 0.0
+        kept *= quiet
+        left = int(kept.sum())
+        if left == count or quiet.sum() < len(x) / 10:
             return level
-        kept &= quiet
+        count, level = left, float(power @ kept) / left
 
 
 def noise_floor(x: FloatArray, rate: float, band: float) -> FloatArray:
