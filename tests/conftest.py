@@ -23,3 +23,17 @@ def measured_data(project_root: Path) -> Path:
     if not folder.is_dir():
         pytest.skip(f"no measured data: set PARABENCH_DATA (looked in {folder})")
     return folder
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """A browser without a window; skips where there is none, but fails in CI, which installs one."""
+    pytest.importorskip("playwright", reason="playwright comes with the dev dependencies")
+    from bench.report.browser import browser, browser_program
+
+    if browser_program() is None:
+        if os.environ.get("CI") == "true":
+            pytest.fail("no Chromium: .ci/run installs it")
+        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    with browser() as launched:
+        yield launched

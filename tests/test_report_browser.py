@@ -1,26 +1,14 @@
 """The report in a real browser: nothing asked for, nothing wrong, keyboard, colours, phone, paper."""
 
-import os
-
 import pytest
 
 from tests.report_kit import diagnosed_page, identified_page, write
 
 pytest.importorskip("playwright", reason="playwright comes with the dev dependencies")
 
-from bench.report.browser import browser, browser_program, opened, scrolled
+from bench.report.browser import opened, scrolled
 
 PHONE = 390
-
-
-@pytest.fixture(scope="module")
-def program():
-    if browser_program() is None:
-        if os.environ.get("CI") == "true":
-            pytest.fail("no Chromium: .ci/run installs it")
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
-    with browser() as launched:
-        yield launched
 
 
 @pytest.fixture(scope="module")
@@ -29,13 +17,13 @@ def report(tmp_path_factory):
 
 
 @pytest.fixture
-def look(program, report):
+def look(chromium, report):
     """Open the report; what the browser complained of and asked for is in `heard`."""
     pages = []
 
     def look(path=report, **options):
         heard = []
-        page = opened(program, path, **options)
+        page = opened(chromium, path, **options)
         page.on("console", lambda message: heard.append(message.text))
         page.on("pageerror", lambda error: heard.append(str(error)))
         page.on("request", lambda request: heard.append(request.url))

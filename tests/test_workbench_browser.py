@@ -1,7 +1,6 @@
 """The workbench in a real browser: its figures are those of `bench identify --with`, to four digits."""
 
 import json
-import os
 import re
 
 import pytest
@@ -16,7 +15,7 @@ from tests.workbench_kit import FOUND, diagnosis_of, write_dataset
 
 pytest.importorskip("playwright", reason="playwright comes with the dev dependencies")
 
-from bench.report.browser import browser, browser_program, opened
+from bench.report.browser import opened
 
 LAWS = (
     "coulomb_friction",
@@ -27,16 +26,6 @@ LAWS = (
     "stribeck_friction",
     "viscous_friction",
 )
-
-
-@pytest.fixture(scope="module")
-def program():
-    if browser_program() is None:
-        if os.environ.get("CI") == "true":
-            pytest.fail("no Chromium: .ci/run installs it")
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
-    with browser() as launched:
-        yield launched
 
 
 @pytest.fixture(scope="module")
@@ -52,11 +41,11 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture
-def look(program, folder):
+def look(chromium, folder):
     pages = []
 
     def look(address="", **options):
-        page = opened(program, folder / "page.html", **options)
+        page = opened(chromium, folder / "page.html", **options)
         pages.append(page)
         page.heard = []
         page.on("console", lambda message: page.heard.append(message.text))

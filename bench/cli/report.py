@@ -38,30 +38,32 @@ def report(
 ) -> None:
     """Write one page, in one file, that shows what a run found.
 
-    DIR_OR_MODEL is a dataset folder, which is diagnosed; or a folder that `bench diagnose -o`, `identify -o` or
-    `compare -o` wrote; or a model file. The page opens in any browser, offline.
+    DIR_OR_MODEL is a dataset folder, which is diagnosed; or a folder that `bench diagnose -o`, `identify -o`,
+    `compare -o`, `sweep -o` or `trial -o` wrote; or a model file. The page opens in any browser, offline.
     """
     from bench.errors import BenchError
     from bench.report.folder import RUN_FILE, read_run
-    from bench.report.write import REPORT_FILE, write_kept
+    from bench.report.write import REPORT_FILE, write_kept, write_sweep_report
+    from bench.sweep.again import is_sweep_folder
 
     given = given_filters(**filters)
     output = output / REPORT_FILE if output.is_dir() else output
+    models = {"--data": data, "--with": effects, "--effect-file": effect_files, "filters": given}
     if (source / "dataset.toml").is_file() or source.name == "dataset.toml":
         _refuse({"--data": data}, "a dataset, which is diagnosed")
         _of_dataset(source, effects, effect_files, given, output)
     elif (source / RUN_FILE).is_file():
-        _refuse(
-            {"--data": data, "--with": effects, "--effect-file": effect_files, "filters": given}, "a result"
-        )
+        _refuse(models, "a result")
         write_kept(output, read_run(source), source)
+    elif is_sweep_folder(source):
+        _refuse(models, "a sweep")
+        write_sweep_report(source, output)
+    elif source.is_dir() or source.suffix == ".parquet":
+        _refuse(models, "a trial")
+        _of_trial(source, output)
     elif source.is_file():
         _refuse({"--with": effects, "filters": given}, "a model file")
         _of_model(source, data, effect_files, output)
-    elif source.is_dir():
-        raise BenchError(
-            f"{source}: neither a dataset nor a result: it holds no dataset.toml and no {RUN_FILE}"
-        )
     else:
         raise BenchError(f"{source}: no such file or folder")
     click.echo(f"Report: {output}")
@@ -71,6 +73,24 @@ def _refuse(options: dict[str, Any], what: str) -> None:
     for name, value in options.items():
         if value:
             raise click.UsageError(f"{name} does not go with {what}")
+
+
+def _of_trial(source: Path, output: Path) -> None:
+    from bench.errors import BenchError
+    from bench.report.content_trial import trial_table
+    from bench.report.folder import RUN_FILE
+    from bench.report.write import write_trial_report
+
+    table = trial_table(source) if source.exists() else None
+    if table is None and source.is_dir():
+        raise BenchError(
+            f"{source}: neither a dataset nor a result: it holds no dataset.toml, no {RUN_FILE}, and no sweep or trial"
+        )
+    if table is None:
+        raise BenchError(
+            f"{source}: not the table of a trial" if source.exists() else f"{source}: no such file or folder"
+        )
+    write_trial_report(table, output)
 
 
 def _of_dataset(

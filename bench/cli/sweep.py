@@ -41,6 +41,11 @@ def sweep(
 
     from bench.sweep.command import run_command
 
-    return run_command(
+    code = run_command(
         sweep_file, output, workers=workers, scheduler=scheduler, retry_failed=retry_failed, dry_run=dry_run
     )
+    if output is not None and not dry_run:
+        from bench.report.write import REPORT_FILE, write_sweep_report
+
+        click.echo(f"Report: {write_sweep_report(output, output / REPORT_FILE)}")
+    return code

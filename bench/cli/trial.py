@@ -64,7 +64,7 @@ def trial(
     """
     from bench.trial.command import run_command
 
-    return run_command(
+    code = run_command(
         robot,
         output,
         effects=_listed(effects),
@@ -75,6 +75,12 @@ def trial(
         workers=workers,
         scheduler=scheduler,
     )
+    from bench.report.write import write_trial_report
+    from bench.robot import load_robot
+
+    table = output / f"{load_robot(robot).name}.parquet"
+    click.echo(f"Report: {write_trial_report(table, table.with_suffix('.html'))}")
+    return code
 
 
 def _listed(text: str) -> tuple[str, ...]:

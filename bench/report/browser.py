@@ -43,9 +43,10 @@ def opened(browser: Browser, path: Path, *, width: int = 1366, height: int = 900
 
 def scrolled(page: Page) -> Page:
     """The same page after all its figures came into view, at its top again."""
-    height = int(page.evaluate("document.documentElement.scrollHeight"))
-    for at in range(0, height, 500):
+    at = 0
+    while at < int(page.evaluate("document.documentElement.scrollHeight")):  # it grows as figures are drawn
         page.evaluate(f"scrollTo({{top: {at}, behavior: 'instant'}})")
         page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        at += 500
     page.evaluate("scrollTo({top: 0, behavior: 'instant'})")
     return page

@@ -1,5 +1,6 @@
 """Sections on the parameters: values, deviations, groupings, conditioning, and what was not excited."""
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +9,7 @@ from bench.estimate.result import CurrentSeries, Identification
 from bench.report.content_effects import effects_table
 from bench.report.parts import Cell, Column, Items, Part, Section, Table, one_figure, row
 from bench.report.thin import significant
-from bench.report.words import plural, relative_std, share, short, typeset, with_std
+from bench.report.words import effect_name, plural, relative_std, share, short, typeset, with_std
 from bench.show.numbers import (
     POOR,
     current_unit,
@@ -212,16 +213,21 @@ def _alike(result: Identification) -> list[tuple[str, str, float]]:
 
 def _covariance_names(result: Identification) -> list[str] | None:
     """What the covariance's rows are of; None where that cannot be said for sure."""
-    named = [(one.name, one.std) for one in result.parameters]
-    effects = [
-        (f"{name} of {effect.replace('_', ' ')} at {joint}", one.std)
-        for effect, joint, name, one in flat_effects(result)
-    ]
+    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0)).tolist()
+    first = [(one.name, one.std) for one in result.parameters]
+    linear: list[tuple[str, float]] = []
+    shapes: list[tuple[str, float]] = []
+    for effect, joint, name, one in flat_effects(result):
+        at = len(first) + len(linear)
+        named = (f"{name} of {effect_name(effect)} at {joint}", one.std)
+        # shape parameters have their rows at the end, behind the gains
+        (linear if at < len(std) and _same(one.std, std[at]) else shapes).append(named)
     gains = [(f"gain of {joint}", one.std) for joint, one in result.drive_gains.items()]
-    size = len(result.covariance)
-    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
-    # effects with a shape have rows behind the gains: only models without are named here
-    for order in ([*named, *effects, *gains],):
-        if len(order) == size and np.allclose([one[1] for one in order], std, rtol=1e-9, atol=0.0):
-            return [name for name, _ in order]
-    return None
+    order = [*first, *linear, *gains, *shapes]
+    if len(order) != len(std) or not all(_same(one[1], row) for one, row in zip(order, std, strict=True)):
+        return None
+    return [name for name, _ in order]
+
+
+def _same(one: float, other: float) -> bool:
+    return math.isclose(one, other, rel_tol=1e-9)

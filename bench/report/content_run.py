@@ -1,7 +1,8 @@
 """Sections on the run itself: its limits, its settings, and how to run it again."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from bench.dataset import Dataset
@@ -53,10 +54,12 @@ class Run:
                 words += [OPTIONS[name], text]
         if self.output:
             words += ["-o", self.output]
-        return " ".join(_quoted(word) for word in words)
+        return " ".join(quoted(word) for word in words)
 
 
-def _quoted(word: str) -> str:
+def quoted(word: str | Path) -> str:
+    """A word as a shell takes it."""
+    word = str(word)
     return (
         word if all(c.isalnum() or c in "-_./:=,+~" for c in word) else "'" + word.replace("'", "'\\''") + "'"
     )
@@ -204,6 +207,20 @@ def _versions_table() -> Table:
     rows = [("Python", now.python), *(one for one in now.packages if one[1])]
     if now.commit:
         rows.append(("commit", now.commit))
+    return _versions(rows)
+
+
+def versions_of(columns: Mapping[str, Sequence[Any]]) -> Table:
+    """The versions that made the rows of a table: of its columns commit and version.PACKAGE."""
+    rows = []
+    for name, values in columns.items():
+        different = sorted({str(value) for value in values if value not in (None, "")})
+        if different:
+            rows.append((name.removeprefix("version."), ", ".join(different)))
+    return _versions(rows)
+
+
+def _versions(rows: Sequence[tuple[str, str]]) -> Table:
     columns = (Column("package", "keep"), Column("version"))
     aid = "What computed this page. A commit with + had files that differ from it."
     return Table("Versions", aid, columns, tuple(row(*one) for one in rows), folded=True)

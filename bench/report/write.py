@@ -9,10 +9,13 @@ from bench.estimate.model_file import Comparison
 from bench.estimate.result import Identification
 from bench.files import write_text_atomically
 from bench.report.content import comparison_page, diagnosis_page, identification_page
-from bench.report.content_run import Run
+from bench.report.content_run import Run, quoted
+from bench.report.content_sweep import read_sweep, sweep_page
+from bench.report.content_trial import again_line, read_trial, trial_page
 from bench.report.folder import Kept, keep_run
 from bench.report.parts import Page
 from bench.report.render import Workbench, render_page
+from bench.sweep.run_sweep import FILE
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
 
@@ -43,7 +46,7 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None) -> Path:
     """Write the page of a run, made just now or read from its folder."""
     again = [kept.run.line()]
     if folder is not None:
-        again.append(f"bench report {folder} -o {path}")
+        again.append(f"bench report {quoted(folder)} -o {quoted(path)}")
     after, workbench = kept.after, None
     if kept.diagnosis is not None:
         page = diagnosis_page(kept.diagnosis, kept.dataset, again)
@@ -55,3 +58,19 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None) -> Path:
     else:
         page = identification_page(after, kept.dataset, again)
     return write_page(path, page, workbench)
+
+
+def write_sweep_report(folder: Path, output: Path) -> Path:
+    """Write the page of the sweep in a folder. Raises BenchError where it has not ended or cannot be read."""
+    found = read_sweep(folder)
+    again = [f"bench sweep {quoted(folder / FILE)} -o {quoted(folder)}"]
+    return write_page(
+        output, sweep_page(found, [*again, f"bench report {quoted(folder)} -o {quoted(output)}"])
+    )
+
+
+def write_trial_report(table: Path, output: Path) -> Path:
+    """Write the page of a trial from its table. Raises BenchError where it cannot be read."""
+    found = read_trial(table)
+    again = [again_line(found), f"bench report {quoted(table)} -o {quoted(output)}"]
+    return write_page(output, trial_page(found, again))

@@ -10,26 +10,29 @@ Charts: small figures in SVG, drawn from plain data; colours come from the style
 
 A figure is {label, height, x: axis, panels: [{weight, y: axis, series: [...]}], legend: true}; panels stand below each
 other and share x. An axis is {label, scale: "linear" | "log" | "band", domain: [low, high], include: [values],
-categories: [text], percent: true}; all but the label may be left out.
+categories: [text], percent: true, turned: true}; all but the label may be left out. `turned` names stand upright;
+a figure with `least` is never narrower, in px, and scrolls where there is less room.
 
 Values are arrays, in which null is a gap; an x of even steps may be {start, step}. Every series has `kind`, `role` (its
 colour: measured, modelled, error, before, after, noise, forwards, backwards, one ... seven), and `name` for the legend.
   line       x, y; dashed, marker, faint: true; texts beside its points
   envelope   x, low, high: the smallest and the largest value of stretches of samples
   band       low, high: numbers, or arrays with x
-  bins       x, mean, spread, low, high: means with markers, ± spread as a band, whiskers to the extreme values
+  bins       x, mean, spread, low, high: means with markers, ± spread as a band, whiskers to the extreme values, clear: true for whiskers that count,
+             apart: true for means that are not joined
   points     x, y
   stems      x, y
   histogram  edges, y; curve beside it: a line
   bars       y: vertical bars over a band of categories; several series stand side by side
   hbars      x: horizontal bars over a band of categories on y; thin: true for a mark inside
   intervals  y: numbers of categories, x, low, high: points with whiskers over a band on y; shift
+  cells      x, y: numbers of categories, share: 0 to 1, texts: a matrix over two bands
   rule       at, axis: "x" | "y"; a straight line across
 */
 const Charts = (() => {
   const SPACE = "http://www.w3.org/2000/svg";
   const CHARACTER = 6.7; // px, of a digit in a tick label
-  const LINE = 17; // px between lines of text
+  const MARGIN = 22; // px right of a plot that a text may reach into
   let number = 0;
 
   function node(name, attributes, parent, text) {
@@ -124,7 +127,7 @@ const Charts = (() => {
     if (axis.scale === "band") {
       const count = Math.max(axis.categories.length, 1);
       const width = (to - from) / count;
-      return {band: true, width, at: (i) => from + (i + 0.5) * width, ticks: axis.categories.map((_, i) => i), text: (i) => axis.categories[i]};
+      return {band: true, turned: axis.turned, width, at: (i) => from + (i + 0.5) * width, ticks: axis.categories.map((_, i) => i), text: (i) => axis.categories[i]};
     }
     const range = extent(axis, series, which);
     let [low, high] = axis.domain || range;
@@ -206,9 +209,10 @@ const Charts = (() => {
       (one.texts || []).forEach((text, i) => {
         if (!text || !known(one.y[i])) return;
         const at = xs.at(valueAt(one.x, i));
-        const back = at + 9 + text.length * CHARACTER > box.right;
-        const place = {x: (back ? at + 6 : at + 9).toFixed(1), y: (ys.at(one.y[i]) - (back ? 10 : 8)).toFixed(1)};
-        node("text", {...place, class: "label", "text-anchor": back ? "end" : "start"}, plot, text);
+        // a falling line lies left of its points: texts stand right of them, if need be in the margin
+        const most = box.right + MARGIN - text.length * CHARACTER;
+        const place = {x: Math.min(at + 9, Math.max(at - 4, most)).toFixed(1), y: (ys.at(one.y[i]) - 8).toFixed(1)};
+        node("text", {...place, class: "label"}, box.above, text);
       });
     },
     envelope(one, xs, ys, plot) {
@@ -222,10 +226,10 @@ const Charts = (() => {
       const between = (sign) => one.mean.map((m, i) => (known(m) ? m + sign * one.spread[i] : null));
       if (one.low) {
         const whiskers = one.low.map((low, i) => (known(low) ? `M${xs.at(one.x[i]).toFixed(1)} ${ys.at(low).toFixed(1)}V${ys.at(one.high[i]).toFixed(1)}` : ""));
-        node("path", {d: whiskers.join(""), class: `line thin ${one.role}`}, plot);
+        node("path", {d: whiskers.join(""), class: `line ${one.clear ? "" : "thin "}${one.role}`}, plot);
       }
       node("path", {d: area(one.x, between(-1), between(1), xs, ys), class: `band ${one.role}`}, plot);
-      node("path", {d: path(one.x, one.mean, one.mean.length, xs, ys), class: `line ${one.role}`}, plot);
+      if (!one.apart) node("path", {d: path(one.x, one.mean, one.mean.length, xs, ys), class: `line ${one.role}`}, plot);
       one.mean.forEach((m, i) => known(m) && dot(xs.at(one.x[i]), ys.at(m), one.role, plot));
     },
     points(one, xs, ys, plot) {
@@ -264,6 +268,15 @@ const Charts = (() => {
           node("path", {d: `M${a.toFixed(1)} ${y}H${b.toFixed(1)}${ends}`, class: `line ${one.role}`}, plot);
         }
         dot(xs.at(x), y, one.role, plot, 4);
+      });
+    },
+    cells(one, xs, ys, plot) {
+      one.share.forEach((share, i) => {
+        const [x, y] = [xs.at(one.x[i]), ys.at(one.y[i])];
+        const [w, h] = [xs.width / 2 - 1, Math.abs(ys.width) / 2 - 1];
+        const cell = rectangle(x - w, x + w, y - h, y + h, `fill ${one.role}`, plot);
+        cell.setAttribute("fill-opacity", (0.06 + 0.49 * share).toFixed(2)); // a number is read on every shade
+        node("text", {x: x.toFixed(1), y: (y + 4).toFixed(1), class: "label", "text-anchor": "middle"}, plot, one.texts[i]);
       });
     },
     rule(one, xs, ys, plot, box) {
@@ -314,6 +327,11 @@ const Charts = (() => {
     for (const tick of scale.ticks) {
       const at = scale.at(tick);
       const whole = scale.text(tick);
+      if (scale.band && scale.turned) {
+        const place = `translate(${(at + 4).toFixed(1)} ${bottom + 8}) rotate(-90)`;
+        node("text", {transform: place, class: "tick", "text-anchor": "end"}, svg, whole);
+        continue;
+      }
       if (scale.band) {
         const mark = node("text", {y: bottom + 15, class: "tick", "text-anchor": "middle"}, svg);
         wrapped(whole, scale.width - 8).forEach((text, i) => node("tspan", {x: at.toFixed(1), dy: i ? 14 : 0}, mark, text));
@@ -344,7 +362,9 @@ const Charts = (() => {
     chart.element.replaceChildren();
     legendOf(figure, chart.element);
     const total = figure.height || 240;
-    const holder = block("div", "plot", chart.element);
+    const wider = width > chart.width + 1;
+    const holder = block("div", wider ? "plot wider" : "plot", chart.element);
+    if (wider) holder.tabIndex = 0; // so that keys can scroll it
     const svg = node("svg", {viewBox: `0 0 ${width} ${total}`, width, height: total, role: "img", "aria-label": figure.label || ""}, holder);
     const count = figure.panels.length;
     const weights = figure.panels.map((panel) => panel.weight || 1);
@@ -352,7 +372,9 @@ const Charts = (() => {
     const head = 20;
     const bands = figure.x.scale === "band" ? figure.x.categories : [];
     const lines = Math.max(1, ...bands.map((text) => wrapped(text, (width - 60) / bands.length - 8).length));
-    const foot = (figure.x.label ? 38 : 22) + 14 * (lines - 1);
+    const under = figure.x.turned ? Math.max(...bands.map((text) => text.length)) * CHARACTER : 14 * (lines - 1);
+    const words = figure.x.label ? wrapped(figure.x.label, width - 8) : [];
+    const foot = 22 + under + (words.length ? 16 + 14 * (words.length - 1) : 0);
     const room = total - foot - head * count;
     const all = figure.panels.flatMap((panel) => panel.series);
     let top = 0;
@@ -380,14 +402,19 @@ const Charts = (() => {
       if (panel.y.label) node("text", {x: Math.max(0, Math.min(left - 34, 6)), y: box.top - 7, class: "label"}, group, panel.y.label);
       const clip = `clip-${(number += 1)}`;
       const shape = node("clipPath", {id: clip}, svg);
-      rectangle(left - 1, right + 1, box.top - 1, box.bottom + 1, "", shape);
+      rectangle(left - 4, right + 4, box.top - 1, box.bottom + 1, "", shape); // dots at the ends stay whole
       const plot = node("g", {"clip-path": `url(#${clip})`}, svg);
+      box.above = node("g", {}, svg); // texts are not cut
       const bars = panel.series.filter((one) => one.kind === "bars");
       for (const one of panel.series) DRAW[one.kind](one, xs, scales[i], plot, box, {index: bars.indexOf(one), count: bars.length});
       const axis = scales[i].band || !(scales[i].low < 0 && scales[i].high > 0) ? box.bottom : scales[i].at(0);
       node("path", {d: `M${left} ${axis.toFixed(1)}H${right}`, class: "axis"}, svg);
     });
-    if (figure.x.label) node("text", {x: (left + right) / 2, y: bottom + LINE + 15, class: "label", "text-anchor": "middle"}, svg, figure.x.label);
+    words.forEach((text, i) => {
+      const half = (text.length * CHARACTER) / 2;
+      const place = {x: Math.max(half, Math.min((left + right) / 2, width - half)), y: total - 6 - 14 * (words.length - 1 - i)};
+      node("text", {...place, class: "label", "text-anchor": "middle"}, svg, text);
+    });
     if (!xs.band) watch(chart, svg, holder, {xs, left, right, top: boxes[0].top, bottom, width});
   }
 
@@ -435,7 +462,7 @@ const Charts = (() => {
       const room = width || element.clientWidth;
       if (room < 40) return;
       chart.width = room;
-      draw(chart, Math.round(room));
+      draw(chart, Math.round(width ? room : Math.max(room, chart.figure.least || 0)));
     };
     chart.update = (changes) => {
       chart.figure = {...chart.figure, ...changes};

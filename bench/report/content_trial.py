@@ -1,0 +1,351 @@
+"""The page of a blind trial: what was reached, what was named for what, misses by size, intervals, errors left."""
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.diagnose.summary import and_list
+from bench.errors import BenchError
+from bench.report.content_run import versions_of
+from bench.report.content_sweep import footer, generator
+from bench.report.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
+from bench.report.parts import Cell, Column, Commands, Items, Page, Part, Section, Table, Tile, row
+from bench.report.words import effect_name, plural, typeset
+from bench.sweep.journal import Row
+from bench.sweep.table import column_names, read_table
+from bench.trial.cases import DATASETS_A_SEED, KINDS
+from bench.trial.markdown import COUNTED, percent, size_text, target_cells
+from bench.trial.summary import NOTHING, SOMETHING, Share, Target, TrialSummary, summarised
+
+NEEDED = (
+    "status",
+    "reason",
+    "kind",
+    "hidden",
+    "missing",
+    "absorbed",
+    "least_own_error_over_floor",
+    "intervals",
+)
+SUFFIX = ".parquet"
+FEW = 20  # cases, below which a share says little
+MOST_REASONS = 20
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """The table of a trial, read."""
+
+    table: Path
+    robot: str
+    rows: tuple[Row, ...]
+    summary: TrialSummary
+
+
+def trial_table(source: Path) -> Path | None:
+    """The table of a trial, from its folder or its own path; None where this is none.
+
+    Raises BenchError for a folder that holds the trials of several robots.
+    """
+    found = sorted(source.glob(f"*{SUFFIX}")) if source.is_dir() else [source]
+    tables = [path for path in found if path.suffix == SUFFIX and path.is_file() and _is_trial(path)]
+    if len(tables) > 1:
+        names = ", ".join(str(path) for path in tables)
+        raise BenchError(f"{source}: holds trials of {len(tables)} robots: name one of {names}")
+    return tables[0] if tables else None
+
+
+def read_trial(table: Path) -> TrialResult:
+    """Read the table of a trial. Raises BenchError for one without a case."""
+    columns = read_table(table)
+    count = len(columns["status"])
+    if not count:
+        raise BenchError(f"{table}: holds no case")
+    rows = tuple({name: values[i] for name, values in columns.items()} for i in range(count))
+    return TrialResult(table, table.stem, rows, summarised(table.stem, rows))
+
+
+def trial_page(found: TrialResult, again: Sequence[str]) -> Page:
+    """How far a diagnosis of this robot can be trusted. again: the commands that give this page."""
+    summary = found.summary
+    return Page(
+        title=f"How far a diagnosis of {found.robot} can be trusted",
+        facts=(f"robot {found.robot}", plural(summary.rows, "blind dataset"), "simulated"),
+        verdict=_verdict(summary),
+        tiles=_tiles(summary),
+        sections=(
+            _targets_section(summary),
+            _confusion_section(summary),
+            _misses_section(summary),
+            _coverage_section(summary),
+            _errors_section(found),
+            _failures_section(summary),
+            _limits_section(found),
+            _again_section(found, again),
+        ),
+        generator=generator(),
+        footer=footer(),
+    )
+
+
+def again_line(found: TrialResult) -> str:
+    """The command that runs the trial again, as far as its folder tells."""
+    counts = Counter(row["kind"] for row in found.rows)
+    kinds = [kind for kind in KINDS if counts[kind]]
+    each = Counter((row["kind"], row["hidden"]) for row in found.rows if row["kind"] in ("one", "outside"))
+    seeds = max(
+        [*each.values(), *(-(-counts[k] // DATASETS_A_SEED) for k in kinds if k not in ("one", "outside"))]
+    )
+    words = ["bench trial", found.robot]
+    if len(kinds) < len(KINDS):
+        words += ["--kinds", ",".join(kinds)]
+    effects = _effects(found, kinds)
+    if effects:
+        words += ["--effects", ",".join(effects)]
+    return " ".join([*words, "--seeds", str(seeds), "-o", str(found.table.parent)])
+
+
+def _effects(found: TrialResult, kinds: Sequence[str]) -> list[str]:
+    """The effects that the trial drew from, as its folder keeps them; none: all."""
+    for kind in kinds:
+        path = found.table.with_suffix("") / f"{kind}.json"
+        if path.is_file():
+            try:
+                return [str(one) for one in json.loads(path.read_text(encoding="utf-8"))["effects"]]
+            except (ValueError, KeyError, TypeError) as error:
+                raise BenchError(f"{path}: damaged: {error}") from None
+    return []
+
+
+def _is_trial(path: Path) -> bool:
+    return set(NEEDED) <= set(column_names(path))
+
+
+def _verdict(summary: TrialSummary) -> tuple[str, ...]:
+    """Three sentences: what is named, false alarms, and what the answers are worth."""
+    by_name = {one.name: one for one in summary.targets}
+    told = [
+        (by_name["one hidden effect: named first"], "a single hidden effect is named first in"),
+        (by_name["two hidden effects: the set exactly"], "two are found exactly in"),
+        (by_name["three: the set exactly"], "three in"),
+    ]
+    found = [f"{words} {_of(one.share)}" for one, words in told if one.share is not None and one.share.of]
+    first = f"{and_list(found)} of the cases." if found else "No effect that counts was hidden."
+    alarms = by_name["nothing hidden: any alarm"].share
+    outside = by_name["outside the catalogue: unexplained, no wrong name"].share
+    said = []
+    if alarms is not None and alarms.of:
+        said.append(f"with nothing hidden, {alarms.count} of {plural(alarms.of, 'dataset')} raised an alarm")
+    if outside is not None and outside.of:
+        said.append(
+            f"an effect that no model knows was left unexplained, without a wrong name, in {_of(outside)}"
+        )
+    second = f"{'; '.join(said)}." if said else "False alarms were not tried."
+    judged = [
+        one for one in summary.targets if one.reached is not None and (one.least, one.most) != (None, None)
+    ]
+    missed = [one for one in judged if not one.reached]
+    third = f"Of {plural(len(judged), 'figure')} with a limit, {len(judged) - len(missed)} keep it"
+    third += f"; not kept: {and_list([_plain_name(one.name) for one in missed])}." if missed else "."
+    return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
+
+
+def _of(share: Share | None) -> str:
+    assert share is not None
+    return f"{percent(share)} ({share.count} of {share.of})"
+
+
+def _plain_name(name: str) -> str:
+    return name.strip()
+
+
+def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
+    wanted = {
+        "one hidden effect: named first": "One effect: named first",
+        "two hidden effects: the set exactly": "Two: the set exactly",
+        "three: the set exactly": "Three: the set exactly",
+        "nothing hidden: any alarm": "Nothing hidden: alarms",
+    }
+    tiles = []
+    for one in summary.targets:
+        if one.name in wanted and one.share is not None and one.share.of:
+            bound = target_cells(one)[2]
+            note = f"{one.share.count} of {one.share.of}" + (f", must be {bound}" if bound else "")
+            tiles.append(Tile(wanted[one.name], typeset(percent(one.share)), typeset(note)))
+    return tuple(tiles)
+
+
+def _targets_section(summary: TrialSummary) -> Section:
+    columns = (
+        Column("figure", "words"),
+        Column("reached", "right"),
+        Column("must be", "keep"),
+        Column(""),
+        Column("cases", "right"),
+        Column("95 % interval", "keep"),
+    )
+    rows = []
+    for one in summary.targets:
+        _, reached, bound, _, cases, interval = target_cells(one)
+        kept = Cell("") if not bound or one.reached is None else _kept(one)
+        first = typeset(("– " if one.name.startswith(" ") else "") + one.name.strip().replace("`", ""))
+        texts = (typeset(cell) for cell in (reached or "–", bound))
+        rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
+    parts = (Table("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
+    lead = "A wide interval means too few cases: more seeds add to what is there."
+    return Section("reached", "What was reached", lead, parts)
+
+
+def _kept(one: Target) -> Cell:
+    return Cell("kept", "badge missing") if one.reached else Cell("not kept", "badge indistinguishable")
+
+
+def _confusion_section(summary: TrialSummary) -> Section:
+    if not summary.confusion:
+        return Section("confusion", "What was named for what", "", (Items("", "", ("No such case.",)),))
+    columns = (
+        Column("hidden", "keep"),
+        Column("cases", "right"),
+        Column("named first", "right"),
+        Column("named instead", "words"),
+        Column("openly undecided", "right"),
+    )
+    rows = []
+    for hidden, named in summary.confusion.items():
+        own = Share(named.get(hidden, 0), sum(named.values()))
+        others = ", ".join(f"{named_as(name)} {n}" for name, n in named.items() if name != hidden)
+        open_ones = str(summary.undecided.get(hidden, "") or "–")
+        rows.append(row(named_as(hidden), str(own.of), typeset(percent(own)), others or "–", open_ones))
+    aid = "openly undecided: the hidden effect was listed as an alternative of the one that was named."
+    parts: list[Part] = [confusion_figure(summary), Table("The same in words", aid, columns, tuple(rows))]
+    if summary.absorbed:
+        heads = (Column("hidden", "keep"), Column("cases", "right"), Column("nothing named beside", "right"))
+        absorbed = tuple(
+            row(effect_name(name), str(one.of), str(one.count)) for name, one in summary.absorbed.items()
+        )
+        said = "No data of this robot can show these: the model's own parameters take them up, and diagnose says so."
+        parts.append(Table("Absorbed effects", said, heads, absorbed))
+    lead = "Cases with one effect hidden, with one that no model knows, and with nothing hidden."
+    return Section("confusion", "What was named for what", lead, tuple(parts), "Named for what")
+
+
+def named_as(name: str) -> str:
+    """An effect, nothing, or an alarm without a name."""
+    return {NOTHING: "nothing", SOMETHING: "unexplained"}.get(name, effect_name(name))
+
+
+def _misses_section(summary: TrialSummary) -> Section:
+    if not any(one.first.of for one in summary.misses):
+        none: tuple[Part, ...] = (Items("", "", ("No single effect was hidden.",)),)
+        return Section("misses", "Misses by size of the effect", "", none, "Misses")
+    columns = (
+        Column("own error over noise floor", "keep"),
+        Column("cases", "right"),
+        Column("named first", "right"),
+        Column("or undecided", "right"),
+    )
+    rows = tuple(
+        row(
+            size_text(one),
+            str(one.first.of),
+            typeset(percent(one.first)) or "–",
+            typeset(percent(one.first_undecided)) or "–",
+        )
+        for one in summary.misses
+    )
+    aid = "own error: that of a model which lacks this effect alone, on recordings that were not fitted."
+    parts = (misses_figure(summary), Table("The same in numbers", aid, columns, rows))
+    lead = "A small effect may be lost in the noise; a large one must be found."
+    return Section("misses", "Misses by size of the effect", lead, parts, "Misses")
+
+
+def _coverage_section(summary: TrialSummary) -> Section:
+    if not summary.coverage:
+        none: tuple[Part, ...] = (Items("", "", ("No set was found exactly: no interval to judge.",)),)
+        return Section("coverage", "Intervals of the effects' parameters", "", none, "Intervals")
+    columns = (
+        Column("effect", "keep"),
+        Column("parameter", "keep"),
+        Column("intervals", "right"),
+        Column("hold the truth", "right"),
+        Column("median deviation over std", "right"),
+    )
+    rows = tuple(
+        row(
+            effect_name(one.effect),
+            one.parameter,
+            str(one.within.of),
+            typeset(percent(one.within)),
+            f"{one.deviation:.2f}",
+        )
+        for one in summary.coverage
+    )
+    aid = "Where the deviations are right, the median is 0.67."
+    parts = (coverage_figure(summary), Table("The same in numbers", aid, columns, rows))
+    lead = "Do the 95 % intervals hold the truth 95 % of the time? Of cases whose set was found exactly."
+    return Section("coverage", "Intervals of the effects' parameters", typeset(lead), parts, "Intervals")
+
+
+def _errors_section(found: TrialResult) -> Section:
+    figure = errors_figure(found.rows)
+    if figure is None:
+        none: tuple[Part, ...] = (Items("", "", ("No effect of the catalogue was hidden.",)),)
+        return Section("errors", "What is left of the error", "", none, "Error left")
+    lead = "Error of the current on recordings that were not fitted, before and after the found effects."
+    return Section("errors", "What is left of the error", lead, (figure,), "Error left")
+
+
+def _failures_section(summary: TrialSummary) -> Section:
+    if not summary.failed:
+        return Section("failures", "Cases that came to nothing", "", (Items("", "", ("None.",)),), "Failures")
+    ranked = sorted(summary.failed.items(), key=lambda one: -one[1])[:MOST_REASONS]
+    heads = (Column("cases", "right"), Column("reason", "words"))
+    rows = tuple(row(str(count), reason) for reason, count in ranked)
+    part = Table("Reasons", "The most frequent first. They count nowhere else.", heads, rows)
+    return Section("failures", "Cases that came to nothing", "", (part,), "Failures")
+
+
+def _limits_section(found: TrialResult) -> Section:
+    said = [
+        "Every dataset is simulated, with laws of its own for the hidden effects: a real machine may have others.",
+        COUNTED,
+    ]
+    few = [
+        one.name.strip()
+        for one in found.summary.targets
+        if one.share and 0 < one.share.of < FEW and not one.name.startswith(" ")
+    ]
+    if few:
+        said.append(f"Fewer than {FEW} cases, so the shares say little: {'; '.join(few)}.")
+    untried = [kind for kind in KINDS if not any(row["kind"] == kind for row in found.rows)]
+    if untried:
+        said.append(f"Not tried: {', '.join(untried)}.")
+    return Section("limits", "Known limits", "", (Items("", "", tuple(map(typeset, said))),))
+
+
+def _again_section(found: TrialResult, again: Sequence[str]) -> Section:
+    columns: dict[str, list[Any]] = {
+        name: [row[name] for row in found.rows]
+        for name in found.rows[0]
+        if name == "commit" or name.startswith("version.")
+    }
+    counts = Counter(row["kind"] for row in found.rows)
+    heads = (Column("kind", "keep"), Column("datasets", "right"), Column("hidden", "words"))
+    hidden = {
+        "nothing": "nothing",
+        "one": "one effect of the catalogue",
+        "two": "two effects",
+        "three": "three effects",
+        "outside": "an effect that is not in the catalogue",
+    }
+    rows = tuple(row(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind])
+    aid = "Add --scenario and --duration if they were given; more seeds add to what is there."
+    parts: tuple[Part, ...] = (
+        Table("Datasets", "Drawn from seeds; each was diagnosed without access to the truth.", heads, rows),
+        versions_of(columns),
+        Commands("Run it again", aid, tuple(again)),
+    )
+    return Section("run", "Datasets, versions, and how to run it again", "", parts, "Versions")
