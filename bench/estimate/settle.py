@@ -21,6 +21,7 @@ from bench.estimate.stack import Stack, compress, stack_observations
 
 MOST_ROUNDS = 4
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
+NEARBY = 0.02  # relative: how far around its present value a shape parameter is searched, beside all else
 SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
 
 
@@ -137,13 +138,19 @@ def _searched(
     *,
     refine: bool,
 ) -> tuple[EffectInstance, float]:
-    """One shape parameter at its best value, and minus the squares that are explained with it."""
+    """One shape parameter at its best value, and minus the squares that are explained with it.
+
+    The present value competes, so that what the effect explains never becomes less.
+    """
 
     def unexplained(value: float) -> float:
         changed = _changed(instance, {parameter.name: float(value)})
         return -partial.explained(candidate_columns(prepared, [changed]))[1]
 
     brackets = instance.effect.brackets(parameter, samples)
+    if not parameter.discrete:
+        present = instance.effect.shape_values()[parameter.name]
+        brackets = (*brackets, (present * (1.0 - NEARBY), present, present * (1.0 + NEARBY)))
     costs = [unexplained(value) for _, value, _ in brackets]
     best = int(np.argmin(costs))
     (low, found, high), cost = brackets[best], costs[best]

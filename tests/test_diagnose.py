@@ -1,0 +1,70 @@
+"""What a diagnosis finds in machines whose hidden effects are hard to tell from their neighbours."""
+
+from dataclasses import replace
+
+import pytest
+
+from bench.dataset import Dataset
+from bench.diagnose.diagnose import diagnose
+from bench.diagnose.result import Diagnosis
+from bench.effects import CATALOGUE, EffectInstance
+from bench.estimate.identify import fit
+from bench.estimate.prepare import prepare, with_effects
+from bench.estimate.settle import settled
+from bench.excite.scenario import designer
+from bench.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+NOISE_LEFT = 1.15  # times the noise floor: the largest error on recordings not fitted, with all effects found
+PERIODS = 31.54  # a turn
+
+
+def measured(*hidden: dict[str, object]) -> Dataset:
+    """Measurements of a five-bar with these hidden effects."""
+    changes = {"design": {"optimise": False, "duration": 8.0}, "hidden": list(hidden)}
+    scenario = load_scenario("five_bar", changes)
+    return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
+
+
+def left_over_floor(found: Diagnosis) -> float:
+    """Error on recordings not fitted after the last step of the ladder, over what the noise leaves."""
+    assert found.ladder[-1].validate is not None
+    return found.ladder[-1].validate / found.unexplained.noise_floor
+
+
+@pytest.fixture(scope="module")
+def cogging() -> Dataset:
+    """Strong cogging of both motors."""
+    sizes = {"left": 0.29, "right": 0.28}
+    period = 0.1992
+    return measured(
+        *(
+            {"effect": "cogging_torque", "joint": joint, "a": 0.0, "b": size, "period": period}
+            for joint, size in sizes.items()
+        )
+    )
+
+
+def test_strong_cogging_of_two_motors_needs_no_other_effect_beside_it(cogging: Dataset) -> None:
+    found = diagnose(cogging)
+    assert found.missing == ("cogging_torque",)
+    assert left_over_floor(found) < NOISE_LEFT
+    for joint in ("left", "right"):
+        periods = found.after.effect_parameters["cogging_torque"][joint]["periods"]
+        assert periods.value == pytest.approx(PERIODS, rel=1e-3)
+
+
+def test_a_neighbour_of_the_same_periods_does_not_drive_an_effect_from_its_place(cogging: Dataset) -> None:
+    """Torque ripple of the same periods takes most of the cogging up; what is left peaks elsewhere."""
+    start = prepare(cogging)
+    known = {joint: (31.55, 31.61)[joint == "right"] for joint in ("left", "right")}
+    instances = [
+        EffectInstance(replace(CATALOGUE[name], periods=periods), joint, f"{name}:{joint}")
+        for name in ("cogging_torque", "torque_ripple")
+        for joint, periods in known.items()
+    ]
+    result = fit(settled(with_effects(start, instances), True))
+    for joint in known:
+        periods = result.effect_parameters["cogging_torque"][joint]["periods"]
+        assert periods.value == pytest.approx(PERIODS, rel=1e-3)
