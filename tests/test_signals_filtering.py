@@ -6,7 +6,7 @@ from scipy import signal
 
 from bench.errors import BenchError
 from bench.signals.decimation import decimate, decimated_indices, fit_band, noise_bandwidth
-from bench.signals.filtering import low_pass, low_pass_gain
+from bench.signals.filtering import forward_backward, low_pass, low_pass_gain
 
 RATE = 1000.0
 
@@ -72,6 +72,16 @@ def test_decimate_keeps_the_last_sample(samples: int) -> None:
     assert len(kept) == -(-samples // 10)
     assert set(np.diff(kept)) == {10}
     assert len(decimate(np.zeros(samples), 10)) == len(kept)
+
+
+@pytest.mark.parametrize("samples", [25, 97, 700, 2011])
+@pytest.mark.parametrize("factor", [2, 5, 12, 40, 100, 300])
+def test_blocks_give_what_the_run_over_all_samples_gives(samples: int, factor: int) -> None:
+    x = np.random.default_rng(8).normal(size=(samples, 5)).cumsum(axis=0) + 7.0
+    sections = signal.cheby1(8, 0.05, 0.8 / factor, output="sos")
+    whole = forward_backward(sections, x, 8, "test")
+    kept = decimated_indices(samples, factor)
+    np.testing.assert_allclose(decimate(x, factor), whole[kept], rtol=0, atol=1e-10 * np.abs(whole).max())
 
 
 def test_decimate_treats_every_column_alike_and_is_linear() -> None:

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from bench.errors import BenchError
-from bench.signals.filtering import forward_backward
+from bench.signals.block_filter import kept_samples
+from bench.signals.filtering import check_length
 
 FloatArray = NDArray[np.float64]
 
@@ -40,9 +41,11 @@ def decimate(x: FloatArray, factor: int) -> FloatArray:
         BenchError: factor below 1, or N not above 24.
     """
     kept = decimated_indices(len(x), factor)
+    x = np.asarray(x, dtype=float)
     if factor == 1:
-        return np.array(x, dtype=float)
-    return forward_backward(_sections(factor), x, ORDER, f"decimation by {factor}")[kept].copy()
+        return np.array(x)
+    check_length(x, ORDER, f"decimation by {factor}")
+    return kept_samples(_sections(factor), x, ORDER, factor, int(kept[0]))
 
 
 def decimated_indices(length: int, factor: int) -> NDArray[np.intp]:

@@ -64,13 +64,18 @@ def forward_backward(sections: FloatArray, x: FloatArray, order: int, what: str)
         BenchError: the record has no more than 3 * order samples.
     """
     x = np.asarray(x, dtype=float)
-    if x.shape[0] <= 3 * order:
-        raise BenchError(f"{what}: {x.shape[0]} samples are too few, it needs more than {3 * order}")
-    start = _resting(sections.tobytes())[(..., *(None,) * (x.ndim - 1))]
+    check_length(x, order, what)
+    start = resting_states(sections.tobytes())[(..., *(None,) * (x.ndim - 1))]
     way = odd_extension(x, 3 * order)
     for _ in range(2):
         way = signal.sosfilt(sections, way, axis=0, zi=start * way[0])[0][::-1]
     return np.ascontiguousarray(way[3 * order : len(way) - 3 * order])
+
+
+def check_length(x: FloatArray, order: int, what: str) -> None:
+    """Raise BenchError where a record (N, ...) is too short for the extension of a filter of this order."""
+    if len(x) <= 3 * order:
+        raise BenchError(f"{what}: {len(x)} samples are too few, it needs more than {3 * order}")
 
 
 def odd_extension(x: FloatArray, length: int) -> FloatArray:
@@ -87,6 +92,6 @@ def _butterworth(order: int, cutoff: float) -> FloatArray:
 
 
 @lru_cache(maxsize=64)
-def _resting(sections: bytes) -> FloatArray:
+def resting_states(sections: bytes) -> FloatArray:
     """States (n_sections, 2) of second-order sections that have seen ones for ever."""
     return np.asarray(signal.sosfilt_zi(np.frombuffer(sections).reshape(-1, 6)), dtype=float)

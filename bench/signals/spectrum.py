@@ -50,7 +50,8 @@ def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     density[0] /= 2.0
     if length % 2 == 0:
         density[-1] /= 2.0
-    return np.arange(len(density)) * (rate / length), density
+    frequency = np.arange(len(density), dtype=float) * (rate / length)
+    return frequency, np.asarray(density, dtype=float)
 
 
 @lru_cache(maxsize=16)
