@@ -92,7 +92,7 @@ def _carried_on(
         own = rotation_of(q[link.q : link.q + 4])
 
     def back(vector: Vector) -> Vector:
-        fixed = turned_back(link.rotation, vector)
+        fixed = vector if link.aligned else turned_back(link.rotation, vector)
         return fixed if own is None else turned_back(own, fixed)
 
     def at(rates: Sequence[Scalar]) -> Vector:

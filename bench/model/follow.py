@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dgesv
 
 from bench.errors import BenchError
 from bench.model.geometry import Geometry
@@ -79,24 +80,33 @@ def close(follower: Follower, q: np.ndarray, enough: float = CLOSED) -> Pose | N
     Newton ends with the first correction smaller than `enough`, which is still made.
     """
     active, passive = follower.geometry.active, follower.passive
+    step = np.zeros(follower.model.nv)
     for _ in range(MOST_ITERATIONS):
         residual, jacobian = follower.linearise(q)
-        matrix, right = jacobian[:, passive], -np.column_stack((residual, jacobian[:, active]))
+        matrix = jacobian[:, passive]
+        right = np.empty((len(residual), 1 + len(active)))
+        right[:, 0], right[:, 1:] = residual, jacobian[:, active]
         if len(matrix) > len(passive):
             matrix, right = matrix.T @ matrix, matrix.T @ right
-        try:
-            solved = np.linalg.solve(matrix, right)
-        except np.linalg.LinAlgError:
-            return None
-        step = np.zeros(follower.model.nv)
-        step[passive] = solved[:, 0]
-        largest = np.abs(step).max()
+        if len(matrix):
+            *_, solved, singular = dgesv(matrix, right)
+            if singular:
+                return None
+        else:
+            solved = right
+        step[passive] = -solved[:, 0]
+        largest = _largest(step)
         if not largest < LARGEST_CORRECTION:
             return None
         q = pin.integrate(follower.model, q, step)
-        if largest < enough and np.abs(residual).max(initial=0.0) < OPEN * enough:
-            return Pose(q, solved[:, 1:])
+        if largest < enough and _largest(residual) < OPEN * enough:
+            return Pose(q, -solved[:, 1:])
     return None
+
+
+def _largest(values: np.ndarray) -> float:
+    """Largest size of any of the values, 0 without any; NaN where one is."""
+    return max(values.max(), -values.min()) if values.size else 0.0
 
 
 def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = CLOSED) -> tuple[Pose, float]:

@@ -33,12 +33,16 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True)
 class Link:
-    """What kinematics needs of a joint, as constants; `square` is K K with K x = axis cross x."""
+    """What kinematics needs of a joint, as constants; `square` is K K with K x = axis cross x.
+
+    aligned: whether the joint frame has its parent's orientation where the joint is at zero.
+    """
 
     index: int
     kind: JointKind
     parent: int
     rotation: Matrix
+    aligned: bool
     translation: Vector
     axis: Vector
     along: Matrix
@@ -69,12 +73,14 @@ class Frames:
 def link_of(index: int, joint: Joint) -> Link:
     """The constants of joint `index`."""
     x, y, z = joint.axis
+    rotation = constant_matrix(joint.placement.rotation)
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return Link(
         index=index,
         kind=joint.kind,
         parent=joint.parent,
-        rotation=constant_matrix(joint.placement.rotation),
+        rotation=rotation,
+        aligned=rotation == IDENTITY,
         translation=constant_vector(joint.placement.translation),
         axis=constant_vector(joint.axis),
         along=constant_matrix(np.outer(joint.axis, joint.axis)),
@@ -109,8 +115,11 @@ def frames_of(links: tuple[Link, ...], q: np.ndarray) -> Frames:
             frames.origin[link.index] = (q[link.q], q[link.q + 1], q[link.q + 2])
             continue
         parent = frames.rotation[link.parent]
-        base = add(frames.origin[link.parent], turned(parent, link.translation))
-        fixed = product(parent, link.rotation)
+        if parent is IDENTITY:
+            base, fixed = add(frames.origin[link.parent], link.translation), link.rotation
+        else:
+            base = add(frames.origin[link.parent], turned(parent, link.translation))
+            fixed = parent if link.aligned else product(parent, link.rotation)
         if link.kind == "ball":
             fixed = product(fixed, rotation_of(q[link.q : link.q + 4]))
         else:
@@ -127,15 +136,22 @@ def frames_of(links: tuple[Link, ...], q: np.ndarray) -> Frames:
 def turn_of(link: Link, angle: np.ndarray) -> Matrix:
     """Rotation of a hinge by an angle (N,). Rodrigues: a a' + sin K - cos K K."""
     sine, cosine = np.sin(angle), np.cos(angle)
+    along, skew, square = link.along, link.skew, link.square
+    return (
+        _turned_column(along[0], skew[0], square[0], sine, cosine),
+        _turned_column(along[1], skew[1], square[1], sine, cosine),
+        _turned_column(along[2], skew[2], square[2], sine, cosine),
+    )
 
-    def column(k: int) -> Vector:
-        x, y, z = (
-            minus_product(plus_product(a, sine, s), cosine, kk)
-            for a, s, kk in zip(link.along[k], link.skew[k], link.square[k], strict=True)
-        )
-        return x, y, z
 
-    return column(0), column(1), column(2)
+def _turned_column(
+    along: Vector, skew: Vector, square: Vector, sine: np.ndarray, cosine: np.ndarray
+) -> Vector:
+    return (
+        minus_product(plus_product(along[0], sine, skew[0]), cosine, square[0]),
+        minus_product(plus_product(along[1], sine, skew[1]), cosine, square[1]),
+        minus_product(plus_product(along[2], sine, skew[2]), cosine, square[2]),
+    )
 
 
 def rotation_of(quaternion: np.ndarray) -> Matrix:
@@ -223,11 +239,11 @@ def carried(angular: Vector, angular_acceleration: Vector, arm: Vector) -> Vecto
     """
     along, square = dot(angular, arm), dot(angular, angular)
     turning = cross(angular_acceleration, arm)
-    x, y, z = (
-        minus_product(plus_product(t, w, along), square, r)
-        for t, w, r in zip(turning, angular, arm, strict=True)
+    return (
+        minus_product(plus_product(turning[0], angular[0], along), square, arm[0]),
+        minus_product(plus_product(turning[1], angular[1], along), square, arm[1]),
+        minus_product(plus_product(turning[2], angular[2], along), square, arm[2]),
     )
-    return x, y, z
 
 
 def end_bias(rates: Rates, frames: Frames, end: End) -> Vector:

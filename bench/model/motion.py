@@ -19,7 +19,8 @@ NODE_CLOSED = 1e-6  # m or rad: the same at nodes, which are only interpolated
 TRAVEL = 0.3  # active travel between followed nodes, rad, or in units of the robot's length for a slide
 MIDDLE_TRAVEL = 0.1  # the same between the nodes of the middle level
 STRIDE = 16  # samples between the nodes of the middle level
-BLOCK = 4096  # samples worked on together: more keep Python's share small, fewer stay in the cache
+BLOCK = 5120  # most samples worked on together: more keep Python's share small, fewer stay in the cache
+FEW = 0.2  # share of samples that a further correction is made for on their own
 LARGEST_AMPLIFICATION = 200.0  # rad/rad, m/rad ...: passive speed for active speed; beyond it is singular
 LARGEST_CORRECTION = 0.05  # m or rad: between an interpolated pose and the closed one
 MOST_ITERATIONS = 6
@@ -68,10 +69,11 @@ def motion_of(
             return _solved(geometry, closures, track, _beside(geometry, near, track))
         except BenchError:
             pass  # too far: all the way from home
-    nodes = _nodes(geometry, track.position, TRAVEL, len(time))
+    travel = _travel(geometry, track.position)
+    nodes = _nodes(travel, TRAVEL, len(time))
     followed = _followed(geometry, track, nodes).T
     coarse = _solved(geometry, closures, track.at(nodes), lambda block: followed[:, block], NODE_CLOSED)
-    finer = track.at(_nodes(geometry, track.position, MIDDLE_TRAVEL, STRIDE))
+    finer = track.at(_nodes(travel, MIDDLE_TRAVEL, STRIDE))
     middle = _solved(geometry, closures, finer, _between(geometry, coarse, finer), NODE_CLOSED)
     return _solved(geometry, closures, track, _between(geometry, middle, track))
 
@@ -108,14 +110,15 @@ def _solved(
     v, a = np.empty((2, samples, geometry.nv))
     jacobian = np.zeros((samples, geometry.nv, n))
     jacobian[:, geometry.active, np.arange(n)] = 1.0
-    for start in range(0, samples, BLOCK):
-        block = slice(start, start + BLOCK)
+    left: list[np.ndarray] = []
+    for block in blocks_of(samples, BLOCK):
         time = track.time[block]
         pose = np.ascontiguousarray(guess(block))
         pose[geometry.active_configuration] = track.position[block].T
-        pose, frames, elimination, motors = _closed(
+        pose, frames, elimination, motors, still_open = _closed(
             geometry, closures, time, normalised(geometry, pose), enough
         )
+        left.append(block.start + still_open)
         amplification = [elimination.solve(right) for right in motors]
         _check(geometry, time, amplification)
         speeds = _tree_rates(closures, amplification, track.velocity[block])
@@ -128,7 +131,18 @@ def _solved(
         for j, column in enumerate(amplification):
             for index, value in column.items():
                 jacobian[block, index, j] = value
+    few = np.concatenate(left) if left else np.arange(0)
+    if len(few):
+        nearly = np.ascontiguousarray(q[few].T)
+        again = _solved(geometry, closures, track.at(few), lambda block: nearly[:, block], enough)
+        q[few], v[few], a[few], jacobian[few] = again.q, again.v, again.a, again.jacobian
     return Motion(track.time, q, v, a, jacobian)
+
+
+def blocks_of(samples: int, most: int) -> list[slice]:
+    """The samples in as few blocks of nearly the same length as can be, each of at most so many."""
+    count = -(-samples // most)
+    return [slice(samples * k // count, samples * (k + 1) // count) for k in range(count)]
 
 
 def _tree_rates(
@@ -146,11 +160,12 @@ def _tree_rates(
 
 def _closed(
     geometry: Geometry, closures: Closures, time: np.ndarray, q: np.ndarray, enough: float
-) -> tuple[np.ndarray, Frames, Elimination, list[list[Scalar]]]:
+) -> tuple[np.ndarray, Frames, Elimination, list[list[Scalar]], np.ndarray]:
     """Newton on all samples together, from poses q (nq, K) that are nearly closed.
 
     Returns the closed poses and what the last correction, smaller than `enough`, was found with: frames,
-    reduced equations, and their right sides for every motor.
+    reduced equations, and their right sides for every motor. Last come the few samples whose last correction was
+    larger, though not by much: they need another.
     """
     moved = np.zeros(q.shape[1])
     step = np.zeros((geometry.nv, q.shape[1]))
@@ -168,9 +183,12 @@ def _closed(
         if not moved.max() < LARGEST_CORRECTION:
             raise _singular(geometry, time, int(np.argmax(moved)))
         q = integrate(geometry, q, step)
-        if size.max() < enough and max(np.abs(value).max() for value in (0.0, *residual)) < OPEN * enough:
+        largest = float(size.max())
+        nearly = largest < enough or (largest < OPEN * enough and (size >= enough).mean() < FEW)
+        if nearly and max(np.abs(value).max() for value in (0.0, *residual)) < OPEN * enough:
+            still_open = np.flatnonzero(size >= enough)
             motors = [[minus(0.0, row.get(index, 0.0)) for row in rows] for index in closures.active]
-            return q, frames, elimination, motors
+            return q, frames, elimination, motors, still_open
     raise _singular(geometry, time, int(np.argmax(size)))
 
 
@@ -221,15 +239,20 @@ def robot_length(geometry: Geometry) -> float:
     return max([float(np.linalg.norm(place.translation)) for place in places] + [0.1])
 
 
-def _nodes(geometry: Geometry, active: np.ndarray, furthest: float, stride: int) -> np.ndarray:
-    """Samples, first and last included, at most `stride` apart, the active joints' travel between them at most
-    `furthest` where sampling is that fine.
-    """
+def _travel(geometry: Geometry, active: np.ndarray) -> np.ndarray:
+    """How far the active joints (N, n) have travelled at every sample, all together: (N,) rad or robot lengths."""
     slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
-    scale = np.array([1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active])
-    travel = np.append(0.0, np.cumsum(np.abs(np.diff(active * scale, axis=0)).sum(axis=1)))
+    scale = [1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active]
+    steps = np.abs(np.diff(np.ascontiguousarray(active.T), axis=1))
+    return np.append(0.0, np.cumsum(np.array(scale) @ steps))
+
+
+def _nodes(travel: np.ndarray, furthest: float, stride: int) -> np.ndarray:
+    """Samples, first and last included, at most `stride` apart, the travel between them at most `furthest` where
+    sampling is that fine.
+    """
     count = int(np.ceil(travel[-1] / furthest)) + 1
-    last = len(active) - 1
+    last = len(travel) - 1
     chosen = np.minimum(np.searchsorted(travel, np.linspace(0.0, travel[-1], count)), last)
     return np.unique(np.concatenate((np.arange(0, last, stride), chosen, [last])))
 

@@ -4,15 +4,13 @@ Standard parameters of a body, in Pinocchio's order, about its joint frame: m [k
 Ixx Ixy Iyy Ixz Iyz Izz [kg m2].
 """
 
-from itertools import pairwise
-
 import numpy as np
 
 from bench.model.body_rates import BodyRates, body_rates
 from bench.model.geometry import Anchor, Geometry
 from bench.model.kinematics import IDENTITY as AXES
 from bench.model.kinematics import ZERO, ancestors, link_of
-from bench.model.motion import Motion
+from bench.model.motion import Motion, blocks_of
 from bench.model.scalars import (
     Scalar,
     Vector,
@@ -49,10 +47,7 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
     gravity = constant_vector(geometry.gravity)
     samples, n = len(motion.time), len(geometry.active)
     rows = np.empty((n, len(chosen), samples))
-    blocks = -(-samples // BLOCK)
-    edges = [samples * k // blocks for k in range(blocks + 1)] if samples else []
-    for start, stop in pairwise(edges):
-        block = slice(start, stop)
+    for block in blocks_of(samples, BLOCK):
         q = np.ascontiguousarray(motion.q[block].T)
         v, a = _scalars(motion.v[block].T), _scalars(motion.a[block].T)
         motors = [_scalars(motion.jacobian[block, :, j].T) for j in range(n)]

@@ -68,17 +68,21 @@ def minus(a: Scalar, b: Scalar) -> Scalar:
 def plus_product(c: Scalar, a: Scalar, b: Scalar) -> Scalar:
     """c + a b, in the memory of the product where that is new."""
     product = times(a, b)
-    if isinstance(product, float) or product is a or product is b:
+    if isinstance(product, float):
         return plus(c, product)
     if isinstance(c, float) and c == 0.0:
         return product
+    if product is a or product is b:
+        return c + product
     return np.add(c, product, out=product)
 
 
 def minus_product(c: Scalar, a: Scalar, b: Scalar) -> Scalar:
     """c - a b, in the memory of the product where that is new."""
     product = times(a, b)
-    if isinstance(product, float) or product is a or product is b:
+    if isinstance(product, float):
+        return minus(c, product)
+    if product is a or product is b:
         return minus(c, product)
     if isinstance(c, float) and c == 0.0:
         return np.negative(product, out=product)
@@ -120,16 +124,23 @@ def cross(a: Vector, b: Vector) -> Vector:
 def turned(rotation: Matrix, vector: Vector) -> Vector:
     """Matrix times vector."""
     x, y, z = rotation
+    a, b, c = vector
     return (
-        dot((x[0], y[0], z[0]), vector),
-        dot((x[1], y[1], z[1]), vector),
-        dot((x[2], y[2], z[2]), vector),
+        _three(x[0], y[0], z[0], a, b, c),
+        _three(x[1], y[1], z[1], a, b, c),
+        _three(x[2], y[2], z[2], a, b, c),
     )
 
 
 def turned_back(rotation: Matrix, vector: Vector) -> Vector:
     """Transposed matrix times vector."""
-    return dot(rotation[0], vector), dot(rotation[1], vector), dot(rotation[2], vector)
+    x, y, z = rotation
+    return _three(*x, *vector), _three(*y, *vector), _three(*z, *vector)
+
+
+def _three(x: Scalar, y: Scalar, z: Scalar, a: Scalar, b: Scalar, c: Scalar) -> Scalar:
+    """x a + y b + z c."""
+    return plus_product(plus_product(times(x, a), y, b), z, c)
 
 
 def product(first: Matrix, second: Matrix) -> Matrix:
