@@ -170,6 +170,26 @@ def test_a_spoilt_reference_is_refused(with_reference):
         checked(with_reference)
 
 
+@dataclasses.dataclass(frozen=True)
+class Counted(StandIn):
+    """The stand-in, which notes the designs that it was asked for."""
+
+    designs: list = dataclasses.field(default_factory=list)
+
+    def design(self, run):
+        self.designs.append(run.design)
+        return super().design(run)
+
+
+def test_trajectories_that_several_scenarios_need_are_designed_once(options):
+    (options.scenarios / "other.toml").write_text(SWEEP.replace("seeds = 12", "seeds = 6"))
+    (options.scenarios / "robot.toml").write_text(SWEEP.replace("five_bar", "two_link"))
+    work = Counted()
+    update_reference(options, "three sweeps", Console(file=StringIO()), lambda sweep: work)
+    assert len(work.designs) == len(set(work.designs)) == 2
+    assert {path.stem for path in options.reference.glob("*.json")} == {"small", "other", "robot"}
+
+
 def test_an_unknown_scenario_is_named(with_reference):
     with pytest.raises(BenchError, match="no reference scenario 'big'"):
         checked(dataclasses.replace(with_reference, only=("big",)))

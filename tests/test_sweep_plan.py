@@ -139,6 +139,42 @@ def test_content_is_the_base_with_the_settings_of_the_run(tmp_path):
             "payloads.disc.mass",
         ),
         ('base = "five_bar"\n[scenario]\nhidden = [{effect = "gremlins"}]', "gremlins"),
+        ('base = "five_bar"\nseeds = -2', "seeds: should be how many, at least 1"),
+        ('base = "five_bar"\nseeds = "20"', "seeds: should be how many, at least 1"),
+        ('base = "five_bar"\nseeds = []', "seeds: should be how many, at least 1"),
+        ('base = "five_bar"\nseeds = 10000000000000000000000', "seeds: should be at most 1000000"),
+        ('base = "five_bar"\n[axes]\n"gains.error" = {}', "axes.gains.error: should be a list"),
+        ('base = "five_bar"\n[axes]\n"gains.error" = []', "at least one value"),
+        ('base = "five_bar"\n[axes]\n"gains.error" = {from=0,to=1,count=1000000000}', "count"),
+        ('base = "five_bar"\n[axes]\n"gains.error" = {from=0,to=1,step=1e-12}', "at most 100000 values"),
+        (
+            'base = "five_bar"\n[axes]\n"gains.error" = {draw="uniforn",from=0,to=1}',
+            "draw: 'uniforn' is not one of uniform",
+        ),
+        ('base = "five_bar"\n[axes]\n"gains.error" = [-20, 20]', "an error of 20 % is 0.2"),
+        ('base = "five_bar"\n[axes]\nessential = [true, "yes"]', "essential"),
+        (
+            'base = "five_bar"\n[axes]\n"payloads.disk.mass" = [0.1]',
+            "no recording has the payload 'disk'; used: disc",
+        ),
+        (
+            'base = "five_bar"\n[axes]\nhidden_effect = ["coulomb_friction"]\nhidden_share = [10]',
+            "hidden_share: should be a number from 0 to 1",
+        ),
+        (
+            'base = "five_bar"\n[scenario]\nhidden_joint = "middle"\nhidden_effect = "backlash"\nhidden_share = 0.1',
+            "no actuated joint 'middle'",
+        ),
+        (
+            'base = "five_bar"\nshow = ["gain_error.lefft"]',
+            "should be gain_error.JOINT, with one of left, right",
+        ),
+        ('base = "five_bar"\nshow = ["gain_std"]', "should be gain_std.JOINT"),
+        ('base = "five_bar"\nshow = ["error"]', "should be error.identify or error.validate"),
+        ('base = "five_bar"\nshow = ["parameter_error"]', 'record = ["accuracy", "parameters"]'),
+        ('base = "five_bar"\nshow = ["diagnosis.missed"]', "needs `diagnose = true`"),
+        ('base = "five_bar"\n[[plots]]\nx = "seed"\ny = "gain_within.middle"', "plots: 'gain_within.middle'"),
+        ('base = "five_bar"\n[[plots]]\nx = "drive_gain.left"\ny = "gain_error"', "is not recorded"),
     ],
 )
 def test_a_mistake_is_found_before_anything_runs(tmp_path, text, told):

@@ -145,6 +145,28 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path):
     (tmp_path / "mine" / "letter.txt").write_text("")
     with pytest.raises(BenchError, match="holds no sweep"):
         run(plan_of(tmp_path, seeds=3), tmp_path / "mine")
+    with pytest.raises(BenchError, match="is no folder"):
+        run(plan_of(tmp_path, seeds=3), tmp_path / "mine" / "letter.txt")
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["letter.txt"]
+
+
+def test_a_full_disk_is_told_in_a_line_and_the_sweep_goes_on_later(tmp_path, undisturbed):
+    resource = pytest.importorskip("resource", reason="no limits for the size of files here")
+    plan = plan_of(tmp_path)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (5000, before[1]))
+    try:
+        with pytest.raises(
+            BenchError, match=r"out: (File too large|No space left).*finished runs are kept"
+        ) as told:
+            run(plan, tmp_path / "out")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert "\n" not in str(told.value)
+    assert 4000 < (tmp_path / "out" / JOURNAL).stat().st_size <= 5000
+    finished = run(plan, tmp_path / "out")
+    assert finished.kept > 20
+    assert finished.table.read_bytes() == undisturbed
 
 
 def test_an_interrupt_keeps_what_is_finished(tmp_path, undisturbed):

@@ -16,6 +16,8 @@ from bench.truth.streams import stream
 Value: TypeAlias = Any
 """What TOML holds: a number, a string, a list or a table."""
 
+MOST_VALUES = 100_000  # of one axis: more is a mistake in a unit
+DRAWS = ("uniform", "log_uniform", "normal", "choice")
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -24,7 +26,7 @@ class Range(UserTable):
 
     start: Annotated[Finite, Field(alias="from")]
     stop: Annotated[Finite, Field(alias="to")]
-    count: Annotated[int, Field(ge=2)] | None = None
+    count: Annotated[int, Field(ge=2, le=MOST_VALUES)] | None = None
     step: Annotated[Finite, Field(gt=0)] | None = None
     spacing: Literal["linear", "log"] = "linear"
 
@@ -36,6 +38,8 @@ class Range(UserTable):
             raise ValueError('with spacing = "log" should have a count, and both ends above 0')
         if self.step is not None and self.stop < self.start:
             raise ValueError("should not end before it begins")
+        if self.step is not None and (self.stop - self.start) / self.step > MOST_VALUES:
+            raise ValueError(f"should have at most {MOST_VALUES} values")
         return self
 
     def values(self) -> tuple[Value, ...]:
@@ -161,7 +165,7 @@ def _leaves(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
     found = []
     for key, value in table.items():
         name = f"{prefix}{key}"
-        if isinstance(value, Mapping) and not any(word in value for word in KEYS):
+        if isinstance(value, Mapping) and value and not any(word in value for word in KEYS):
             found += _leaves(value, f"{name}.")
         else:
             found.append((name, value))
@@ -171,9 +175,11 @@ def _leaves(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
 def _axis(name: str, value: Any) -> Axis:
     if isinstance(value, list):
         return _grid(name, value)
-    if not isinstance(value, Mapping):
-        raise ValueError(f"should be a list, a range, cases or a draw, got {value!r}")  # noqa: TRY004 - a user's value
+    if not isinstance(value, Mapping) or not value:
+        raise ValueError(f"should be a list, a range, cases or a draw, got {value!r}")
     if "draw" in value:
+        if value["draw"] not in DRAWS:
+            raise ValueError(f"draw: {value['draw']!r} is not one of {', '.join(DRAWS)}")
         return DrawnAxis(name, DRAW.validate_python(value))
     if "cases" in value:
         cases = Cases.model_validate(value).cases

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +15,10 @@ from rich.table import Table
 
 from bench.errors import BenchError
 from bench.scenario import scenario_from_dict
+from bench.sweep.designs import keep_design
 from bench.sweep.drive import Work
 from bench.sweep.plan import Plan
-from bench.sweep.pool import LocalPool, Pool
+from bench.sweep.pool import Lent, LocalPool, Pool, Task
 from bench.sweep.preflight import check_plan
 from bench.sweep.print_summary import number
 from bench.sweep.progress import duration_text
@@ -57,8 +58,7 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
     start = time.monotonic()
     comparisons: list[Comparison] = []
     alarms = []
-    for name, (sweep, plan) in _chosen(options).items():
-        lines = _run(plan, options, make_work(sweep))
+    for name, sweep, plan, lines in _measured(options, make_work):
         reference = load_reference(options.reference / f"{name}.json")
         if reference is None:
             alarms.append(f"{name}: has no reference yet; if all is well: bench check --update --reason ...")
@@ -89,8 +89,7 @@ def update_reference(
     """Run all seeds and keep what they give as the reference, with the reason."""
     if not reason.strip():
         raise BenchError("check --update: say why the reference changes, with --reason")
-    for name, (sweep, plan) in _chosen(options).items():
-        lines = _run(plan, options, make_work(sweep))
+    for name, sweep, plan, lines in _measured(options, make_work):
         path = options.reference / f"{name}.json"
         save_reference(path, new_reference(sweep, lines, reason.strip()))
         console.print(f"Reference: {path} ({plan.size} runs)", highlight=False, soft_wrap=True)
@@ -115,16 +114,46 @@ def _chosen(options: CheckOptions) -> dict[str, tuple[Sweep, Plan]]:
     return chosen
 
 
-def _run(plan: Plan, options: CheckOptions, work: Work) -> dict[str, Line]:
-    """Lines of a sweep that is run in a folder of its own, for this once."""
-    workers = options.workers or len(os.sched_getaffinity(0))
+def _measured(
+    options: CheckOptions, make_work: Callable[[Sweep], Work]
+) -> Iterator[tuple[str, Sweep, Plan, dict[str, Line]]]:
+    """Name, sweep, runs and what they gave, one sweep after the other.
 
-    def make_pool() -> Pool:
-        return LocalPool(workers)
+    All have the same workers, and trajectories that several of them need are designed once.
+    """
+    chosen = _chosen(options)
+    works = {name: make_work(sweep) for name, (sweep, _) in chosen.items()}
+    pool = LocalPool(options.workers or len(os.sched_getaffinity(0)))
+    try:
+        with tempfile.TemporaryDirectory(prefix="bench-check-") as folder:
+            designs = Path(folder) / "designs"
+            _design([(works[name], plan) for name, (_, plan) in chosen.items()], pool, designs)
+            for name, (sweep, plan) in chosen.items():
+                lent, quiet = lambda: Lent(pool), lambda _: None
+                target = Path(folder) / name
+                finished = run_sweep(plan, target, lent, works[name], quiet, designs=designs)
+                lines = measured_lines(plan, finished.table, list(tolerances_of(sweep)))
+                yield name, sweep, plan, lines
+    finally:
+        pool.close()
 
-    with tempfile.TemporaryDirectory(prefix="bench-check-") as folder:
-        finished = run_sweep(plan, Path(folder), make_pool, work, lambda _: None)
-        return measured_lines(plan, finished.table, list(tolerances_of(plan.sweep)))
+
+def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:
+    """Design all trajectories at the same time; one that fails is left to its sweep, which says why."""
+    wanted: dict[str, Task] = {}
+    for work, plan in plans:
+        for run in map(plan.run, range(plan.size)):
+            if run.design not in wanted:
+                wanted[run.design] = work.design(run)
+    names = list(wanted)
+    for key, name in enumerate(names):
+        pool.submit(key, wanted[name])
+    left = len(names)
+    while left:
+        for outcome in pool.outcomes():
+            left -= 1
+            if outcome.fault is None:
+                keep_design(folder, names[outcome.key], outcome.value)
 
 
 def _print(console: Console, comparisons: list[Comparison], *, verbose: bool) -> None:

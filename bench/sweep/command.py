@@ -7,7 +7,9 @@ import time
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 
+from bench.sweep.console import table_console
 from bench.sweep.extent import Extent, extent
 from bench.sweep.plan import Plan, make_plan
 from bench.sweep.pool import LocalPool, Pool, start_server
@@ -15,7 +17,7 @@ from bench.sweep.preflight import check_plan
 from bench.sweep.print_summary import print_summary
 from bench.sweep.progress import duration_text, shown_progress
 from bench.sweep.results import SUMMARY, write_plots, write_summary
-from bench.sweep.run_sweep import Finished, run_sweep
+from bench.sweep.run_sweep import Finished, run_sweep, written
 from bench.sweep.sweep_file import load_sweep
 from bench.sweep.table import read_table
 from bench.sweep.work import FAILED, IdentificationWork
@@ -33,14 +35,15 @@ def run_command(
     dry_run: bool = False,
 ) -> int:
     """Run a sweep and write table, summary and figures into `folder`; returns the exit code."""
-    console = Console()
+    console = table_console()
     count = workers or len(os.sched_getaffinity(0))
     if not dry_run and scheduler is None:
         start_server()
     plan = make_plan(load_sweep(sweep_file))
     check_plan(plan)
-    console.print(f"[bold]{plan.sweep.name}[/]  {plan.sweep.table.description}", highlight=False)
-    console.print(_extent_text(plan, extent(plan), count, scheduler), highlight=False)
+    name, description = escape(plan.sweep.name), escape(plan.sweep.table.description)
+    console.print(f"[bold]{name}[/]  {description}", highlight=False)
+    console.print(_extent_text(plan, extent(plan), count, scheduler), highlight=False, markup=False)
     if dry_run or folder is None:
         return 0
 
@@ -59,13 +62,14 @@ def run_command(
         except KeyboardInterrupt:
             console.print("Stopped. Finished runs are kept: the same command goes on with the others.")
             raise
-    return _show(console, plan, finished, time.monotonic() - start)
+    with written(folder):
+        return _show(console, plan, finished, time.monotonic() - start)
 
 
 def _extent_text(plan: Plan, work: Extent, workers: int, scheduler: str | None) -> str:
     axes = [f"{len(axis.points)} × {axis.name}" for axis in plan.sweep.grid]
     drawn = [name for name in plan.axis_names if name not in {axis.name for axis in plan.sweep.grid}]
-    counts = ", ".join([*axes, f"{len(plan.sweep.seeds)} seeds", *(f"{name} drawn" for name in drawn)])
+    counts = ", ".join([*axes, _counted(len(plan.sweep.seeds), "seed"), *(f"{name} drawn" for name in drawn)])
     text = f"{_counted(work.runs, 'run')} ({counts}), {_counted(work.motions, 'simulation')}"
     if work.designs:
         text += f", {_counted(work.designs, 'design')} of trajectories"
@@ -107,6 +111,6 @@ def _show_failures(console: Console, finished: Finished) -> None:
             reasons.setdefault(reason, []).append(run)
     for reason, runs in sorted(reasons.items(), key=lambda item: -len(item[1]))[:MOST_REASONS]:
         which = f"run {runs[0]}" if len(runs) == 1 else f"{len(runs)} runs, first {runs[0]}"
-        console.print(f"[red]failed[/] ({which}): {reason}", highlight=False, soft_wrap=True)
+        console.print(f"[red]failed[/] ({which}): {escape(reason)}", highlight=False, soft_wrap=True)
     if len(reasons) > MOST_REASONS:
         console.print(f"… and for {len(reasons) - MOST_REASONS} other reasons: see the column `reason`")

@@ -7,8 +7,10 @@ import os
 import time
 from array import array
 from collections.abc import Iterator, Sequence
+from errno import ENOSPC
+from io import FileIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from bench.errors import BenchError
 
@@ -30,7 +32,7 @@ class Journal:
         self.count = 0
         self.failed: set[int] = set()
         end = self._read_back()
-        self._file: BinaryIO = path.open("ab")
+        self._file: FileIO = path.open("ab", buffering=0)  # nothing waits for a later moment to be written
         self._file.truncate(end)
         self._end = end
         self._synced = time.monotonic()
@@ -39,20 +41,19 @@ class Journal:
         return self._starts[number] >= 0
 
     def append(self, rows: Sequence[Row]) -> None:
-        """Keep rows: once this returns, a kill does not lose them."""
+        """Keep rows: once this returns, a kill does not lose them. Raises OSError if the disk is full."""
         for row in rows:
             line = json.dumps(row, separators=(",", ":")).encode() + b"\n"
-            self._file.write(line)
+            if self._file.write(line) < len(line):
+                raise OSError(ENOSPC, os.strerror(ENOSPC))
             self._note(row, self._end)
             self._end += len(line)
-        self._file.flush()
         if time.monotonic() - self._synced > TO_DISK_EVERY:
             os.fsync(self._file.fileno())
             self._synced = time.monotonic()
 
     def rows(self) -> Iterator[Row]:
         """Rows by number, read one after the other."""
-        self._file.flush()
         with self.path.open("rb") as file:
             for start in self._starts:
                 if start >= 0:
@@ -61,7 +62,6 @@ class Journal:
 
     def close(self) -> None:
         """Bring everything to disk."""
-        self._file.flush()
         os.fsync(self._file.fileno())
         self._file.close()
 

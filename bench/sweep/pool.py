@@ -79,6 +79,29 @@ class _Job:
     attempts: int = 0
 
 
+@dataclass(frozen=True)
+class Lent:
+    """A pool that goes on for others when one of its users closes it."""
+
+    pool: Pool
+
+    @property
+    def slots(self) -> int:
+        """Those of the pool."""
+        return self.pool.slots
+
+    def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
+        """Queue a task."""
+        self.pool.submit(key, task, shared)
+
+    def outcomes(self) -> list[Outcome]:
+        """Outcomes of the pool."""
+        return self.pool.outcomes()
+
+    def close(self) -> None:
+        """Leave the pool as it is."""
+
+
 class LocalPool:
     """Worker processes on this machine; one that dies is replaced, and its task tried again."""
 

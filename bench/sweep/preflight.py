@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,13 +14,13 @@ from bench.estimate.estimators import ESTIMATORS
 from bench.model.model import build_model
 from bench.robot import Robot, load_robot
 from bench.scenario import Scenario, scenario_from_dict
-from bench.sweep.axes import DrawnAxis
+from bench.sweep.asked import check_asked
+from bench.sweep.axes import DrawnAxis, GridAxis
 from bench.sweep.hidden_share import without_share
-from bench.sweep.measure import METRICS
 from bench.sweep.plan import Plan, Run, digest
 from bench.sweep.sweep_file import IdentifyTable
 from bench.toml_input import first_mistake
-from bench.truth.machine import build_machine
+from bench.truth.machine import build_machine, true_gains
 
 MOST_CHECKED = 3000
 MOST_BUILT = 8
@@ -30,6 +30,8 @@ MOST_BUILT = 8
 class _Seen:
     robots: dict[str, Robot] = field(default_factory=dict)
     effects: set[str] = field(default_factory=set)
+    payloads: set[str] = field(default_factory=set)
+    """On the tool in some recording."""
 
 
 def check_plan(plan: Plan) -> None:
@@ -37,16 +39,6 @@ def check_plan(plan: Plan) -> None:
 
     Raises BenchError, one line that names the run and what is wrong with it.
     """
-    table, path = plan.sweep.table, plan.sweep.path
-    for metric in (*table.show, *(plot.y for plot in table.plots)):
-        if metric.split(".")[0] not in METRICS:
-            raise BenchError(f"{path}: no metric {metric!r}; there are {', '.join(METRICS)}")
-    for plot in table.plots:
-        for axis in (plot.x, *([plot.lines] if plot.lines else [])):
-            if axis not in (*plan.axis_names, "seed") and axis.split(".")[0] not in METRICS:
-                raise BenchError(
-                    f"{path}: plots: {axis!r} is no axis; there are {', '.join(plan.axis_names)}"
-                )
     seen = _Seen()
     scenarios: dict[str, tuple[Run, Scenario]] = {}
     for number in _representative(plan):
@@ -58,6 +50,8 @@ def check_plan(plan: Plan) -> None:
         scenarios.setdefault(
             digest([run.content.get(key) for key in ("robot", "hidden", "payloads")]), (run, scenario)
         )
+    check_asked(plan, {joint for robot in seen.robots.values() for joint in robot.joints})
+    _check_payloads(plan, seen.payloads)
     found = list(scenarios.values())
     for i in _spread(len(found), MOST_BUILT):
         run, scenario = found[i]
@@ -73,6 +67,8 @@ def _checked(run: Run, seen: _Seen) -> Scenario:
         seen.robots[name] = load_robot(name)
     content = without_share(run.content)
     scenario = scenario_from_dict(content, run.base, run.base, seen.robots.get(str(name)))
+    seen.payloads.update(one.payload for one in scenario.settings.recordings if one.payload is not None)
+    _check_joints(run, scenario)
     try:
         identify = IdentifyTable.model_validate(run.identify)
     except ValidationError as error:
@@ -86,6 +82,30 @@ def _checked(run: Run, seen: _Seen) -> Scenario:
             select_effects(identify.effects, places)
         seen.effects.add(key)
     return scenario
+
+
+def _check_joints(run: Run, scenario: Scenario) -> None:
+    """Joints that are named exist, and gains keep their sign: an error of 20 % is 0.2."""
+    robot, joint = scenario.robot, run.content.get("hidden_joint")
+    if joint is not None and joint not in robot.joints:
+        raise BenchError(f"hidden_joint: no actuated joint {joint!r}; there are {', '.join(robot.joints)}")
+    for name, true, nominal in zip(robot.joints, true_gains(scenario), robot.nominal_gains, strict=True):
+        if true * nominal <= 0:
+            raise BenchError(
+                f"gains: {name} would have {true:g}, nominal {nominal:g}: an error of 20 % is 0.2"
+            )
+
+
+def _check_payloads(plan: Plan, used: Collection[str]) -> None:
+    """A payload that an axis varies is on the tool in some recording."""
+    for axis in plan.sweep.axes:
+        for path in axis.paths if isinstance(axis, GridAxis) else (axis.name,):
+            head, *rest = path.split(".")
+            if head == "payloads" and rest and rest[0] not in used:
+                known = ", ".join(sorted(used)) or "none"
+                raise BenchError(
+                    f"{plan.sweep.path}: axes.{axis.name}: no recording has the payload {rest[0]!r}; used: {known}"
+                )
 
 
 def _representative(plan: Plan) -> Iterator[int]:

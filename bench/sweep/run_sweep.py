@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -38,12 +39,36 @@ def run_sweep(
     report: Report,
     *,
     retry_failed: bool = False,
+    designs: Path | None = None,
 ) -> Finished:
-    """Run what is not there yet and write the table.
+    """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's own by default.
 
     Started again on the same folder after whatever end it goes on, and the table is the same to the last bit.
-    Raises BenchError if the folder belongs to another sweep.
+    Raises BenchError if the folder belongs to another sweep, or cannot be written.
     """
+    with written(folder):
+        return _run(plan, folder, make_pool, work, report, retry_failed, designs or folder / DESIGNS)
+
+
+@contextmanager
+def written(folder: Path) -> Iterator[None]:
+    """What goes wrong with writing into the folder of a sweep, a full disk or no permission, is told in a line."""
+    try:
+        yield
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise BenchError(f"{folder}: {why}; finished runs are kept, the same command goes on") from error
+
+
+def _run(
+    plan: Plan,
+    folder: Path,
+    make_pool: Callable[[], Pool],
+    work: Work,
+    report: Report,
+    retry_failed: bool,
+    designs: Path,
+) -> Finished:
     _claim(plan, folder)
     journal = Journal(folder / JOURNAL, plan.size)
     try:
@@ -52,7 +77,7 @@ def run_sweep(
         if journal.count < plan.size or (retry_failed and journal.failed):
             pool = make_pool()
             try:
-                Driver(plan, journal, pool, work, folder / DESIGNS, retry_failed=retry_failed).run(report)
+                Driver(plan, journal, pool, work, designs, retry_failed=retry_failed).run(report)
             finally:
                 pool.close()
         metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}
@@ -77,6 +102,8 @@ def _claim(plan: Plan, folder: Path) -> None:
                 f"{folder}: holds another sweep, or an older version of this one: name another folder"
             )
         return
+    if folder.exists() and not folder.is_dir():
+        raise BenchError(f"{folder}: is no folder: name another one")
     if folder.exists() and any(folder.iterdir()):
         raise BenchError(f"{folder}: is there already and holds no sweep: name another folder")
     write_text_atomically(folder / FILE, plan.sweep.path.read_text(encoding="utf-8"))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import StrictBool, field_validator
 
 from bench.catalogue import catalogue_folder
 from bench.errors import BenchError
@@ -25,9 +25,9 @@ class IdentifyTable(UserTable):
     method: str = DEFAULT_METHOD
     effects: tuple[str, ...] = ()
     deviations: Literal["autocorrelated", "independent"] = "autocorrelated"
-    essential: bool = False
-    fit_gains: bool | None = None
-    diagnose: bool = False
+    essential: StrictBool = False
+    fit_gains: StrictBool | None = None
+    diagnose: StrictBool = False
     """Whether to look for missing effects as well."""
 
 
@@ -49,9 +49,7 @@ class SweepTable(UserTable):
     description: str = ""
     base: str
     """The scenario that all runs start from: a built-in name, or a path relative to this file."""
-    seeds: (
-        Annotated[int, Field(ge=1)] | Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(min_length=1)]
-    ) = 1
+    seeds: int | tuple[int, ...] = 1
     """How many (1, 2, 3, …), or which."""
     design: Literal["once", "each"] = "once"
     """Exciting trajectories: designed once for the base, or anew for every payload and limit that varies."""
@@ -64,11 +62,18 @@ class SweepTable(UserTable):
     identify: IdentifyTable = IdentifyTable()
     axes: Mapping[str, Any] = {}
 
-    @model_validator(mode="after")
-    def _different_seeds(self) -> SweepTable:
-        if isinstance(self.seeds, tuple) and len(set(self.seeds)) < len(self.seeds):
+    @field_validator("seeds", mode="before")
+    @classmethod
+    def _countable(cls, seeds: Any) -> Any:
+        listed = list(seeds) if isinstance(seeds, list | tuple) else [seeds]
+        whole = all(isinstance(seed, int) and not isinstance(seed, bool) for seed in listed)
+        if not whole or not listed or min(listed) < (listed == [seeds]):
+            raise ValueError("should be how many, at least 1, or a list of whole numbers from 0")
+        if listed == [seeds] and seeds > LARGEST:
+            raise ValueError(f"should be at most {LARGEST}")
+        if len(set(listed)) < len(listed):
             raise ValueError("a seed is given twice")
-        return self
+        return seeds
 
 
 @dataclass(frozen=True)
