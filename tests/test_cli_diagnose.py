@@ -13,7 +13,7 @@ from rich.console import Console
 from bench.cli import main
 from bench.dataset import load_dataset
 from bench.diagnose.as_json import diagnosis_json
-from bench.diagnose.possible import impossible_effects, refused
+from bench.diagnose.possible import impossible_effects, refused, superfluous_effect
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
 from bench.diagnose.summary import doubts, error_share, motor_torques, reason, summary_sentences
 from bench.effects import CATALOGUE, EffectInstance
@@ -164,13 +164,24 @@ def test_a_friction_that_drives_is_refused(found):
         }
         return replace(found.after, effect_parameters={"stribeck_friction": values})
 
-    assert impossible_effects(model(-1.0, -2.0), instances) == {"stribeck_friction": "Fs"}
+    (out,) = impossible_effects(model(-1.0, -2.0), instances).items()
+    assert out[0] == "stribeck_friction"
+    assert "negative Fs" in out[1]
     assert impossible_effects(model(-1.0, 1.0), instances) == {}  # at one joint it may be left out
     assert impossible_effects(model(-0.2, -0.2), instances) == {}  # two deviations are nothing
-    verdict = refused(replace(VISCOUS, effect="stribeck_friction"), "Fs")
+    verdict = refused(replace(VISCOUS, effect="stribeck_friction"), out[1])
     assert verdict.verdict == "not supported"
     assert "Stribeck friction would need a negative Fs" in verdict.why
     assert refused(VISCOUS, None) is VISCOUS
+
+
+def test_an_effect_that_the_others_do_without_goes():
+    steps = [LadderStep((), 0.1, 0.1), LadderStep(("a_b",), 0.02, 0.02)]
+    assert superfluous_effect(steps) == {}
+    assert superfluous_effect([*steps, LadderStep(("a_b", "c_d"), 0.01, 0.0190)]) == {}
+    (out,) = superfluous_effect([*steps, LadderStep(("a_b", "c_d"), 0.01, 0.0199)]).items()
+    assert out[0] == "c_d"
+    assert out[1].startswith("C d is not needed")
 
 
 def test_columns_with_nothing_in_them_are_left_out(nothing):

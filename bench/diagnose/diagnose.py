@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.dataset import Dataset
 from bench.diagnose.candidates import Context, Proposal, context_of, propose, shaped
-from bench.diagnose.possible import SHOWS, impossible_effects, refused
+from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
 from bench.diagnose.search import Found, search
 from bench.diagnose.split import with_judged_parts
@@ -48,11 +48,14 @@ def diagnose(
     while True:
         model, proposals, system, found = _searched(start, catalogue, fit_gains, barred)
         model, after = _where_it_shows(start, model, fit_gains)
-        impossible = impossible_effects(after, model.effects[len(start.effects) :])
-        if not impossible:
+        added = model.effects[len(start.effects) :]
+        out = impossible_effects(after, added)
+        if not out:
+            ladder = _ladder(start, added, before, after, fit_gains)
+            out = superfluous_effect(ladder)
+        if not out:
             break
-        barred |= impossible
-    added = model.effects[len(start.effects) :]
+        barred |= out
     places: dict[str, tuple[str, ...]] = {}
     for one in added:
         at = (one.joint,) if one.joint else dataset.robot.joints
@@ -64,7 +67,6 @@ def diagnose(
     )
     ranking = tuple(refused(one, barred.get(one.effect)) for one in ranking)
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
-    ladder = _ladder(start, added, before, after, fit_gains)
     missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
     return Diagnosis(
         robot=dataset.robot.name,
@@ -83,7 +85,7 @@ def _searched(
 ) -> tuple[Prepared, list[Proposal], System, Found]:
     """Search, linearise about what was found, and search again until the same is found.
 
-    barred: effects that may not be found, since the data would give them an impossible sign.
+    barred: effects that may not be found: of an impossible sign, or superfluous.
     """
     model = start
     proposals = propose(context_of(start, fit_gains), catalogue)
