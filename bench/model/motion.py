@@ -14,13 +14,15 @@ from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
 from bench.model.scalars import Scalar, dot, minus, plus
 
-CLOSED = 1e-8  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
+CLOSED = (
+    1e-10  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
+)
 NODE_CLOSED = 1e-6  # m or rad: the same at nodes, which are only interpolated
 TRAVEL = 0.3  # active travel between followed nodes, rad, or in units of the robot's length for a slide
 MIDDLE_TRAVEL = 0.1  # the same between the nodes of the middle level
 STRIDE = 16  # samples between the nodes of the middle level
 BLOCK = 5120  # most samples worked on together: more keep Python's share small, fewer stay in the cache
-FEW = 0.2  # share of samples that a further correction is made for on their own
+FEW = 0.4  # share of samples that a further correction is made for on their own
 LARGEST_AMPLIFICATION = 200.0  # rad/rad, m/rad ...: passive speed for active speed; beyond it is singular
 LARGEST_CORRECTION = 0.05  # m or rad: between an interpolated pose and the closed one
 MOST_ITERATIONS = 6
@@ -184,8 +186,9 @@ def _closed(
             raise _singular(geometry, time, int(np.argmax(moved)))
         q = integrate(geometry, q, step)
         largest = float(size.max())
-        nearly = largest < enough or (largest < OPEN * enough and (size >= enough).mean() < FEW)
-        if nearly and max(np.abs(value).max() for value in (0.0, *residual)) < OPEN * enough:
+        nearly = largest < enough or (largest < NODE_CLOSED and (size >= enough).mean() < FEW)
+        gap = max(np.abs(value).max() for value in (0.0, *residual))
+        if nearly and gap < OPEN * max(enough, largest):
             still_open = np.flatnonzero(size >= enough)
             motors = [[minus(0.0, row.get(index, 0.0)) for row in rows] for index in closures.active]
             return q, frames, elimination, motors, still_open
