@@ -46,14 +46,10 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     if loaded:
         columns = np.concatenate((columns, model.payload_columns))
     rows = projected_regressor(model.geometry, measured.tree, columns)
-    nb = len(model.base.columns)
-    samples, n = measured.current.shape
+    samples, n, p = rows.shape
     stacked = np.concatenate(
         (
-            bridged(rows[:, :, :nb], measured.gaps).reshape(samples, -1),
-            bridged(rows[:, :, nb:] @ model.payload, measured.gaps).reshape(samples, -1)
-            if loaded
-            else np.empty((samples, 0)),
+            bridged(rows, measured.gaps).reshape(samples, -1),
             bridged(measured.current, measured.gaps),
             measured.position,
             measured.velocity,
@@ -62,18 +58,19 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         axis=1,
     )
     kept = decimate(stacked, settings.decimation)
-    sizes = np.cumsum([n * nb, 10 * n if loaded else 0, n, n, n])
-    rigid, payload, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
-    count = len(kept)
+    sizes = np.cumsum([n * p, n, n, n])
+    filtered, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
+    filtered = filtered.reshape(len(kept), n, p)
+    nb = len(model.base.columns)
     return Observation(
         name=recording.name,
         use=recording.use,
         payload_name=recording.payload,
         time=measured.time[decimated_indices(samples, settings.decimation)],
         current=current,
-        rigid=rigid.reshape(count, n, nb),
-        payload=payload.reshape(count, n, 10) if loaded else None,
-        effects=np.zeros((count, n, 0)),
+        rigid=np.ascontiguousarray(filtered[:, :, :nb]),
+        payload=filtered[:, :, nb:] @ model.payload if loaded and model.payload is not None else None,
+        effects=np.zeros((len(kept), n, 0)),
         position=position,
         velocity=velocity,
         acceleration=acceleration,

@@ -62,8 +62,7 @@ def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, f
     extension = 3 * order
     # The run forward begins at rest on the very first sample: more of that one change nothing.
     front = -(extension + first) % factor
-    way = odd_extension(x, extension).reshape(len(x) + 2 * extension, -1)
-    way = np.concatenate((np.broadcast_to(way[0], (front, way.shape[1])), way))
+    way = odd_extension(x, extension, front).reshape(front + len(x) + 2 * extension, -1)
     count, start = -(-(len(x) - first) // factor), (front + extension + first) // factor
     kept = _forward_backward(sections, way, factor)[start : start + count]
     return kept.reshape(count, *x.shape[1:])

@@ -78,11 +78,18 @@ def check_length(x: FloatArray, order: int, what: str) -> None:
         raise BenchError(f"{what}: {len(x)} samples are too few, it needs more than {3 * order}")
 
 
-def odd_extension(x: FloatArray, length: int) -> FloatArray:
-    """Return x, shape (N, ...), with so many samples more at both ends, reflected through the end points."""
-    before = 2 * x[0] - x[length:0:-1]
-    after = 2 * x[-1] - x[-2 : -length - 2 : -1]
-    return np.concatenate((before, x, after))
+def odd_extension(x: FloatArray, length: int, held: int = 0) -> FloatArray:
+    """Return x, shape (N, ...), with so many samples more at both ends, reflected through the end points.
+
+    held: how many more samples stand before all of them, equal to the first of them.
+    """
+    start = held + length
+    extended = np.empty((start + len(x) + length, *x.shape[1:]))
+    extended[start : start + len(x)] = x
+    np.subtract(2 * x[0], x[length:0:-1], out=extended[held:start])
+    np.subtract(2 * x[-1], x[-2 : -length - 2 : -1], out=extended[start + len(x) :])
+    extended[:held] = extended[held]
+    return extended
 
 
 @lru_cache(maxsize=64)
