@@ -5,6 +5,7 @@ Masses and inertias of the file are never read: they are the simulator's truth o
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import mujoco
@@ -113,18 +114,18 @@ class Geometry:
         """Size of a velocity: the degrees of freedom of the opened tree."""
         return self.joints[-1].v.stop
 
-    @property
+    @cached_property
     def passive(self) -> np.ndarray:
         """Velocity indices that the loop closures determine."""
         return np.setdiff1d(np.arange(self.nv), self.active)
 
-    @property
+    @cached_property
     def active_configuration(self) -> np.ndarray:
         """Configuration indices of the actuated joints, in actuator order."""
         by_velocity = {joint.v.start: joint.q.start for joint in self.joints}
         return np.array([by_velocity[int(index)] for index in self.active])
 
-    @property
+    @cached_property
     def active_offset(self) -> np.ndarray:
         """(n,) MuJoCo positions of the actuated joints at which the model's own are zero, rad or m."""
         by_velocity = {joint.v.start: joint.offset for joint in self.joints}
