@@ -27,15 +27,18 @@ SHARES_OF: dict[str, tuple[float, float]] = {
     "backlash": (0.002, 0.02),
     "base_tilt": (0.01, 0.15),
     "constant_offset": (0.01, 0.3),
-    "drive_flexibility": (0.002, 0.02),
+    "current_delay": (0.002, 0.02),
+    "current_loop_lag": (0.002, 0.01),
+    "drive_flexibility": (0.001, 0.008),
     "encoder_offset": (0.004, 0.08),
     "gain_saturation": (0.01, 0.1),
-    "geometric_error": (0.002, 0.02),
+    "geometric_error": (0.001, 0.01),
     "joint_spring": (0.02, 0.4),
     "platform_force": (0.02, 0.3),
 }
 """The same where a model takes most of the effect up, so that less is seen of it; or where a larger share would be
-a broken machine: play of degrees, links that are centimetres off."""
+a broken machine: play of degrees, links that are centimetres off, currents that act some 40 ms late, drives so
+soft that motor and link swing against each other within the motion's own frequencies."""
 
 SETS_FROM = 0.6
 """Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
