@@ -5,11 +5,13 @@ from itertools import pairwise
 
 import pytest
 
+from bench.effects.catalogue import CATALOGUE
 from bench.errors import BenchError
 from bench.sweep.extent import extent
 from bench.sweep.plan import make_plan
 from bench.sweep.preflight import check_plan
 from bench.sweep.sweep_file import IdentifyTable, SweepTable, built_in_sweeps, load_sweep
+from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.sweep_stand_in import plan_of
 
 
@@ -199,6 +201,15 @@ def test_built_in_sweeps_are_sound(name):
     check_plan(plan)
     assert plan.sweep.table.description
     assert plan.sweep.table.show
+
+
+def test_sweeps_of_effects_have_all_of_them():
+    def swept(name):
+        axes = {axis.name: axis for axis in load_sweep(name).axes}
+        return [point.label for point in axes["hidden_effect"].points]
+
+    assert swept("diagnosis") == sorted(CATALOGUE)
+    assert swept("hidden_effects") == sorted(HIDDEN_EFFECTS.keys() - {"acceleration_dependent_friction"})
 
 
 def test_there_are_a_dozen_sweeps():

@@ -8,6 +8,7 @@ from math import prod
 from typing import Any
 
 from bench.dataset import Dataset
+from bench.diagnose.diagnose import diagnose
 from bench.errors import BenchError
 from bench.estimate.identify import fit, prepare
 from bench.recording import Recording
@@ -20,6 +21,7 @@ from bench.truth.simulate import simulate
 
 TRIAL = 3.0  # s of movement
 PART = 0.4  # of it, for a second measurement: what takes as long however short the movement is shows
+ROUNDS = 2.0  # of a diagnosis: one for the effect that is found, one that finds no more
 DESIGN_SECONDS = 5.0  # of one design, about
 
 
@@ -103,17 +105,25 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
         whole_data = as_dataset(simulation)
         part = replace(whole_data, recordings=tuple(_beginning(one) for one in whole_data.recordings))
         _, short_time, long_time = (_identifying(data, run) for data in (part, part, whole_data))
+        diagnosing = ROUNDS * _diagnosing(whole_data, run) if run.identify["diagnose"] else 0.0
     except BenchError:  # too short a movement may be too little for this robot, and says nothing
         return None, None
     more = sum(durations) / len(durations) - TRIAL
     slope = max(0.0, long_time - short_time) / ((1 - PART) * TRIAL)
-    return simulating + more / TRIAL * simulation.seconds, long_time + slope * more
+    return simulating + more / TRIAL * simulation.seconds, long_time + slope * more + diagnosing
 
 
 def _identifying(dataset: Dataset, run: Run) -> float:
     """Seconds that an identification takes."""
     start = time.perf_counter()
     fit(prepare(dataset, run.identify["effects"]), run.identify["method"])
+    return time.perf_counter() - start
+
+
+def _diagnosing(dataset: Dataset, run: Run) -> float:
+    """Seconds that a look at every effect takes, however long the movement is."""
+    start = time.perf_counter()
+    diagnose(dataset, run.identify["effects"])
     return time.perf_counter() - start
 
 
