@@ -42,7 +42,7 @@ def check_gains_identifiable(
     stacked = np.vstack(blocks)
     norms = np.linalg.norm(stacked, axis=0)
     norms[norms == 0.0] = 1.0
-    singular, vectors = np.linalg.svd(stacked / norms)[1:]
+    singular, vectors = np.linalg.svd(np.linalg.qr(stacked / norms, mode="r"))[1:]
     open_directions = vectors[singular < DEPENDENT * singular[0]][:, -n:]
     joints = [actuator.joint for actuator in geometry.robot.actuators]
     undetermined = [
