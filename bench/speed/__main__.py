@@ -2,7 +2,7 @@
 
 import sys
 
-from bench.speed import diagnosis, main_job, regressor
+from bench.speed import diagnosis, main_job, regressor, report
 from bench.speed.figures import Figure, append_history, figures_table, last_values
 from bench.speed.sweep import sweep_figures
 from bench.sweep.console import table_console
@@ -36,7 +36,12 @@ def diagnosis_figures() -> list[Figure]:
     ]
 
 
-MEASUREMENTS = (regressor_figures, main_job_figures, diagnosis_figures, sweep_figures)
+def report_figures() -> list[Figure]:
+    """The page of a diagnosis of a robot with six motors."""
+    return [Figure("report of 60 s of six motors", report.measure(), "s", report.LIMIT)]
+
+
+MEASUREMENTS = (regressor_figures, main_job_figures, diagnosis_figures, report_figures, sweep_figures)
 
 
 def main() -> int:

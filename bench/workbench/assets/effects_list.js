@@ -9,7 +9,8 @@ const WorkbenchList = (() => {
     return found;
   }
 
-  const spoken = (name) => name.replaceAll("_", " ");
+  const spoken = (name) =>
+    name.replaceAll("_", " ").replace(/\b(coulomb|stribeck)\b/g, (person) => person[0].toUpperCase() + person.slice(1));
   const titled = (name) => spoken(name).replace(/^./, (first) => first.toUpperCase());
 
   const unitOf = (unit) => (unit === "1" ? "" : unit.replaceAll("*", "·").replace(/\^([23])/g, (_, power) => "²³"[power - 2]));

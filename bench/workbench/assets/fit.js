@@ -53,8 +53,11 @@ const WorkbenchFit = (() => {
       }
     }
 
-    /* Shapes found and columns linearised, in a few rounds, as bench/estimate/settle.py does it: the present model. */
-    function settled(terms) {
+    /*
+    Shapes found and columns linearised, in a few rounds, as bench/estimate/settle.py does it: the present model. It
+    pauses after every part of the work, so that the page can stay awake.
+    */
+    function* settled(terms) {
       const solveWith = (some, present) => {
         const system = systemOf(some, present);
         const solution = solve(system);
@@ -68,9 +71,11 @@ const WorkbenchFit = (() => {
           if (term.place.kind !== "shape" || (term.held && term.place.brackets.length < 2)) continue;
           const others = solveWith(terms.filter((other) => other !== term), present);
           Object.assign(term, chosen(bestShape(term, besides(others.system, others.solution, term.place), present)));
+          yield;
         }
         const reached = solveWith(terms, present);
         present = reached.present;
+        yield;
         about(terms, reached.solution.theta);
         const now = [...present.gains, ...terms.filter((term) => term.place.kind === "shape").map((term) => term.value)];
         const still = before && now.every((value, i) => Math.abs(value - before[i]) <= SETTLED * Math.abs(value));
@@ -84,9 +89,9 @@ const WorkbenchFit = (() => {
 
     /*
     The model with the effects of these keys. held: values by key at which a shape, or a time, is held. Errors are
-    shares of the measured current; `by` motor.
+    shares of the measured current; `by` motor. In parts: what the last one returns is the model.
     */
-    function fit(keys, held = {}) {
+    function* fitted(keys, held = {}) {
       const terms = places
         .filter((place) => keys.has(place.key))
         .map((place) => ({
@@ -96,7 +101,7 @@ const WorkbenchFit = (() => {
           held: held[place.key] !== undefined,
           fixed: held[place.key] !== undefined && place.kind === "value",
         }));
-      const system = systemOf(terms, settled(terms));
+      const system = systemOf(terms, yield* settled(terms));
       const solution = solve(system);
       const left = {fitted: errors(system.fitted, system.K, solution.d, solution.gains)};
       const judged = motors.map((one) => combined(one, one.judged, system.columns));
@@ -134,7 +139,15 @@ const WorkbenchFit = (() => {
       };
     }
 
-    return {fit, places};
+    /* The same at once. */
+    function fit(keys, held) {
+      const work = fitted(keys, held);
+      let part = work.next();
+      while (!part.done) part = work.next();
+      return part.value;
+    }
+
+    return {fit, fitted, places};
   }
 
   return {create};

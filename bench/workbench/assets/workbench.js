@@ -124,6 +124,13 @@
       return known.get(name);
     }
 
+    /* The same in parts, with a pause after each. */
+    function* fitSlowly(ticks, held = state.held) {
+      const name = nameOf(ticks, held);
+      if (!known.has(name)) known.set(name, yield* equations.fitted(ticks, heldOf(ticks, held)));
+      return known.get(name);
+    }
+
     function switched(name) {
       const ticks = new Set(state.ticks);
       const own = ownOf(name).map((place) => place.key);
@@ -308,7 +315,7 @@
 
     /* Steps of the ladder, and the error behind every tick, solved in slices so that the page stays awake. */
     function* later() {
-      const nothing = fitOf(new Set(), {});
+      const nothing = yield* fitSlowly(new Set(), {});
       yield;
       const ticked = rows.map((row) => row.name).filter((name) => ownOf(name).some((place) => state.ticks.has(place.key)));
       const steps = [["no effect", nothing]];
@@ -318,7 +325,7 @@
         let best = null;
         for (const name of left) {
           const ticks = new Set([...taken, ...ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key))]);
-          const fit = fitOf(ticks);
+          const fit = yield* fitSlowly(ticks);
           if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
           yield;
         }
@@ -326,13 +333,13 @@
         left = left.filter((name) => name !== best.name);
         steps.push([`+ ${spoken(best.name)}`, best.fit]);
       }
-      if (left.length) steps.push([`+ ${left.length} more`, fitOf(state.ticks)]);
+      if (left.length) steps.push([`+ ${left.length} more`, yield* fitSlowly(state.ticks)]);
       ladderChart.update(ladderFigure(steps));
       yield;
       const now = fitOf(state.ticks);
       const largest = Math.max(errorOf(nothing), errorOf(now));
       for (const row of rows) {
-        row.after(state, now, fitOf(switched(row.name)), errorOf, largest, percent);
+        row.after(state, now, yield* fitSlowly(switched(row.name)), errorOf, largest, percent);
         yield;
       }
       section.dataset.ready = "true";

@@ -1,0 +1,100 @@
+"""Cost of a report: 60 s at 1 kHz of six motors, with a workbench of the whole catalogue."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+from bench.dataset import Dataset
+from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnose.unexplained import relative_noise_floor
+from bench.effects import CATALOGUE
+from bench.estimate.identify import identify
+from bench.excite.scenario import designer
+from bench.report.content_run import Run
+from bench.report.write import write_diagnosis_report
+from bench.scenario import resolve_trajectories, scenario_from_dict
+from bench.speed.hexapod import write_hexapod
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+LIMIT = 15.0  # s
+DURATION = 20.0  # s, of each of three recordings
+FOUND = ("coulomb_friction", "viscous_friction:leg_2")
+ABSORBED = ("payload_mass_error", "rotor_inertia")
+SCENARIO: Mapping[str, Any] = {
+    "seed": 3,
+    "gains": {"error": {f"leg_{i + 1}": one for i, one in enumerate((0.08, -0.06, 0.05, -0.04, 0.1, -0.09))}},
+    "payloads": {
+        "block": {"mass": 3.0, "center_of_mass": [0.0, 0.0, 0.05], "inertia": [6e-3, 6e-3, 6e-3, 0, 0, 0]}
+    },
+    "sensors": {"encoder_resolution": 1e-6, "current_noise_ratio": 0.01},
+    "design": {
+        "harmonics": 8,
+        "base_frequency": 0.2,
+        "duration": DURATION,
+        "span": 0.06,
+        "velocity_limit": 0.5,
+        "acceleration_limit": 8.0,
+    },
+    "recordings": [
+        {"name": "unloaded", "use": "identify", "design": {"seed": 1}},
+        {"name": "loaded", "use": "identify", "payload": "block", "design": {"seed": 2}},
+        {"name": "check", "use": "validate", "design": {"seed": 3}},
+    ],
+    "hidden": [
+        {"effect": "coulomb_friction", "Fc": 8.0},
+        {"effect": "viscous_friction", "joint": "leg_2", "Fv": 40.0},
+    ],
+}
+
+
+def six_motors(folder: Path) -> Dataset:
+    """A platform on six legs, simulated; its robot is written into the folder."""
+    content = {**SCENARIO, "robot": str(write_hexapod(folder / "hexapod"))}
+    scenario = scenario_from_dict(content, "hexapod")
+    return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
+
+
+def told(dataset: Dataset) -> Diagnosis:
+    """What a diagnosis that finds the hidden effects says, without the search: all effects are in its ranking."""
+    before, after = identify(dataset), identify(dataset, FOUND)
+    errors = [(one.error.identify or 0.0, one.error.validate or 0.0) for one in (before, after)]
+    found = tuple(one.partition(":")[0] for one in FOUND)
+    ranking = tuple(
+        EffectVerdict(
+            effect=name,
+            verdict="missing" if name in found else "absorbed" if name in ABSORBED else "not supported",
+            error_before=errors[0][1],
+            error_after=errors[1][1],
+            evidence=1.0,
+            actuators=(),
+            alternatives=(),
+            size={},
+            why="It was told.",
+        )
+        for name in (*found, *(name for name in CATALOGUE if name not in found))
+    )
+    floor = relative_noise_floor(dataset.recordings, after.recordings, after.settings)
+    return Diagnosis(
+        robot=dataset.robot.name,
+        split="recordings that were not fitted",
+        missing=found,
+        ladder=(LadderStep((), *errors[0]), LadderStep(found, *errors[1])),
+        ranking=ranking,
+        unexplained=Unexplained(False, errors[1][1], floor, (), "the error left is what noise leaves"),
+        before=before,
+        after=after,
+    )
+
+
+def measure() -> float:
+    """Seconds to write the page of a diagnosis that is there."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        dataset = six_motors(folder)
+        diagnosis = told(dataset)
+        start = perf_counter()
+        write_diagnosis_report(folder / "out", diagnosis, dataset, Run("diagnose", "data"))
+        return perf_counter() - start
