@@ -11,10 +11,11 @@ from bench.scenario import scenario_from_dict
 from bench.sweep.hidden_share import with_sized_effect, without_share
 from bench.sweep.plan import make_plan
 from bench.sweep.sweep_file import load_sweep
-from bench.sweep.work import DesignTask, MotionTask, RunTask
+from bench.sweep.work import DesignTask, IdentificationWork, MotionTask, RunTask
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import measured_share
 from bench.truth.simulate import simulate
+from tests import sweep_stand_in
 
 SWEEP = """
 base = "five_bar"
@@ -116,3 +117,20 @@ def test_the_command_from_file_to_figure(plan, tmp_path, capsys):
     before = (folder / "runs.parquet").read_bytes()
     assert main(arguments) == 0
     assert (folder / "runs.parquet").read_bytes() == before
+
+
+def test_a_simulation_that_diverges_is_a_reason_and_nothing_else(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    text = """
+    base = "five_bar"
+    [scenario]
+    design = { duration = 2.0, ramp = 0.25, optimise = false }
+    controller = { natural_frequency = 900.0 }
+    """
+    work = IdentificationWork(("accuracy",))
+    run = sweep_stand_in.plan_of(tmp_path / "sweep", text).run(0)
+    (row,) = work.runs((run,), work.design(run)(None))(None)
+    assert row["status"] == "failed"
+    assert "the simulation diverged" in row["reason"]
+    assert capfd.readouterr() == ("", "")
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep"]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from bench.errors import BenchError
@@ -141,7 +142,16 @@ def _scenario(run: Run, content: Mapping[str, Any]) -> Scenario:
 
 def _simulated(run: Run, trajectories: Trajectories) -> Simulation:
     content = with_sized_effect(run.content, run.base, trajectories)
-    return simulate(_scenario(run, content), trajectories, threads=1)
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(_left_to_the_reason)
+    try:
+        return simulate(_scenario(run, content), trajectories, threads=1)
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _left_to_the_reason(_: str) -> None:
+    """In place of MuJoCo's warning, which goes to the screen and to a file MUJOCO_LOG.TXT: the row tells it."""
 
 
 def _filters(scenario: Scenario) -> dict[str, Any]:
