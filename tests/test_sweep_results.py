@@ -124,6 +124,14 @@ def test_a_drawn_axis_is_cut_into_parts_that_hold_every_run(drawn):
     assert [line.values for line in few.lines] == [(16,), (20,)]
 
 
+@pytest.mark.parametrize(("values", "runs", "lines"), [(36, 1, 12), (36, 2, 36), (12, 1, 12), (41, 3, 12)])
+def test_values_of_a_single_run_each_are_put_together(tmp_path, values, runs, lines):
+    x = list(np.linspace(1.0, 2.0, values)) * runs
+    table = tmp_path / "runs.parquet"
+    pq.write_table(pa.table({"status": ["ok"] * len(x), "condition": x, "gain_error": x}), table)
+    assert len(summarise_in_parts(table, ["condition"], ["gain_error"]).lines) == lines
+
+
 def test_a_drawn_axis_is_shown_by_its_parts(drawn, capsys):
     assert main(["plot", str(drawn), "--x", "mass", "--y", "gain_error", "--linear"]) == 0
     assert main(["plot", str(drawn), "--x", "mass", "--y", "gain_error", "--lines", "bits"]) == 0

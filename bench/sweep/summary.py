@@ -74,7 +74,8 @@ def summarise(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summa
 
 
 def summarise_in_parts(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
-    """The same for any columns as axes: one with more than 40 numbers is cut into 12 parts, see `Part`.
+    """The same for any columns as axes: one of numbers is cut into 12 parts, see `Part`,
+    if there are more than 40, or more than 12 of which most are of a single run.
 
     Axes of numbers rise from line to line, the first axis slowest.
     """
@@ -87,7 +88,9 @@ def summarise_in_parts(table: Path, axes: Sequence[str], metrics: Sequence[str])
 def _in_parts(values: Sequence[Any]) -> list[Any]:
     """Numbers (n,) replaced by the part that they are in, if they are many; None stays None."""
     known = [value for value in values if value is not None]
-    if len(set(known)) <= MOST_VALUES or not all(isinstance(value, int | float) for value in known):
+    distinct = len(set(known))
+    many = distinct > MOST_VALUES or (distinct > PARTS and 2 * distinct > len(known))
+    if not many or not all(isinstance(value, int | float) for value in known):
         return list(values)
     place: dict[Any, Part] = {}
     for part in np.array_split(np.sort(np.array(known, dtype=float)), PARTS):
