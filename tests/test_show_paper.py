@@ -3,6 +3,8 @@
 import csv
 import re
 import struct
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -188,6 +190,24 @@ def test_no_label_is_cut(errors, found):  # noqa: F811 - the fixture
                         width,
                         text.get_text(),
                     )
+
+
+def test_ticks_of_wide_intervals_stand_apart(found):  # noqa: F811 - the fixture
+    poor = [replace(one, std=20.0 * abs(one.value)) for one in found.before.parameters]
+    wide = replace(found, before=replace(found.before, parameters=tuple(poor)))
+    (figure,) = [one for one in diagnosis_figures(wide) if one.name == "parameters_before_after"]
+    drawn = paper_figure(figure, min(WIDTHS.values()))
+    drawn.draw_without_rendering()
+    (axes,) = drawn.axes
+    low, high = axes.get_xlim()
+    labels = [
+        text
+        for at, text in zip(axes.get_xticks(), axes.get_xticklabels(), strict=True)
+        if low <= at <= high and text.get_text()
+    ]
+    boxes = sorted((text.get_window_extent() for text in labels), key=lambda box: box.x0)
+    assert len(boxes) >= 3
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
 
 
 @pytest.fixture(scope="module")

@@ -30,6 +30,7 @@ FOOT = 16.0  # mm that an axis with its label takes
 BAR, MOVED = 3.8, 4.2  # mm for each bar, each parameter
 ERRORS = 26.0  # mm
 SHOWN = 14  # effects of the ranking
+FEW_TICKS = 30.0  # %, the end of an axis from which every second power of ten is named, for one column
 
 
 def gain_figure(result: Identification) -> PaperFigure:
@@ -144,6 +145,8 @@ def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
 
 def _draw_moved(rows: Sequence[Moved], axes: Axes) -> None:
     draw_moved(axes, rows, SCALE)
+    if max(np.abs(axes.get_xlim())) > FEW_TICKS:
+        axes.xaxis.set_major_locator(SymmetricalLogLocator(base=100.0, linthresh=1.0))
     axes.set_xlabel("difference to the value after [%]")
 
 
