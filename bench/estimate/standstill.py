@@ -28,35 +28,65 @@ def standstills(position: np.ndarray, velocity: np.ndarray, rate: float, cutoff:
     of a joint that starts from rest. Stretches reach as far as the position filter spreads a jump.
     """
     reach = int(np.ceil(SMEARED * rate / cutoff))
-    rms = np.sqrt((velocity**2).mean(axis=0))
-    slow = np.abs(velocity) <= SLOW * rms
-    slow[1:] |= velocity[1:] * velocity[:-1] < 0.0
-    way = np.abs(position - position[0]) / np.maximum(np.ptp(position, axis=0), np.finfo(float).tiny)
-    slow |= (np.maximum.accumulate(way, axis=0) < FIRST_WAY) & (np.abs(velocity[0]) < START * rms)
-    return tuple(_stretches(slow[:, j], reach) for j in range(velocity.shape[1]))
+    found = []
+    for q, v in zip(np.ascontiguousarray(position.T), np.ascontiguousarray(velocity.T), strict=True):
+        rms = np.sqrt(v @ v / len(v))
+        slow = np.abs(v) <= SLOW * rms
+        slow[1:] |= v[1:] * v[:-1] < 0.0
+        if abs(v[0]) < START * rms:
+            way = np.maximum.accumulate(np.abs(q - q[0]))
+            slow |= way < FIRST_WAY * max(q.max() - q.min(), np.finfo(float).tiny)
+        found.append(_stretches(slow, reach))
+    return tuple(found)
 
 
 def bridged(rows: np.ndarray, gaps: Gaps) -> np.ndarray:
     """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy.
 
-    The line goes through the means of as many samples on either side as the position filter mixes.
+    The line goes through the means of as many samples on either side as the position filter mixes; it is level
+    where there is one side only.
     """
     rows = rows.copy()
     for j, stretches in enumerate(gaps):
-        last = 0
-        for start, stop, beside in stretches:
-            sides = (slice(max(last, start - beside), start), slice(stop, min(stop + beside, len(rows))))
-            last = stop
-            means = [
-                (0.5 * (side.start + side.stop - 1), rows[side, j].mean(axis=0))
-                for side in sides
-                if side.start < side.stop
-            ]
-            if means:
-                (t0, y0), (t1, y1) = means[0], means[-1]
-                share = (np.arange(start, stop) - t0) / (t1 - t0 or 1.0)
-                rows[start:stop, j] = y0 + np.multiply.outer(share, y1 - y0)
+        if not len(stretches):
+            continue
+        start, stop, beside = stretches.T
+        before = np.maximum(start - beside, np.concatenate(([0], stop[:-1])))
+        after = np.minimum(stop + beside, len(rows))
+        own = rows[:, j]
+        first, second = _means(own, before, start), _means(own, stop, after)
+        has_first, has_second = before < start, stop < after
+        y0, y1 = (
+            np.where(_like(has, mine), mine, other)
+            for has, mine, other in ((has_first, first, second), (has_second, second, first))
+        )
+        middles = 0.5 * (before + start - 1), 0.5 * (stop + after - 1)
+        slope = (y1 - y0) / _like(middles[1] - middles[0], y0)
+        inside, of = _ranges(start, stop)
+        some = (has_first | has_second)[of]
+        inside, of = inside[some], of[some]
+        own[inside] = y0[of] + _like(inside - middles[0][of], y0) * slope[of]
     return rows
+
+
+def _ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """All samples of stretches from start (k,) to before stop (k,), one after the other, and whose they are."""
+    length = stop - start
+    of = np.repeat(np.arange(len(length)), length)
+    return np.arange(len(of)) + (start - np.cumsum(length) + length)[of], of
+
+
+def _means(values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
+    """The mean of values (N, ...) in each stretch, (k, ...); zero in one without samples."""
+    samples, of = _ranges(start, stop)
+    sums = np.zeros((len(start), *values.shape[1:]))
+    np.add.at(sums, of, values[samples])
+    return sums / _like(np.maximum(stop - start, 1), sums)
+
+
+def _like(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Values (k,) with as many axes as rows (k, ...)."""
+    return values.reshape(-1, *(1,) * (rows.ndim - 1))
 
 
 def no_gaps(joints: int) -> Gaps:
