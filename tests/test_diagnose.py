@@ -68,3 +68,27 @@ def test_a_neighbour_of_the_same_periods_does_not_drive_an_effect_from_its_place
     for joint in known:
         periods = result.effect_parameters["cogging_torque"][joint]["periods"]
         assert periods.value == pytest.approx(PERIODS, rel=1e-3)
+
+
+def test_a_passive_joint_that_sticks_does_not_look_like_other_effects() -> None:
+    """The motors give way where an elbow sticks; sliding friction alone would leave twice the noise there."""
+    found = diagnose(
+        measured(
+            {"effect": "passive_coulomb_friction", "joint": "right_elbow", "Fc": 0.1647},
+            {"effect": "quadratic_drag", "joint": "left", "c": 0.068},
+        )
+    )
+    assert set(found.missing) == {"passive_coulomb_friction", "quadratic_drag"}
+    assert left_over_floor(found) < NOISE_LEFT
+    friction = found.after.effect_parameters["passive_coulomb_friction"]["right_elbow"]["Fc"]
+    assert friction.value == pytest.approx(0.1647, rel=0.01)
+
+
+def test_the_shadow_of_an_unknown_effect_is_not_taken_for_a_known_one() -> None:
+    """Viscous friction that varies around the turn: most of it looks like plain viscous friction."""
+    found = diagnose(
+        measured({"effect": "position_dependent_viscous_friction", "joint": "left", "a": -0.197, "b": 0.0035})
+    )
+    assert found.unexplained.significant
+    named = {one.effect: one.verdict for one in found.ranking if one.effect in found.missing}
+    assert "missing" not in named.values(), named

@@ -62,9 +62,7 @@ def diagnose(
         places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
     scale = _relative(after, system, found)
     left = unexplained(after, dataset.recordings)
-    ranking = verdicts(
-        system, proposals, found, _shown_places(proposals, found, places), scale, left.significant
-    )
+    ranking = verdicts(system, proposals, found, _shown_places(proposals, found, places), scale, left)
     ranking = tuple(refused(one, barred.get(one.effect)) for one in ranking)
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
     missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)

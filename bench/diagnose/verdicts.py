@@ -5,11 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.diagnose.candidates import Proposal
-from bench.diagnose.result import EffectVerdict, Verdict
+from bench.diagnose.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnose.search import Found, Scored, close, contains, material, score
 from bench.diagnose.system import System, solve_set
 
 DOMINANT = 3.0
+MUCH_LEFT = (
+    2.0  # times the noise floor: then something unknown is there, and a known effect may be its shadow
+)
+DOMINANT_BESIDE = 10.0  # so many times what is left, an effect must explain where much is left
 
 
 def verdicts(
@@ -18,22 +22,24 @@ def verdicts(
     found: Found,
     places: dict[str, tuple[str, ...]],
     scale: float,
-    unexplained: bool,
+    left: Unexplained,
 ) -> tuple[EffectVerdict, ...]:
     """Every effect, the found ones first, then by evidence.
 
     places: joints at which each found effect shows. scale: relative error for a weighted error of one.
-    unexplained: whether something is left that no effect accounts for; a found effect is then only sure if
-    the error without it is DOMINANT times what is left with it.
+    left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
+    it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where MUCH_LEFT of the noise floor is left.
     """
     best = found.best
     chosen = set(best.fit.chosen)
+    much = left.error > MUCH_LEFT * left.noise_floor
+    sure = (DOMINANT_BESIDE if much else DOMINANT) if left.significant else 0.0
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(proposals):
         if proposal.absorbed:
             rows.append(_absorbed(proposal, _error(system, best, scale)))
         elif i in chosen:
-            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, unexplained))
+            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, sure))
         else:
             rows.append(_other(system, proposals, found, i, scale))
     order: dict[Verdict, int] = {"missing": 0, "indistinguishable": 1, "not supported": 2, "absorbed": 3}
@@ -78,7 +84,7 @@ def _found(
     i: int,
     places: tuple[str, ...],
     scale: float,
-    unexplained: bool,
+    sure: float,
 ) -> EffectVerdict:
     best, chosen = found.best, found.best.fit.chosen
     others = tuple(k for k in chosen if k != i)
@@ -98,7 +104,7 @@ def _found(
     )
     if alternatives:
         why += f"; these data cannot tell it from {listed(alternatives)}"
-    unsure = unexplained and before < DOMINANT * after
+    unsure = before < sure * after
     if unsure:
         why += "; something that no effect of the catalogue explains is left, and may be what this stands for"
     verdict: Verdict = "indistinguishable" if alternatives or unsure else "missing"

@@ -8,7 +8,7 @@ import numpy as np
 from bench.discriminate.rivals import Rival
 from bench.effects import EffectInstance, RobotSignals, effect_columns
 from bench.estimate.effect_columns import robot_signals
-from bench.estimate.measured import Measured
+from bench.estimate.measured import Measured, passive_rates
 from bench.estimate.observation import Observation, effect_rows, observe
 from bench.estimate.standstill import bridged, standstills
 from bench.model.motion import Motion
@@ -48,7 +48,8 @@ def planned(
     current = np.zeros_like(position)
     settings = replace(rival.prepared.settings, decimation=DECIMATION, border=(0, 0))
     recording = Recording("planned", "identify", payload, time, position, current)
-    gaps = standstills(position, velocity, recording.rate, settings.position_cutoff)
+    passive = passive_rates(rival.prepared.model.geometry, tree)
+    gaps = standstills(position, velocity, passive, recording.rate, settings.position_cutoff)
     measured = Measured(recording, settings, time, position, velocity, acceleration, current, tree, gaps)
     return Planned(measured, observe(rival.prepared.model, measured))
 

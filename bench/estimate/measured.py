@@ -7,6 +7,7 @@ import numpy as np
 from bench.effects.kept import KeptRows
 from bench.errors import BenchError
 from bench.estimate.standstill import Gaps, no_gaps, standstills
+from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
 from bench.recording import Recording
@@ -58,5 +59,21 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
         tree=tree,
         gaps=no_gaps(motion.velocity.shape[1])
         if settings.keep_standstill
-        else standstills(motion.position, motion.velocity, recording.rate, settings.position_cutoff),
+        else standstills(
+            motion.position,
+            motion.velocity,
+            passive_rates(model.geometry, tree),
+            recording.rate,
+            settings.position_cutoff,
+        ),
     )
+
+
+def passive_rates(geometry: Geometry, tree: Motion) -> np.ndarray:
+    """Velocities (N, k) of the hinges and slides without a motor, rad/s or m/s."""
+    found = [
+        joint.v.start
+        for joint in geometry.joints
+        if joint.kind in ("hinge", "slide") and joint.v.start not in geometry.active
+    ]
+    return np.asarray(tree.v[:, found])

@@ -1,4 +1,5 @@
-"""Where a joint stands still, friction takes any value up to its limit, and no sliding law holds.
+"""Where a joint stands still, friction takes any value up to its limit, and no sliding law holds. In a joint without a
+motor it then loads all motors.
 
 What is logged there says nothing, and yet the low-pass of the fit spreads it over the rows around. So the
 equations of a joint at standstill are replaced, before that filter, by the straight line between the equations
@@ -11,6 +12,7 @@ from bench.signals.decimation import decimate
 
 SLOW = 0.01  # of the joint's RMS speed
 SMEARED = 0.5  # cut-off periods of the position filter that a jump of the acceleration is spread over, on either side
+DWELL = 0.5  # of that time: how long a joint without a motor has to be slow, to count as one that sticks
 START = 0.3  # of the RMS speed: slower at its first sample, a joint starts from rest
 FIRST_WAY = 0.03  # of a joint's travel: before that, friction still depends on how the joint came to rest
 HALF = 0.5  # of a row that may come from standstill before it is left aside
@@ -20,19 +22,25 @@ Gaps = tuple[np.ndarray, ...]
 last, and how many on either side tell of its surroundings."""
 
 
-def standstills(position: np.ndarray, velocity: np.ndarray, rate: float, cutoff: float) -> Gaps:
+def standstills(
+    position: np.ndarray, velocity: np.ndarray, passive: np.ndarray, rate: float, cutoff: float
+) -> Gaps:
     """Stretches in which joints stand still, set off or reverse, before decimation.
 
-    position, velocity (N, n), rad or m and their rates; rate Hz; cutoff of the position filter, Hz. A joint stands
-    still where it is slower than 1 % of its RMS speed; reversals count however swift, and so does the first way
-    of a joint that starts from rest. Stretches reach as far as the position filter spreads a jump.
+    position, velocity (N, n), rad or m and their rates; passive (N, k): velocities of joints without a motor;
+    rate Hz; cutoff of the position filter, Hz. A joint stands still where it is slower than 1 % of its RMS speed;
+    reversals count however swift, and so does the first way of a joint that starts from rest. A joint without a
+    motor counts, for all motors, only where it stays slow: there it sticks. Stretches reach as far as the position
+    filter spreads a jump.
     """
     reach = int(np.ceil(SMEARED * rate / cutoff))
+    stuck = _stuck(passive, DWELL * reach)
     found = []
     for q, v in zip(np.ascontiguousarray(position.T), np.ascontiguousarray(velocity.T), strict=True):
         rms = np.sqrt(v @ v / len(v))
         slow = np.abs(v) <= SLOW * rms
         slow[1:] |= v[1:] * v[:-1] < 0.0
+        slow |= stuck
         if abs(v[0]) < START * rms:
             way = np.maximum.accumulate(np.abs(q - q[0]))
             slow |= way < FIRST_WAY * max(q.max() - q.min(), np.finfo(float).tiny)
@@ -103,11 +111,26 @@ def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
     return np.asarray(decimate(inside, decimation) < HALF)
 
 
+def _stuck(velocity: np.ndarray, shortest: float) -> np.ndarray:
+    """Whether any joint (of k) is slow for at least so many samples on end, (N,)."""
+    found = np.zeros(len(velocity), dtype=bool)
+    for v in np.ascontiguousarray(velocity.T):
+        first, last = _runs(np.abs(v) <= SLOW * np.sqrt(v @ v / len(v)))
+        long = last - first >= shortest
+        found[_ranges(first[long], last[long])[0]] = True
+    return found
+
+
+def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First sample, and one past the last, of every run of True in (N,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], slow, [False])).astype(int)))
+    return edges[::2], edges[1::2]
+
+
 def _stretches(slow: np.ndarray, reach: int) -> np.ndarray:
     """Runs of True (N,), each longer by `reach` at both ends; those with hardly a sample between them are one."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], slow, [False])).astype(int)))
     runs: list[list[int]] = []
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in zip(*_runs(slow), strict=True):
         first, last = max(int(start) - reach, 0), min(int(stop) + reach, len(slow))
         if runs and first - runs[-1][1] < reach:
             runs[-1][1] = last
