@@ -3,6 +3,7 @@
 import json
 import math
 import secrets
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -40,6 +41,31 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         partial.replace(target)
     finally:
         partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_folder(folder: str | Path) -> Iterator[Path]:
+    """Give an empty folder to fill in place of `folder`, and move it there once the block ends well.
+
+    A folder of that name is replaced; what may be replaced is for the caller to say. If the block raises, an
+    interrupt included, nothing is left and `folder` stays as it was. Raises BenchError if it cannot be written.
+    """
+    target = Path(folder).resolve()
+    mark = secrets.token_hex(4)
+    partial, old = (target.with_name(f".{target.name}.{kind}-{mark}") for kind in ("partial", "old"))
+    try:
+        partial.mkdir(parents=True)
+        yield partial
+        if target.exists():
+            target.rename(old)
+        partial.rename(target)
+    except OSError as error:
+        raise BenchError(f"{folder}: cannot be written: {error.strerror}") from error
+    finally:
+        if old.exists() and not target.exists():  # interrupted between the two renames
+            old.rename(target)
+        shutil.rmtree(partial, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)
 
 
 def write_text_atomically(path: str | Path, text: str) -> None:

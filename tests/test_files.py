@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.errors import BenchError
-from bench.files import atomic_path, write_json_atomically, write_text_atomically
+from bench.files import atomic_path, whole_folder, write_json_atomically, write_text_atomically
 
 
 def test_writes_and_replaces(tmp_path):
@@ -89,3 +89,18 @@ def test_json_keeps_every_digit(tmp_path):
     write_json_atomically(tmp_path / "answer.json", {"größe": 0.1 + 0.2})
     assert "0.30000000000000004" in (tmp_path / "answer.json").read_text(encoding="utf-8")
     assert "größe" in (tmp_path / "answer.json").read_text(encoding="utf-8")
+
+
+def test_a_folder_is_replaced_whole_or_stays_as_it_was(tmp_path):
+    folder = tmp_path / "data"
+    with whole_folder(folder) as partial:
+        (partial / "a").write_text("first")
+    with pytest.raises(KeyboardInterrupt), whole_folder(folder) as partial:
+        (partial / "b").write_text("half")
+        raise KeyboardInterrupt
+    assert [path.name for path in tmp_path.iterdir()] == ["data"]
+    assert [path.name for path in folder.iterdir()] == ["a"]
+    with whole_folder(folder) as partial:
+        (partial / "c").write_text("second")
+    assert [path.name for path in folder.iterdir()] == ["c"]
+    assert [path.name for path in tmp_path.iterdir()] == ["data"]

@@ -15,6 +15,7 @@ from bench.trial.setup import Setup, make_setup
 from bench.trial.summary import NOTHING, SOMETHING, Share, summarised
 from bench.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, true_values
 from bench.truth.hidden import HIDDEN_EFFECTS
+from tests.trial_rows import trial_row
 
 
 @pytest.fixture(scope="module")
@@ -172,43 +173,19 @@ def test_shares_carry_their_uncertainty() -> None:
     assert np.isnan(Share(0, 0).value)
 
 
-def _row(kind: str, hidden: str, missing: str, **more: object) -> dict[str, object]:
-    exact = missing == hidden
-    row: dict[str, object] = {
-        "run": 0,
-        "status": "ok",
-        "reason": None,
-        "kind": kind,
-        "hidden": hidden,
-        "missing": missing,
-        "absorbed": False,
-        "unexplained": False,
-        "first": exact,
-        "first_undecided": exact,
-        "exact": exact,
-        "exact_undecided": exact,
-        "wrong": "" if exact else missing,
-        "least_own_error_over_floor": 5.0,
-        "intervals": "[]",
-    }
-    for name in ("before", "after", "told"):
-        row |= {f"gain_error.{name}": 1e-3, f"error_over_floor.{name}": 1.0}
-    return row | more
-
-
 def test_figures_of_a_trial() -> None:
     interval = '[{"effect": "viscous_friction", "parameter": "Fv", "truth": 1.0, "value": 1.1, "std": %s}]'
     rows = [
-        _row("one", "viscous_friction", "viscous_friction", intervals=interval % 0.1),
-        _row("one", "viscous_friction", "viscous_friction", intervals=interval % 0.01),
-        _row("one", "viscous_friction", "base_tilt"),
-        _row("one", "viscous_friction", "", least_own_error_over_floor=1.2),
-        _row("one", "rotor_inertia", "", absorbed=True),
-        _row("nothing", "", ""),
-        _row("nothing", "", "", unexplained=True),
-        _row("outside", "torque_drift", "", unexplained=True),
-        _row("outside", "torque_drift", "viscous_friction", unexplained=True),
-        {**_row("two", "", ""), "status": "failed", "reason": "lost"},
+        trial_row("one", "viscous_friction", "viscous_friction", intervals=interval % 0.1),
+        trial_row("one", "viscous_friction", "viscous_friction", intervals=interval % 0.01),
+        trial_row("one", "viscous_friction", "base_tilt"),
+        trial_row("one", "viscous_friction", "", least_own_error_over_floor=1.2),
+        trial_row("one", "rotor_inertia", "", absorbed=True),
+        trial_row("nothing", "", ""),
+        trial_row("nothing", "", "", unexplained=True),
+        trial_row("outside", "torque_drift", "", unexplained=True),
+        trial_row("outside", "torque_drift", "viscous_friction", unexplained=True),
+        {**trial_row("two", "", ""), "status": "failed", "reason": "lost"},
     ]
     found = summarised("robot", rows)
     targets = {target.name.strip(): target for target in found.targets}

@@ -1,7 +1,5 @@
 """The motion as files: for a robot's controller, for a scenario, and for people."""
 
-import secrets
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,7 +10,7 @@ from bench.catalogue import built_in_robots
 from bench.discriminate.result import Discrimination, MotionFacts
 from bench.discriminate.words import sentences
 from bench.errors import BenchError
-from bench.files import finite, write_json_atomically, write_text_atomically
+from bench.files import finite, whole_folder, write_json_atomically, write_text_atomically
 from bench.recording import write_table
 from bench.trajectory import FourierTrajectory
 
@@ -36,23 +34,9 @@ def write_discrimination(
     if the folder holds anything else, or cannot be written.
     """
     check_folder(folder)
-    target = Path(folder).resolve()
-    mark = secrets.token_hex(4)
-    partial, old = (target.with_name(f".{target.name}.{kind}-{mark}") for kind in ("partial", "old"))
-    try:
-        partial.mkdir(parents=True)
+    with whole_folder(folder) as partial:
         _write(partial, found, draw, rate)
         names = sorted(path.name for path in partial.iterdir())
-        if target.exists():
-            target.rename(old)
-        partial.rename(target)
-    except OSError as error:
-        raise BenchError(f"{folder}: cannot be written: {error.strerror}") from error
-    finally:
-        if old.exists() and not target.exists():  # interrupted between the two renames
-            old.rename(target)
-        shutil.rmtree(partial, ignore_errors=True)
-        shutil.rmtree(old, ignore_errors=True)
     return [Path(folder) / name for name in names]
 
 

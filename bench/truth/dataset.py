@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import secrets
-import shutil
 from pathlib import Path
 
 from bench.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
 from bench.errors import BenchError
-from bench.files import write_json_atomically
+from bench.files import whole_folder, write_json_atomically
 from bench.recording import Recording, write_recording
 from bench.scenario import payload_declared
 from bench.truth.report import truth
@@ -52,22 +50,9 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
     empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
     if not empty and not (target / DATASET_FILE).is_file():
         raise BenchError(f"{folder}: is there already and holds no dataset: name another folder")
-    mark = secrets.token_hex(4)
-    partial, old = (target.with_name(f".{target.name}.{kind}-{mark}") for kind in ("partial", "old"))
-    try:
-        partial.mkdir(parents=True)
+    with whole_folder(folder) as partial:
         _write_folder(simulation, partial)
         write_json_atomically(truth_path(target), truth(simulation))
-        if target.exists():
-            target.rename(old)
-        partial.rename(target)
-    except OSError as error:
-        raise BenchError(f"{folder}: cannot be written: {error.strerror}") from error
-    finally:
-        if old.exists() and not target.exists():  # interrupted between the two renames
-            old.rename(target)
-        shutil.rmtree(partial, ignore_errors=True)
-        shutil.rmtree(old, ignore_errors=True)
     return truth_path(target)
 
 
