@@ -103,7 +103,15 @@ class Solver:
         """Inner products (C + 2, C + 2) of [columns, modelled, error]."""
         size = len(motor["columns"]) + 2
         factor = np.zeros((size, size))
-        factor[np.triu_indices(size)] = numbers(motor[use]["triangle"])
+        given = motor[use]["triangle"]
+        if isinstance(given, str):
+            factor[np.triu_indices(size)] = numbers(given)
+        else:
+            inner = np.zeros((size - 2, size - 2))
+            inner[np.triu_indices(size - 2, 1)] = numbers(given["counts"], "<i2")
+            factor[:-2, :-2] = inner * numbers(given["steps"])[:, None] + np.diag(numbers(given["diagonal"]))
+            factor[:, -2:] = numbers(given["answers"]).reshape(-1, 2)
+            factor *= numbers(given["sizes"])
         index = np.append(motor["columns"], [self.count, self.count + 1])
         gram = np.zeros((self.count + 2,) * 2)
         gram[np.ix_(index, index)] = factor.T @ factor
@@ -302,7 +310,7 @@ class Solver:
         explained = np.column_stack([scaled_solve(normal, one) for one in (*cross.T, right)])
         return inner - cross.T @ explained[:, :-1], score - cross.T @ explained[:, -1]
 
-    def best_shape(self, place, inner, score, present):
+    def best_shape(self, place, inner, score, present, present_value):
         best = (np.inf, 0.0, 0)
         for branch, brackets in enumerate(place.brackets):
 
@@ -310,15 +318,27 @@ class Solver:
                 c = self.coefficients(place, float(value), branch, present)
                 return -float(c @ score @ scaled_solve(c @ inner @ c.T, c @ score))
 
-            costs = [cost(value) for _, value, _ in brackets]
+            every = [*brackets, *self._nearby(place, present_value, brackets, branch)]
+            costs = [cost(value) for _, value, _ in every]
             i = int(np.argmin(costs))
-            low, value, high = brackets[i]
+            low, value, high = every[i]
             best = min(best, (costs[i], value, branch))
             if low < high:
                 xatol = 1e-4 * max(abs(low), abs(high))
                 found = minimize_scalar(cost, bounds=(low, high), method="bounded", options={"xatol": xatol})
                 best = min(best, (float(found.fun), float(found.x), branch))
         return best[1:]
+
+    @staticmethod
+    def _nearby(place, value, brackets, branch):
+        """Around a shape's present value, where the page has columns."""
+        if value <= 0.0 or all(low == high for low, _, high in brackets):
+            return []
+        for piece in place.pieces:
+            nodes = piece["nodes"]
+            if piece["branch"] == branch and len(nodes) > 1 and nodes[0] <= value <= nodes[-1]:
+                return [[max(0.98 * value, nodes[0]), value, min(1.02 * value, nodes[-1])]]
+        return []
 
     def fit(self, keys):
         terms = [
@@ -337,7 +357,7 @@ class Solver:
                     if one.place.kind == "shape":
                         others = self.solve([other for other in terms if other is not one], present)
                         one.value, one.branch = self.best_shape(
-                            one.place, *self.besides(others, one.place), present
+                            one.place, *self.besides(others, one.place), present, one.value
                         )
                 present = self.solve(terms, present)
                 self._about(terms, present.theta)

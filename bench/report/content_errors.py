@@ -13,7 +13,7 @@ from bench.report.thin import significant
 from bench.report.words import effect_name, plural, share, typeset
 from bench.show.numbers import USES
 
-MOST_NUMBERS = 250_000  # of all curves of the currents together: about 1.5 MB
+MOST_NUMBERS = 45_000  # of all curves of the currents together: about 0.4 MB
 MOST_POINTS, FEWEST_POINTS = 1200, 120  # of one curve
 MOST_FIGURES = 240  # motors times recordings
 ON_PAPER = 8  # currents that are printed

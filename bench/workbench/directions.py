@@ -15,7 +15,8 @@ from bench.estimate.measured import Measured
 from bench.workbench.found import FoundModel
 
 NEGLIGIBLE = 3e-5  # of the torque: smaller changes are left out
-MOST_RIGID, FEW_RIGID, MOST_NEEDED = 6, 2, 6
+MOST_RIGID, FEW_RIGID = 6, 1
+MOST_NEEDED, FEW_NEEDED = 6, 2
 REWEIGHTINGS = 3  # of the motors, by what a model leaves
 FIRST = 10.0  # times that the model without any effect counts
 
@@ -98,7 +99,8 @@ def directions_of(
     gram = np.sum([w * w * one[:own, :own] for w, one in zip(weights, grams, strict=True)], axis=0)
     rigid = _main(differences[:own], gram, float(weights**2 @ torque), MOST_RIGID if roomy else FEW_RIGID)
     needed = [
-        _main(differences, one, float(size), MOST_NEEDED) for one, size in zip(grams, torque, strict=True)
+        _main(differences, one, float(size), MOST_NEEDED if roomy else FEW_NEEDED)
+        for one, size in zip(grams, torque, strict=True)
     ]
     return Directions(model, terms, rigid, tuple(needed))
 

@@ -5,14 +5,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.effects import ActuatorEffect, Bracket, Effect, EffectInstance, RobotSignals, places_in
+from bench.effects import (
+    ActuatorEffect,
+    Bracket,
+    Effect,
+    EffectInstance,
+    JointSamples,
+    RobotSignals,
+    places_in,
+)
 from bench.effects.body_length import lengths
 from bench.estimate.effect_columns import robot_signals
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
 from bench.estimate.settle import candidate_columns, joint_samples, solved_quickly
 from bench.workbench.found import FoundModel
+from bench.workbench.small_changes import small_changes
 from bench.workbench.variants import (
+    FEW_NODES,
+    NODES,
     Variants,
     branches_of,
     linear,
@@ -34,7 +45,8 @@ class Kinds:
     """Effects as the page can evaluate them about the found model.
 
     unit: what effects see of every recording with drive gains of one. roomy: whether bodies and joints are few, so
-    that errors of lengths and zeros can be told apart by their size.
+    that errors of lengths and zeros can be told apart by their size. ticked: (effect, place) of the found model's
+    effects. seen: what the others see of every recording, small changes where there are many of them.
     """
 
     def __init__(self, model: FoundModel) -> None:
@@ -46,6 +58,8 @@ class Kinds:
         weighed = [name for name, one in found.dataset.payloads.items() if one.mass is not None]
         self._places = places_in(found.model.geometry, weighed)
         self.roomy = len(self._places.body) + len(self._places.actuator) <= MANY
+        self.ticked = {(one.effect.name, one.joint) for one in found.effects}
+        self.seen = found.signals if self.roomy else tuple(small_changes(one) for one in found.signals)
         self._without: dict[str, PartialRegression] = {}
         self._additive: dict[str, bool] = {}
 
@@ -70,7 +84,8 @@ class Kinds:
         approximate = not scale
         bent = effect.about({parameter.name: 0.0 for parameter in effect.parameters}) is not effect
         if searchable(effect) and (approximate or not bent):
-            return shaped(instance, self._brackets(instance), scale or "none", approximate)
+            nodes = NODES if self.roomy else FEW_NODES
+            return shaped(instance, self._brackets(instance), scale or "none", approximate, nodes)
         return linear(instance, scale or "none", approximate or bent or bool(effect.shape))
 
     def _before_torque(self, instance: EffectInstance) -> Variants:
@@ -112,6 +127,8 @@ class Kinds:
             carried = {name: payloads * values for name, values in present.payloads.items()}
             changed = replace(present, base=base, payloads=carried)
             signals = robot_signals(found.model, found.measured[0], changed)
+            if not self.roomy:
+                signals = small_changes(signals)
             return instance.effect.columns(signals, instance.joint)
 
         first, second = columns(present.base, 1.0), columns(other, 0.0)
@@ -126,6 +143,8 @@ class Kinds:
         contexts = self._contexts(effect.name)
         for prepared, left in contexts:
             samples = joint_samples(prepared, instance, left)
+            if not self.roomy:
+                samples = tuple(_every_other(one) for one in samples)
             branches = []
             for values in branches_of(effect):
                 named = dict(zip((one.name for one in others), values, strict=True))
@@ -162,6 +181,12 @@ def _best(
         changed = replace(instance, effect=replace(instance.effect, **{name: value}))
         explained.append(left.explained(candidate_columns(prepared, [changed]))[1])
     return brackets[int(np.argmax(explained))]
+
+
+def _every_other(samples: JointSamples) -> JointSamples:
+    """Half of the samples: enough to see which period stands out."""
+    arrays = ("position", "velocity", "motor_torque", "error")
+    return replace(samples, **{name: getattr(samples, name)[::2] for name in arrays})
 
 
 def _signals(found: Prepared, recording: int, gains: np.ndarray) -> RobotSignals:

@@ -9,7 +9,7 @@ from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
 from bench.effects import catalogue_for
 from bench.effects.effect import Effect
-from bench.workbench.encode import doubles, floats, triangle
+from bench.workbench.encode import doubles, floats, short_triangle, triangle
 from bench.workbench.found import FoundModel, found_model
 from bench.workbench.reduce import Reduced
 from bench.workbench.sample import thinned
@@ -26,7 +26,8 @@ def page_data(
 
     diagnosis: of this dataset; its filters are used. catalogue: the effects by name, by default the built-in ones
     and the dataset's own. Arrays are base64 of little-endian numbers; `triangle` holds the upper triangle of the
-    factor R of [columns, modelled, error], row after row.
+    factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis: where the model's own columns
+    are combined, how its parameters follow.
     """
     known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
     model = found_model(dataset, diagnosis, known)
@@ -52,6 +53,7 @@ def page_data(
         "columns": system.columns.shape[2],
         "parameters": _parameters(diagnosis),
         "reference": doubles(system.reference),
+        "basis": None if system.basis is None else doubles(system.basis),
         "effects": [
             _effect(model, system, diagnosis, name)
             for name in known
@@ -81,7 +83,7 @@ def _motor(model: FoundModel, system: System, j: int) -> dict[str, Any]:
             upper = np.linalg.qr(rows[chosen], mode="r")
             factor[: len(upper)] = upper
         found[use] = {
-            "triangle": triangle(factor),
+            "triangle": triangle(factor) if system.basis is None else short_triangle(factor),
             "squares": float((measured[chosen] ** 2).sum()),
             "moving": int(system.moving[chosen, j].sum()),
         }

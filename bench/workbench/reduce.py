@@ -11,6 +11,8 @@ KEPT = 1e-5  # of a column's length: what is left out of it at most
 KEPT_FOLLOWING = 1e-4  # the same of an effect that follows the present model, small beside what it follows
 DRAWN, DRAWN_FOLLOWING = 1e-2, 5e-2  # the same, where curves are drawn
 MOST_BYTES = 800_000  # of the triangles of all motors together
+FULL, SHORT = 4, 2  # bytes of a number
+MOST_SHORT_BYTES = 930_000  # the same at half the length, where they are more
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Reduced:
     tables: for every piece of the effect's scalar (one for a linear effect) coefficients (G, D, k, b): column k at
     node G is columns @ tables[piece][G, 0, k] in the found model; the other D add the directions in which the present
     model differs from it. drawn: how many of the columns a curve needs, the first ones. left_out (b,): of a column's
-    length, what the columns before leave out.
+    length, what the columns before leave out; infinite where every column is a parameter's own.
     """
 
     variants: Variants
@@ -38,7 +40,9 @@ def reduced(variants: Variants, rows: np.ndarray, seen: np.ndarray, parts: int =
     """
     parameters = len(variants.instance.effect.parameters)
     if variants.kind == "linear" and parts == 1:
-        return Reduced(variants, rows, (np.eye(parameters)[None, None],), parameters, np.ones(parameters))
+        return Reduced(
+            variants, rows, (np.eye(parameters)[None, None],), parameters, np.full(parameters, np.inf)
+        )
     flat = (rows * seen[:, :, None]).reshape(-1, rows.shape[2])
     lengths = np.linalg.norm(flat, axis=0).reshape(-1, parts, parameters)
     lengths = (
@@ -59,24 +63,39 @@ def reduced(variants: Variants, rows: np.ndarray, seen: np.ndarray, parts: int =
     return Reduced(variants, columns, tables, max(int(np.sum(left_out > drawn)), 1), left_out[:size])
 
 
+def many(parts: Sequence[Reduced], own: int) -> bool:
+    """Whether the effects have more columns, beside the model's own, than a page can carry at full length."""
+    return _numbers([_at_motors(one) for one in parts], own) * FULL > MOST_BYTES
+
+
 def within_reach(parts: Sequence[Reduced], own: int) -> tuple[Reduced, ...]:
     """The effects with as many columns as a page can carry beside the model's own: the least ones go first."""
+    if not many(parts, own):
+        return tuple(parts)
     share = KEPT
-    found = tuple(parts)
-    while _bytes(found, own) > MOST_BYTES and share < 1.0:
-        share *= 2.0
-        found = tuple(_shortened(one, share) for one in parts)
-    return found
+    filled = [_at_motors(one) for one in parts]
+    sizes = [len(one.left_out) for one in parts]
+    while share < 1.0:
+        kept = [one[:, :size] for one, size in zip(filled, sizes, strict=True)]
+        if _numbers(kept, own) * SHORT <= MOST_SHORT_BYTES:
+            break
+        share *= 1.5
+        sizes = [max(int(np.sum(one.left_out > share)), 1) for one in parts]
+    return tuple(_shortened(one, size) for one, size in zip(parts, sizes, strict=True))
 
 
-def _bytes(parts: Sequence[Reduced], own: int) -> int:
-    """Of a triangle of single precision for each motor, of fitted and of judged recordings."""
-    counts = own + sum(one.columns.any(axis=0).sum(axis=1) for one in parts)
-    return int(2 * 4 * np.sum(counts * (counts + 1.0) / 2.0))
+def _at_motors(part: Reduced) -> np.ndarray:
+    """Which of an effect's columns are more than zero at each motor (n, b)."""
+    return np.asarray(part.columns.any(axis=0))
 
 
-def _shortened(part: Reduced, share: float) -> Reduced:
-    size = max(int(np.sum(part.left_out > share)), 1)
+def _numbers(filled: Sequence[np.ndarray], own: int) -> int:
+    """In a triangle for each motor, of fitted and of judged recordings."""
+    counts = own + sum(one.sum(axis=1) for one in filled)
+    return int(2 * np.sum(counts * (counts + 1.0) / 2.0))
+
+
+def _shortened(part: Reduced, size: int) -> Reduced:
     if size >= len(part.left_out):
         return part
     return replace(

@@ -12,6 +12,7 @@ from bench.estimate.standstill import bridged
 from bench.signals.decimation import decimate
 from bench.workbench.directions import Directions
 from bench.workbench.kinds import Kinds
+from bench.workbench.small_changes import small_changes
 from bench.workbench.variants import Variants
 
 
@@ -26,9 +27,12 @@ class Rows:
         self._unit, self._found = kinds.unit, found
         self._directions = directions
         self._joints = list(kinds.unit[0].joints)
+        self._ticked = kinds.ticked
+        self._seen = kinds.seen
         if directions is not None:
             models = directions.rigid_models()
             self._rigid = [robot_signals(found.model, one, models) for one in found.measured]
+            self._rigid_seen = self._rigid if kinds.roomy else [small_changes(one) for one in self._rigid]
             self._needed = [
                 directions.needed_torques(one, seen)
                 for one, seen in zip(found.measured, found.signals, strict=True)
@@ -52,7 +56,8 @@ class Rows:
     def _plain(self, recording: int, variants: Variants) -> np.ndarray:
         every = variants.every
         if not isinstance(every[0].effect, ActuatorEffect):
-            return effect_rows(self._found.signals[recording], self._found.settings.decimation, every)
+            signals = (self._found.signals if self._is_ticked(variants) else self._seen)[recording]
+            return effect_rows(signals, self._found.settings.decimation, every)
         joint = self._unit[recording].joints[variants.instance.joint]
         return self._own(recording, variants, [joint])
 
@@ -74,7 +79,8 @@ class Rows:
 
     def _through_loops(self, recording: int, variants: Variants) -> np.ndarray:
         """Rows of an effect on the rigid-body torque, which has D parts here: columns (N, n, k, D)."""
-        seen, parts = self._rigid[recording], self.parts(variants)
+        seen = (self._rigid if self._is_ticked(variants) else self._rigid_seen)[recording]
+        parts = self.parts(variants)
         count = len(variants.instance.effect.parameters)
         columns = []
         for one in variants.every:
@@ -83,6 +89,9 @@ class Rows:
                 found = np.zeros((*found.shape, parts))
             columns.append(found.swapaxes(2, 3).reshape(*found.shape[:2], parts * count))
         return self._filtered(np.concatenate(columns, axis=2), seen.gaps)
+
+    def _is_ticked(self, variants: Variants) -> bool:
+        return (variants.instance.effect.name, variants.instance.joint) in self._ticked
 
     def _filtered(self, columns: np.ndarray, gaps: tuple[np.ndarray, ...]) -> np.ndarray:
         """Columns (N, n, c), bridged where joints stand still, filtered and decimated."""

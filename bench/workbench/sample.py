@@ -8,7 +8,7 @@ from bench.workbench.encode import floats, quantised
 from bench.workbench.found import FoundModel
 from bench.workbench.system import System
 
-BYTES = 380_000  # of all quantised columns together
+BYTES, FEW_BYTES = 380_000, 300_000  # of all quantised columns together, in two bytes or in one
 FEWEST, MOST = 60, 500  # rows of a recording
 
 
@@ -20,7 +20,8 @@ def thinned(model: FoundModel, system: System) -> list[dict[str, Any]]:
     drawn = drawn_columns(system)
     used = [np.intersect1d(drawn, np.flatnonzero(one.any(axis=0))) for one in system.columns.swapaxes(0, 1)]
     lengths = [len(one.time) for one in model.plain.observations]
-    wanted = BYTES / (2.0 * sum(len(one) for one in used) * len(lengths))
+    size, most = (2, BYTES) if system.basis is None else (1, FEW_BYTES)
+    wanted = most / (size * sum(len(one) for one in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
     found, start = [], 0
     for one in model.plain.observations:
@@ -33,7 +34,7 @@ def thinned(model: FoundModel, system: System) -> list[dict[str, Any]]:
             motors.append(
                 {
                     "columns": columns.tolist(),
-                    **quantised(system.columns[rows][:, j, columns]),
+                    **quantised(system.columns[rows][:, j, columns], f"<i{size}"),
                     "modelled": floats(np.where(moving, modelled, np.nan)),
                     "measured": floats(measured[rows - start]),
                     "low": floats(np.minimum.reduceat(measured, edges)[: len(rows)]),

@@ -17,9 +17,11 @@ from bench.workbench.directions import (
 )
 from bench.workbench.found import FoundModel
 from bench.workbench.kinds import Kinds
-from bench.workbench.reduce import Reduced, coefficients_at, reduced, within_reach
+from bench.workbench.reduce import Reduced, coefficients_at, many, reduced, within_reach
 from bench.workbench.rows import Rows
 from bench.workbench.variants import Variants, shape_order
+
+HARDLY = 1e-8  # of the largest singular value: what shows less is not made larger
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,8 @@ class System:
     effects: in the order of the catalogue; starts: the first column of each, and C. reference (C,): how the found
     model combines the columns; gains (n,) its drive gains; modelled, error (M, n): its current and what it leaves,
     as far as it is combined from the columns. fitted (M,): whether a row is fitted. directions: in which other
-    models differ.
+    models differ. basis (own, own): where there are many columns, the model's own ones are combined so that they are
+    far from each other: its parameters are basis @ the coordinates by these; None where they are its parameters.
     """
 
     columns: np.ndarray
@@ -42,6 +45,7 @@ class System:
     moving: np.ndarray
     fitted: np.ndarray
     directions: Directions
+    basis: np.ndarray | None
 
 
 def build(model: FoundModel, effects: Sequence[Effect]) -> System:
@@ -56,17 +60,25 @@ def build(model: FoundModel, effects: Sequence[Effect]) -> System:
     variants = [one for effect in effects for one in kinds.of(effect)]
     rows = Rows(kinds)
     parts = {i: reduced(one, rows.of(one), moving) for i, one in enumerate(variants) if not one.follows}
-    terms = _terms(model, list(parts.values()), [one for one in variants if one.follows], own, fitted)
+    told = [one for one in variants if _tells(one, kinds)]
+    terms = _terms(model, list(parts.values()), told, own, fitted)
     directions = directions_of(model, terms, known[fitted], current[fitted], kinds.roomy)
     rows = Rows(kinds, directions)
     for i, one in enumerate(variants):
         if one.follows:
             parts[i] = reduced(one, rows.of(one), moving, rows.parts(one))
-    every = within_reach([parts[i] for i in range(len(variants))], own.shape[2])
-    columns = np.concatenate([own, *(one.columns for one in every)], axis=2) * moving[:, :, None]
+    wanted = [parts[i] for i in range(len(variants))]
+    every = within_reach(wanted, own.shape[2])
+    columns = np.concatenate([own, *(one.columns for one in every)], axis=2)
+    columns *= moving[:, :, None]
     starts = np.cumsum([own.shape[2], *(one.columns.shape[2] for one in every)])
     reference = _reference(model, every, starts, columns.shape[2])
     modelled = (columns @ reference + known) / model.solution.gains
+    basis = None
+    if many(wanted, own.shape[2]):
+        basis, back = _apart(columns[fitted, :, : own.shape[2]], model.solution.weights)
+        columns[:, :, : len(basis)] = columns[:, :, : len(basis)] @ basis
+        reference[: len(basis)] = back @ reference[: len(basis)]
     return System(
         columns=columns,
         effects=every,
@@ -78,7 +90,29 @@ def build(model: FoundModel, effects: Sequence[Effect]) -> System:
         moving=moving,
         fitted=fitted,
         directions=directions,
+        basis=basis,
     )
+
+
+def _apart(own: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How columns (M, n, p) are combined (p, p) to orthogonal ones of the same size, and the inverse.
+
+    Combinations that the recordings do not show stay small.
+    """
+    rows = (own * weights[:, None]).reshape(-1, own.shape[2])
+    _, singular, right = np.linalg.svd(np.linalg.qr(rows, mode="r"), full_matrices=False)
+    sizes = np.maximum(singular, HARDLY * singular[0]) if singular[0] > 0.0 else np.ones(len(singular))
+    return right.T / sizes, sizes[:, None] * right
+
+
+def _tells(variants: Variants, kinds: Kinds) -> bool:
+    """Whether an effect that follows the present model counts where directions are looked for.
+
+    Of many effects through the loops, each with a small share, only those found.
+    """
+    instance = variants.instance
+    named = (instance.effect.name, instance.joint) in kinds.ticked
+    return variants.follows == "needed" or (variants.follows == "rigid" and (kinds.roomy or named))
 
 
 def coordinates_of(system: System, part: Reduced) -> np.ndarray | None:
@@ -86,7 +120,10 @@ def coordinates_of(system: System, part: Reduced) -> np.ndarray | None:
     follows = part.variants.follows
     count = system.columns.shape[2]
     if follows == "rigid":
-        return rigid_coordinates(system.directions, count)
+        found = rigid_coordinates(system.directions, count)
+        if system.basis is not None:
+            found[:, : len(system.basis)] = found[:, : len(system.basis)] @ system.basis
+        return found
     if follows == "needed":
         joints = list(system.directions.model.plain.dataset.robot.joints)
         motor = joints.index(part.variants.instance.joint)

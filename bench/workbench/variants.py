@@ -7,8 +7,12 @@ from itertools import product
 import numpy as np
 
 from bench.effects import ActuatorEffect, Bracket, Effect, EffectInstance, RobotSignals, ShapeParameter
+from bench.estimate.settle import MOST_ROUNDS, NEARBY
 
-NODES = 26  # at which a continuous shape parameter is evaluated within its range
+NODES, FEW_NODES = (
+    26,
+    18,
+)  # at which a continuous shape parameter is evaluated within its range; of many effects
 WINDOW_NODES = 11  # the same within a narrow bracket
 WINDOW = 2.0  # ratio of a bracket's ends below which it counts as narrow
 TIME_NODES = 9  # of a time about which columns are linearised
@@ -114,7 +118,11 @@ def branches_of(effect: Effect) -> tuple[tuple[float, ...], ...]:
 
 
 def shaped(
-    instance: EffectInstance, found: Sequence[tuple[tuple[Bracket, ...], ...]], scale: str, approximate: bool
+    instance: EffectInstance,
+    found: Sequence[tuple[tuple[Bracket, ...], ...]],
+    scale: str,
+    approximate: bool,
+    nodes: int = NODES,
 ) -> Variants:
     """An effect with a shape parameter; found: its brackets in every branch, beside several models."""
     windows = any(one != found[0] for one in found[1:])
@@ -122,7 +130,9 @@ def shaped(
         tuple(sorted(set(each[0]).union(*each[1:]))) if windows else each[0]
         for each in zip(*found, strict=True)
     )
-    pieces = tuple(piece for i, one in enumerate(brackets) for piece in _pieces(one, i))
+    own = float(getattr(instance.effect, shape_order(instance.effect)[0].name))
+    around = () if windows else _around(own, brackets)
+    pieces = tuple(piece for i, one in enumerate(brackets) for piece in _pieces((*one, *around), i, nodes))
     return Variants(
         instance, "shape", pieces, branches_of(instance.effect), brackets, scale, approximate, windows
     )
@@ -165,7 +175,16 @@ def scale_of(
     return "gain_size" if np.abs(minus - columns).max(initial=0.0) <= close else ""
 
 
-def _pieces(brackets: Sequence[Bracket], branch: int) -> tuple[Piece, ...]:
+def _around(own: float, brackets: Sequence[Sequence[Bracket]]) -> tuple[Bracket, ...]:
+    """The neighbourhood of an effect's own value, which competes when its shape is searched; none where it is near."""
+    every = [one for branch in brackets for one in branch if one[0] < one[2]]
+    if own <= 0.0 or not every or min(one[0] for one in every) <= own <= max(one[2] for one in every):
+        return ()
+    reach = (1.0 + NEARBY) ** (MOST_ROUNDS + 1)
+    return ((own / reach, own, own * reach),)
+
+
+def _pieces(brackets: Sequence[Bracket], branch: int, count: int) -> tuple[Piece, ...]:
     """Wide brackets that overlap become one stretch; values without a surrounding stay alone."""
     pieces: list[Piece] = []
     wide: list[float] = []
@@ -180,7 +199,7 @@ def _pieces(brackets: Sequence[Bracket], branch: int) -> tuple[Piece, ...]:
         low, high = min(wide), max(wide)
         logarithmic = low > 0.0 and high / low > 4.0
         ends = np.log([low, high]) if logarithmic else (low, high)
-        nodes = _chebyshev(float(ends[0]), float(ends[1]), NODES)
+        nodes = _chebyshev(float(ends[0]), float(ends[1]), count)
         pieces.insert(0, Piece(np.exp(nodes) if logarithmic else nodes, logarithmic, branch))
     return tuple(pieces)
 

@@ -1,7 +1,7 @@
 "use strict";
 /* The page's columns, motor by motor, and how an effect's are combined from them at any value and present model. */
 const WorkbenchColumns = (() => {
-  const {floats, doubles, gramOf} = WorkbenchNumbers;
+  const {floats, doubles, triangleOf, gramOf} = WorkbenchNumbers;
 
   function motorOf(data, motor) {
     const size = motor.columns.length + 2;
@@ -12,8 +12,8 @@ const WorkbenchColumns = (() => {
     return {
       size,
       index,
-      fitted: gramOf(floats(motor.fitted.triangle), size),
-      judged: gramOf(floats(motor.judged.triangle), size),
+      fitted: gramOf(triangleOf(motor.fitted.triangle, size), size),
+      judged: gramOf(triangleOf(motor.judged.triangle, size), size),
     };
   }
 

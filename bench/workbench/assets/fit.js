@@ -1,15 +1,29 @@
 "use strict";
 /* The model with any effects: shapes found, columns linearised about the present model, as bench/estimate/settle.py does. */
 const WorkbenchFit = (() => {
-  const {times, factorised, solved, smallest} = WorkbenchNumbers;
+  const {doubles, times, factorised, solved, smallest} = WorkbenchNumbers;
   const MOST_ROUNDS = 4;
   const SETTLED = 1e-4;
+  const NEARBY = 0.02; // of a shape's present value: how far around it the shape is searched, beside all else
 
   function create(data) {
     const columns = WorkbenchColumns.create(data);
     const {motors, places, found, within, coefficients, combined} = columns;
     const {systemOf, errors, solve, besides, differenceOf, squares} = WorkbenchEquations.create(data, columns);
     const own = data.own;
+    const basis = data.basis && doubles(data.basis);
+
+    /* The model's own parameters, from how its own columns are combined. */
+    const parametersOf = (theta) => (basis ? times(basis, own, theta) : theta.slice(0, own));
+
+    /* The neighbourhood of a shape's present value, which competes with the others. */
+    function nearby({place, value}, brackets, branch) {
+      if (value <= 0 || !brackets.some(([low, , high]) => low < high)) return [];
+      const {piece, outside} = within(place, value, branch);
+      if (outside || piece.nodes.length < 2) return [];
+      const last = piece.nodes[piece.nodes.length - 1];
+      return [[Math.max(value * (1 - NEARBY), piece.nodes[0]), value, Math.min(value * (1 + NEARBY), last)]];
+    }
 
     /* The branch and the value of a shape that explain most of what is left; held: the value stays. */
     function bestShape(term, {inner, score}, present) {
@@ -32,7 +46,7 @@ const WorkbenchFit = (() => {
       const along = (brackets, branch) => {
         if (term.held) return {value: term.value, branch, cost: unexplained(term.value, branch)};
         let best = null;
-        for (const [low, value, high] of brackets) {
+        for (const [low, value, high] of [...brackets, ...nearby(term, brackets, branch)]) {
           const cost = unexplained(value, branch);
           if (!best || cost < best.cost) best = {low, value, high, cost, branch};
         }
@@ -132,7 +146,7 @@ const WorkbenchFit = (() => {
         fitted: share("fitted"),
         judged: share("judged"),
         by: data.motors.map((motor, j) => ({fitted: share("fitted", j), judged: share("judged", j), gain: solution.gains[j]})),
-        theta: solution.theta.slice(0, own),
+        theta: parametersOf(solution.theta),
         effects,
         difference: differenceOf(system, solution),
         gains: solution.gains,

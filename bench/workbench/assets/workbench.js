@@ -255,6 +255,7 @@
       const near = names((one) => one.place.approximate);
       const whole = [...foundTicks].every((key) => state.ticks.has(key));
       const needed = names((one) => one.place.needed && !whole);
+      const short = names((one) => data.basis && one.place.kind === "shape" && !one.place.approximate);
       const outside = names((one) => one.outside);
       const windows = names((one) => one.place.windows && !one.values.some((value) => value.held));
       const held = names((one) => one.values.some((value) => value.held));
@@ -262,6 +263,9 @@
         said.push(
           `${titled(list(near))}: linearised about the model that was found; bench identify linearises anew, and may differ in the third digit.`,
         );
+      }
+      if (short.length) {
+        said.push(`${titled(list(short))}: beside so many effects, in few digits; bench identify may differ in the third one.`);
       }
       if (needed.length) {
         said.push(
