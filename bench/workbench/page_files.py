@@ -13,6 +13,7 @@ SCRIPTS = (
     "curves.js",
     "sliders.js",
     "effects_list.js",
+    "skeleton.js",
     "workbench.js",
 )
 

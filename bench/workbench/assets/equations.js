@@ -199,8 +199,8 @@ const WorkbenchEquations = (() => {
       return {d, gains};
     }
 
-    /* The current-domain solution of a system. */
-    function solve(system) {
+    /* The current-domain solution of a system; from: a solution nearby, {d, gains}, at which to begin. */
+    function solve(system, from = null) {
       const kept = keptColumns(system);
       const {p, K: whole} = system;
       const index = [...kept, p, p + 1, p + 2];
@@ -213,10 +213,13 @@ const WorkbenchEquations = (() => {
       };
       const currentWeights = (at) =>
         errors(grams, K, at.d, at.gains).map((one) => 1 / Math.max(Math.sqrt(one / data.rows), 1e-9 * largest + TINY));
-      let at = linear(grams, K, new Array(n).fill(1));
-      for (let i = 0; i < REWEIGHTINGS; i++) at = linear(grams, K, torqueWeights(at));
+      let at = from && {d: Float64Array.from(kept, (column) => from.d[column]), gains: from.gains};
+      if (!from) {
+        at = linear(grams, K, new Array(n).fill(1));
+        for (let i = 0; i < REWEIGHTINGS; i++) at = linear(grams, K, torqueWeights(at));
+      }
       let weights = currentWeights(at);
-      for (let i = 0; i < REWEIGHTINGS; i++) {
+      for (let i = from ? 1 : 0; i < REWEIGHTINGS; i++) {
         at = minimised(grams, K, at, weights);
         weights = currentWeights(at);
       }

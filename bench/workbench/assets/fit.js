@@ -101,12 +101,9 @@ const WorkbenchFit = (() => {
 
     const chosen = ({value, branch}) => ({value, branch});
 
-    /*
-    The model with the effects of these keys. held: values by key at which a shape, or a time, is held. Errors are
-    shares of the measured current; `by` motor. In parts: what the last one returns is the model.
-    */
-    function* fitted(keys, held = {}) {
-      const terms = places
+    /* Effects that are ticked, held at a value or about to be searched. */
+    const termsOf = (keys, held) =>
+      places
         .filter((place) => keys.has(place.key))
         .map((place) => ({
           place,
@@ -115,8 +112,46 @@ const WorkbenchFit = (() => {
           held: held[place.key] !== undefined,
           fixed: held[place.key] !== undefined && place.kind === "value",
         }));
-      const system = systemOf(terms, yield* settled(terms));
-      const solution = solve(system);
+
+    /*
+    The model with the effects of these keys. held: values by key at which a shape, or a time, is held. Errors are
+    shares of the measured current; `by` motor. In parts: what the last one returns is the model.
+    */
+    function* fitted(keys, held = {}) {
+      const terms = termsOf(keys, held);
+      const present = yield* settled(terms);
+      const system = systemOf(terms, present);
+      return answered(terms, present, system, solve(system));
+    }
+
+    /*
+    About the same at once, from a model nearby: what that one has stays in its shape, and shapes that are new are
+    looked for beside it.
+    */
+    function nearly(keys, held, near) {
+      const {terms: before, present, system: at, solution: from} = near.made;
+      const terms = termsOf(keys, held);
+      const d = new Float64Array(own + terms.reduce((sum, term) => sum + (term.fixed ? 0 : term.place.count), 0));
+      d.set(from.d.subarray(0, own));
+      let place = own;
+      for (const term of terms) {
+        const known = before.find((other) => other.place === term.place);
+        if (!term.held && known) Object.assign(term, {value: known.value, branch: known.branch});
+        else if (!term.held && term.place.kind === "shape") {
+          Object.assign(term, chosen(bestShape(term, besides(at, from, term.place), present)));
+        }
+        if (term.fixed) continue;
+        if (known && !known.fixed) {
+          const start = before.slice(0, before.indexOf(known)).reduce((sum, one) => sum + (one.fixed ? 0 : one.place.count), own);
+          d.set(from.d.subarray(start, start + term.place.count), place);
+        }
+        place += term.place.count;
+      }
+      const system = systemOf(terms, present);
+      return answered(terms, present, system, solve(system, {d, gains: from.gains}));
+    }
+
+    function answered(terms, present, system, solution) {
       const left = {fitted: errors(system.fitted, system.K, solution.d, solution.gains)};
       const judged = motors.map((one) => combined(one, one.judged, system.columns));
       left.judged = errors(judged, system.K, solution.d, solution.gains);
@@ -150,6 +185,7 @@ const WorkbenchFit = (() => {
         effects,
         difference: differenceOf(system, solution),
         gains: solution.gains,
+        made: {terms, present, system, solution},
       };
     }
 
@@ -161,7 +197,7 @@ const WorkbenchFit = (() => {
       return part.value;
     }
 
-    return {fit, fitted, places};
+    return {fit, fitted, nearly, places};
   }
 
   return {create};

@@ -1,102 +1,10 @@
 "use strict";
 /* The workbench: tick effects, and see errors, gains, ladder and curves of the model that has them. */
 (() => {
-  const {make, spoken, titled, unitOf, rowOf} = WorkbenchList;
+  const {spoken, titled, unitOf, rowOf} = WorkbenchList;
+  const {segments, skeleton, table} = WorkbenchSkeleton;
   const SLICE = 14; // ms of solving between two looks at the page
   const MOST_STEPS = 6; // effects of which a ladder is made
-
-  function segments(parent, name, options, changed) {
-    const set = make("fieldset", "", parent);
-    make("legend", "", set, name);
-    const select = make("select", "", set);
-    select.setAttribute("aria-label", name);
-    options.forEach((option, i) => (make("option", "", select, option).value = i));
-    select.addEventListener("change", () => changed(Number(select.value)));
-    return select;
-  }
-
-  function tile(list, name) {
-    const one = make("div", "tile", list);
-    make("dt", "", one, name);
-    return {value: make("dd", "", one), note: make("dd", "note", one)};
-  }
-
-  function skeleton(section, data) {
-    section.classList.add("bench");
-    make("h2", "", section, "Workbench");
-    make(
-      "p",
-      "lead",
-      section,
-      "Tick an effect, and this page fits the model anew. What it shows is what bench identify finds with these effects.",
-    );
-    const now = make("div", "bench-now", section);
-    const tiles = make("dl", "tiles", now);
-    const judged = tile(tiles, "Error, not fitted");
-    const fitted = tile(tiles, "Error, fitted");
-    const buttons = make("div", "bench-buttons", now);
-    const found = make("button", "", buttons, "Found by diagnose");
-    const nothing = make("button", "", buttons, "Nothing");
-    for (const one of [found, nothing]) one.type = "button";
-    const said = make("p", "bench-said", section);
-    said.setAttribute("role", "status");
-    const grid = make("div", "bench-grid", section);
-    const left = make("div", "bench-list", grid);
-    make("h3", "", left, "Effects");
-    make("p", "aid", left, "Beside each: the error on recordings that were not fitted, if you tick it or take it out.");
-    const list = make("ul", "bench-effects", left);
-    const hidden = make("p", "aid", left);
-    const right = make("div", "bench-answer", grid);
-    const part = (title, aid) => {
-      const one = make("div", "part", right);
-      make("h3", "", one, title);
-      if (aid) make("p", "aid", one, aid);
-      return one;
-    };
-    const ladder = part("Error, effect by effect", "From the model without any effect; at each step the one that helps most.");
-    const motors = part("Drive gains and errors", "Fitted, not fitted: error of this motor's current.");
-    const curves = part("Currents", "");
-    const choices = make("div", "choices", curves);
-    const aid = make("p", "aid", curves);
-    const more = make("div", "part", right);
-    const fold = (title) => {
-      const details = make("details", "", more);
-      make("summary", "", details, title);
-      return details;
-    };
-    return {
-      judged,
-      fitted,
-      found,
-      nothing,
-      said,
-      list,
-      hidden,
-      ladder: make("div", "chart", ladder),
-      gains: make("div", "scroll", motors),
-      choices,
-      aid,
-      curves: make("div", "chart", curves),
-      parameters: make("div", "scroll", fold("Dynamic parameters")),
-      command: make("pre", "", fold("The same on the command line")),
-      data,
-    };
-  }
-
-  function table(holder, heads, rows) {
-    const found = document.createElement("table");
-    const top = make("tr", "", make("thead", "", found));
-    heads.forEach((head, i) => (make("th", i ? "right" : "", top, head).scope = "col"));
-    const body = make("tbody", "", found);
-    for (const row of rows) {
-      const line = make("tr", "", body);
-      row.forEach((cell, i) => {
-        const at = make("td", i ? "right" : "", line, cell.text ?? cell);
-        if (cell.data) Object.assign(at.dataset, cell.data);
-      });
-    }
-    holder.replaceChildren(found);
-  }
 
   function start(section, data, Charts) {
     const {formatNumber} = Charts;
@@ -111,6 +19,7 @@
     const judgedAny = data.motors.some((motor) => motor.judged.squares > 0);
     const errorOf = (fit) => (judgedAny ? fit.judged : fit.fitted);
     const percent = (share, digits = 3) => (share === null ? "–" : `${formatNumber(100 * share, digits)} %`);
+    const many = Boolean(data.basis); // effects: more than can be fitted in an instant
     let task = 0;
     let shown = null;
 
@@ -129,6 +38,16 @@
       const name = nameOf(ticks, held);
       if (!known.has(name)) known.set(name, yield* equations.fitted(ticks, heldOf(ticks, held)));
       return known.get(name);
+    }
+
+    /* Of many effects: nearly the same in an instant, from a model nearby. */
+    const nearly = (ticks, near, held = state.held) =>
+      known.get(nameOf(ticks, held)) || equations.nearly(ticks, heldOf(ticks, held), near);
+
+    /* For ladder and ticks: the model itself, or of many effects nearly the same. */
+    function* lookedAt(ticks, near) {
+      yield;
+      return many ? nearly(ticks, near) : yield* fitSlowly(ticks);
     }
 
     function switched(name) {
@@ -317,6 +236,11 @@
       else curveChart = Charts.create(parts.curves, figure);
     }
 
+    function* all() {
+      if (!known.has(nameOf(state.ticks, state.held))) show(yield* fitSlowly(state.ticks));
+      yield* later();
+    }
+
     /* Steps of the ladder, and the error behind every tick, solved in slices so that the page stays awake. */
     function* later() {
       const nothing = yield* fitSlowly(new Set(), {});
@@ -329,7 +253,7 @@
         let best = null;
         for (const name of left) {
           const ticks = new Set([...taken, ...ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key))]);
-          const fit = yield* fitSlowly(ticks);
+          const fit = yield* lookedAt(ticks, steps[steps.length - 1][1]);
           if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
           yield;
         }
@@ -343,19 +267,22 @@
       const now = fitOf(state.ticks);
       const largest = Math.max(errorOf(nothing), errorOf(now));
       for (const row of rows) {
-        row.after(state, now, yield* fitSlowly(switched(row.name)), errorOf, largest, percent);
+        row.after(state, now, yield* lookedAt(switched(row.name), now), errorOf, largest, percent);
         yield;
       }
       section.dataset.ready = "true";
     }
 
-    function draw(whole = true) {
-      const began = performance.now();
-      const fit = fitOf(state.ticks);
+    function show(fit) {
       shown = fit;
       for (const row of rows) row.show(state, fit);
       drawFigures(fit);
       drawCurves(fit);
+    }
+
+    function draw(whole = true) {
+      const began = performance.now();
+      show(many && shown ? nearly(state.ticks, shown) : fitOf(state.ticks));
       section.dataset.ready = "false";
       section.dataset.reaction = (performance.now() - began).toFixed(1);
       clearTimeout(task);
@@ -363,7 +290,7 @@
         task = setTimeout(() => draw(true), 250);
         return;
       }
-      const work = later();
+      const work = all();
       const slice = () => {
         const until = performance.now() + SLICE;
         let done = false;
