@@ -116,8 +116,12 @@ def extended_toml(
     else:
         text, defined, listed = f"robot = {_text(reference)}\n", {}, []
     for entry in entries:
-        if entry.file in [recording.file for recording in listed] or (folder / entry.file).exists():
-            raise BenchError(f"{folder / entry.file}: exists already; choose another name for the recording")
+        known = entry.file in [recording.file for recording in listed]
+        if known or (folder / entry.file).exists():
+            also = f" and edit {path}" if known else ""
+            raise BenchError(
+                f"{folder / entry.file}: exists already; choose another name for the recording, or delete the file{also}"
+            )
         if entry.payload is None:
             continue
         if robot.tool_site is None:
@@ -129,7 +133,9 @@ def extended_toml(
         if (fault := payload_fault(payload)) is not None:
             raise BenchError(f"payload {payload.name!r}: {fault[0]} {fault[1]}")
         if payload.name in defined:
-            raise BenchError(f"{path}: payloads.{payload.name}: is defined already; give its name alone")
+            raise BenchError(
+                f"{path}: payloads.{payload.name}: is defined already; give its name alone, or edit {path}"
+            )
         added = [payload]
     text = text.rstrip("\n") + "\n" + "\n".join(toml_tables(entries, added)) + "\n"
     try:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,41 @@ import numpy.typing as npt
 from scipy.io import loadmat
 from scipy.io.matlab import MatReadError
 
+from bench.csv_text import CsvText
 from bench.errors import BenchError
-from bench.table_file import read_table
+from bench.table_file import Table, read_table
 from bench.toml_input import one_line
 
 Array = npt.NDArray[np.float64]
 
 
-def read_log(path: str | Path) -> Mapping[str, Array]:
+@dataclass(frozen=True, eq=False)
+class Log:
+    """What a log holds: `vectors` of numbers by name, and the `table` they are from, None for other files."""
+
+    path: Path
+    vectors: Mapping[str, Array]
+    table: Table | None = None
+
+    @property
+    def texts(self) -> list[str]:
+        """Columns of the table in which some cell is no number."""
+        columns = [] if self.table is None else self.table.columns
+        return [column for column in columns if column and column not in self.vectors]
+
+    @property
+    def lines(self) -> CsvText | None:
+        """The text of a CSV file, whose lines a message can name."""
+        return None if self.table is None else self.table.text
+
+    def numbers(self, name: str) -> Array:
+        """A vector (N,); KeyError for an unknown name, BenchError that names the cell where one is no number."""
+        if self.table is not None and name in self.texts:
+            return self.table.numbers(name)
+        return self.vectors[name]
+
+
+def read_log(path: str | Path) -> Log:
     """Every vector of numbers in the file, by name; a scalar is a vector of length 1.
 
     Errors: BenchError in one line when the file is missing, broken, of an unknown kind or without numbers.
@@ -36,18 +64,19 @@ def read_log(path: str | Path) -> Mapping[str, Array]:
         raise BenchError(f"{path}: a log is one of {', '.join(readers)}")
     if not path.is_file():
         raise BenchError(f"{path}: no such file")
-    vectors = reader(path)
-    if not vectors:
+    log = reader(path)
+    if not log.vectors and not log.texts:
         raise BenchError(f"{path}: holds no numbers")
-    return vectors
+    return log
 
 
-def _read_columns(path: Path) -> dict[str, Array]:
+def _read_columns(path: Path) -> Log:
     table = read_table(path)
-    return {column: table.numbers(column) for column in table.columns if column and table.is_plain(column)}
+    plain = [column for column in table.columns if column and table.is_plain(column)]
+    return Log(path, {column: table.numbers(column) for column in plain}, table)
 
 
-def _read_mat(path: Path) -> dict[str, Array]:
+def _read_mat(path: Path) -> Log:
     try:
         content = loadmat(path, squeeze_me=False, struct_as_record=True)
     except NotImplementedError as error:
@@ -55,10 +84,10 @@ def _read_mat(path: Path) -> dict[str, Array]:
     except (MatReadError, zlib.error, ValueError, TypeError, OSError, LookupError) as error:
         raise BenchError(f"{path}: is not a whole MATLAB file: {one_line(error)}") from error
     named = {name: value for name, value in content.items() if not name.startswith("__")}
-    return {name: vector for key, value in named.items() for name, vector in _vectors(key, value)}
+    return Log(path, {name: vector for key, value in named.items() for name, vector in _vectors(key, value)})
 
 
-def _read_npz(path: Path) -> dict[str, Array]:
+def _read_npz(path: Path) -> Log:
     if not zipfile.is_zipfile(path):
         raise BenchError(f"{path}: is not a whole NumPy archive")
     found: dict[str, Array] = {}
@@ -71,7 +100,7 @@ def _read_npz(path: Path) -> dict[str, Array]:
                     continue
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, KeyError) as error:
         raise BenchError(f"{path}: is not a whole NumPy archive: {one_line(error)}") from error
-    return found
+    return Log(path, found)
 
 
 def _vectors(name: str, value: Any) -> Iterator[tuple[str, Array]]:

@@ -18,7 +18,7 @@ from bench.dataset_toml import DATASET_FILE, RecordingEntry, extended_toml
 from bench.errors import BenchError, meant
 from bench.files import write_text_atomically
 from bench.joint_facts import joint_facts
-from bench.log_file import read_log
+from bench.log_file import Log, read_log
 from bench.payload import Payload
 from bench.recording import Use, write_table
 from bench.recording_checks import Check
@@ -85,7 +85,9 @@ def import_log(
     loaded = load_robot(robot)
     reference = _reference(loaded, folder)
     log_map = replace(log_map, scale=_factors(file, log_map.scale or {}, loaded))
-    columns = _columns(file, read_log(file), loaded, log_map)
+    log = read_log(file)
+    sources = _sources(file, log, loaded, log_map)
+    columns = _columns(file, log, sources, log_map)
     parts = _split(file, columns, use, name or f"{file.stem}.csv", validate_fraction)
     label = payload.name if isinstance(payload, Payload) else payload
     entries = [RecordingEntry(part.name, part.use, label, tuple(accept)) for part in parts]
@@ -95,7 +97,8 @@ def import_log(
     joints = joint_facts(loaded)
     for part in parts:
         try:
-            recording_from_table(Table(file, part.table, None), part.name, part.use, label, joints, accept)
+            table = Table(file, part.table, log.lines, part.first_row, sources)
+            recording_from_table(table, part.name, part.use, label, joints, accept)
         except BenchError as error:
             raise BenchError(_with_cure(str(error))) from error
     _write(folder, text, parts)
@@ -150,14 +153,15 @@ class _Part:
     name: str
     use: Use
     columns: Mapping[str, Array]
+    first_row: int = 0
 
     @property
     def table(self) -> pa.Table:
         return pa.table({name: pa.array(values) for name, values in self.columns.items()})
 
 
-def _columns(file: Path, log: Mapping[str, Array], robot: Robot, log_map: LogMap) -> dict[str, Array]:
-    """The recording's columns in SI, `time` first."""
+def _sources(file: Path, log: Log, robot: Robot, log_map: LogMap) -> dict[str, str]:
+    """Column -> its name in the log, for all that the recording gets."""
     needed = [f"{kind}.{joint}" for kind in ("position", "current") for joint in robot.joints]
     if log_map.rate is None:
         needed.insert(0, "time")
@@ -166,17 +170,24 @@ def _columns(file: Path, log: Mapping[str, Array], robot: Robot, log_map: LogMap
     elif not (np.isfinite(log_map.rate) and log_map.rate > 0.0):
         raise BenchError(f"{file}: the rate must be positive, not {log_map.rate:g} Hz")
     _check_targets(file, log_map, needed, robot)
-    sources = {target: target for target in needed if target in log} | dict(log_map.columns)
+    there = [*log.vectors, *log.texts]
+    sources = {target: target for target in needed if target in there} | dict(log_map.columns)
     missing = [target for target in needed if target not in sources]
     if missing:
         raise BenchError(f"{file}: nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})")
     for target, source in sources.items():
-        if source not in log:
+        if source not in there:
             raise BenchError(f"{file}: there is no {source!r} for {target} (the log has {_inventory(log)})")
+    return sources
+
+
+def _columns(file: Path, log: Log, sources: Mapping[str, str], log_map: LogMap) -> dict[str, Array]:
+    """The recording's columns in SI, `time` first."""
     scale: Mapping[str, Any] = log_map.scale or {}
-    columns = {target: log[source] * scale.get(target, 1.0) for target, source in sources.items()}
+    columns = {target: log.numbers(source) * scale.get(target, 1.0) for target, source in sources.items()}
     if log_map.rate is not None:
-        columns = {"time": np.arange(log[sources[needed[0]]].size) / log_map.rate} | columns
+        first = next(target for target in sources if target.startswith("position."))
+        columns = {"time": np.arange(columns[first].size) / log_map.rate} | columns
     count = columns["time"].size
     for target, values in columns.items():
         if values.size != count:
@@ -198,8 +209,9 @@ def _check_targets(file: Path, log_map: LogMap, needed: Sequence[str], robot: Ro
             raise BenchError(f"{file}: the scale of {target} must not be {factor:g}")
 
 
-def _inventory(log: Mapping[str, Array], most: int = 30) -> str:
-    names = [f"{name} ({values.size})" for name, values in log.items()]
+def _inventory(log: Log, most: int = 30) -> str:
+    names = [f"{name} ({values.size})" for name, values in log.vectors.items()]
+    names += [f"{name} (with text)" for name in log.texts]
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
@@ -219,6 +231,7 @@ def _split(file: Path, columns: Mapping[str, Array], use: Use, name: str, fracti
             f"{path.stem}-validate{path.suffix}",
             "validate",
             {key: values[first:] for key, values in columns.items()},
+            first,
         ),
     ]
 

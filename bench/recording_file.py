@@ -47,7 +47,7 @@ def recording_from_table(
     time = table.finite("time")
     signals = np.column_stack([table.finite(column) for column in columns])
     if (fault := time_fault(time)) is not None:
-        raise BenchError(_message(table, "time", fault.row, fault.what))
+        raise BenchError(f"{table.place('time', fault.row)}: {fault.what}")
     _check_signals(table, columns, time, signals, joints, frozenset(accept))
     extra = {
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
@@ -92,9 +92,4 @@ def _check_signals(
     others = sorted({other for other, _ in found[1:] if other != column})
     more = f"; more in {', '.join(others)}" if others else ""
     accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
-    raise BenchError(_message(table, column, finding.row, finding.what) + more + accept)
-
-
-def _message(table: Table, column: str, row: int | None, what: str) -> str:
-    where = "" if row is None else f", {table.row_name(row)}"
-    return f"{table.path}: column {column}{where}: {what}"
+    raise BenchError(f"{table.place(column, finding.row)}: {finding.what}{more}{accept}")

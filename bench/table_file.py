@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import io
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +30,17 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The columns of one file. `text` is the CSV it came from, None for Parquet."""
+    """The columns of one file, or of a part of it.
+
+    `text` is the CSV it came from, None for other files; `first_row` is the file's row (0 is the first) that the
+    part begins with; `sources` holds what the file calls a column where that is another name.
+    """
 
     path: Path
     data: pa.Table
     text: CsvText | None
+    first_row: int = 0
+    sources: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def columns(self) -> list[str]:
@@ -42,7 +49,15 @@ class Table:
 
     def row_name(self, row: int) -> str:
         """A row (0 is the first) as the user finds it: "line 2" of a CSV, "row 0" of a Parquet file."""
+        row += self.first_row
         return f"row {row}" if self.text is None else f"line {self.text.line(row)}"
+
+    def place(self, column: str, row: int | None = None) -> str:
+        """Where something stands, for a message: file, column, and the row where it is one."""
+        source = self.sources.get(column, column)
+        named = column if source == column else f"{column} ({source!r} of the log)"
+        where = "" if row is None else f", {self.row_name(row)}"
+        return f"{self.path}: column {named}{where}"
 
     def is_plain(self, column: str) -> bool:
         """Whether the column can be kept as an extra: numbers or true and false, empty cells aside."""
@@ -63,7 +78,7 @@ class Table:
         if (found := self.text.first_text(index)) is None:
             return np.array(self.text.floats(index))
         row, cell = found
-        raise BenchError(f"{self.path}: column {column}, {self.row_name(row)}: {cell!r} is not a number")
+        raise BenchError(f"{self.place(column, row)}: {cell!r} is not a number")
 
     def finite(self, column: str) -> Array:
         """The column (N,) as floats; BenchError that names the first row that is empty, NaN or infinite."""
@@ -75,13 +90,14 @@ class Table:
             row = int(bad[0])
             more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
             what = self._what_stands(column, row, values[row])
-            raise BenchError(f"{self.path}: column {column}, {self.row_name(row)}: {what}{more}")
+            raise BenchError(f"{self.place(column, row)}: {what}{more}")
         return values
 
     def _what_stands(self, column: str, row: int, value: float) -> str:
-        if self.text is None:
+        source = self.sources.get(column, column)
+        if self.text is None or source not in self.text.names:
             return "is empty" if not self.data[column][row].is_valid else f"is {value}"
-        cell = self.text.cell(row, self.columns.index(column))
+        cell = self.text.cell(self.first_row + row, self.text.names.index(source))
         return f"is {cell!r}, which is no measurement" if cell else "is empty"
 
 

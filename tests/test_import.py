@@ -221,6 +221,76 @@ def test_a_file_that_is_broken_is_named(
     assert "\n" not in str(caught.value)
 
 
+def spoilt(path: Path, line: int, column: int, cell: str) -> Path:
+    """A CSV log with another text in one cell; the file's first line, of names, is 1."""
+    write_table(path, log())
+    lines = path.read_text().splitlines()
+    cells = lines[line - 1].split(",")
+    cells[column] = cell
+    lines[line - 1] = ",".join(cells)
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+FAULTY_CELLS = {
+    "text": (1201, 4, "ERR", "column ia, line 1201: 'ERR' is not a number"),
+    "not a number": (
+        1201,
+        4,
+        "nan",
+        "column current.arm ('ia' of the log), line 1201: is 'nan', which is no measurement",
+    ),
+    "empty": (1201, 1, "", "column position.arm ('qa' of the log), line 1201: is empty"),
+    "time": (1201, 0, "0.1", "column time ('t' of the log), line 1201: goes back"),
+}
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.75])
+@pytest.mark.parametrize("fault", FAULTY_CELLS)
+def test_a_faulty_cell_is_named_by_its_line_in_the_log(
+    fault: str, fraction: float, tmp_path: Path, robot: str
+) -> None:
+    line, column, cell, expected = FAULTY_CELLS[fault]
+    file = spoilt(tmp_path / "log.csv", line, column, cell)
+    with pytest.raises(BenchError) as caught:
+        import_log(file, robot, MAP, tmp_path / "out", validate_fraction=fraction)
+    assert str(caught.value).startswith(f"{file}: {expected}")
+    assert not (tmp_path / "out").exists()
+
+
+def test_text_in_a_column_that_nobody_needs_does_no_harm_and_is_told_where_one_is_missing(
+    tmp_path: Path, robot: str
+) -> None:
+    file = tmp_path / "log.csv"
+    write_table(file, log())
+    head, *lines = file.read_text().splitlines()
+    file.write_text("\n".join([f"{head},state", *(f"{line},RUN" for line in lines)]) + "\n")
+    import_log(file, robot, MAP, tmp_path / "out")
+    with pytest.raises(BenchError, match=r"no 'status' for state .*state \(with text\)"):
+        import_log(file, robot, LogMap({**MAP.columns, "state": "status"}), tmp_path / "other")
+
+
+def test_rows_of_a_log_without_lines_are_those_of_the_log(tmp_path: Path, robot: str) -> None:
+    columns = log()
+    columns["qr"][1600] = np.nan
+    save_npz(tmp_path / "log.npz", columns)
+    with pytest.raises(BenchError, match=r"column position.rail \('qr' of the log\), row 1600: is nan"):
+        import_log(tmp_path / "log.npz", robot, MAP, tmp_path / "out", validate_fraction=0.5)
+
+
+def test_a_payload_that_is_defined_twice_is_told_with_its_repair(
+    tmp_path: Path, robot: str, mat: Path
+) -> None:
+    (tmp_path / "out").mkdir()
+    path = tmp_path / "out" / "dataset.toml"
+    path.write_text(
+        f'robot = "{robot}"\n\n[payloads.disc]\nmass = 1.0\n\n[[recordings]]\nfile = "a.csv"\nuse = "identify"\n'
+    )
+    with pytest.raises(BenchError, match="give its name alone, or edit") as caught:
+        import_log(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0))
+    assert str(caught.value).endswith(str(path))
+
+
 def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
     tmp_path: Path, robot: str, mat: Path
 ) -> None:
@@ -229,7 +299,7 @@ def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
     before = {path: path.read_bytes() for path in out.iterdir()}
     other = write_robot(tmp_path / "other")
     for arguments, expected in (
-        ({"robot": robot}, "log.csv: exists already"),
+        ({"robot": robot}, f"or delete the file and edit {out / 'dataset.toml'}"),
         ({"robot": str(other), "name": "b.csv"}, "robot"),
         ({"robot": robot, "name": "b.csv", "payload": "disk"}, "'disk' is not defined"),
         ({"robot": robot, "name": "b.csv", "payload": Payload("disc", -1.0)}, "mass must be positive"),
