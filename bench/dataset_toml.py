@@ -120,7 +120,8 @@ def extended_toml(
         if known or (folder / entry.file).exists():
             also = f" and edit {path}" if known else ""
             raise BenchError(
-                f"{folder / entry.file}: exists already; choose another name for the recording, or delete the file{also}"
+                f"{folder / entry.file}: exists already; choose another name for the recording, "
+                f"or delete the file{also}"
             )
         if entry.payload is None:
             continue

@@ -241,7 +241,7 @@ FAULTY_CELLS = {
         "column current.arm ('ia' of the log), line 1201: is 'nan', which is no measurement",
     ),
     "empty": (1201, 1, "", "column position.arm ('qa' of the log), line 1201: is empty"),
-    "time": (1201, 0, "0.1", "column time ('t' of the log), line 1201: goes back"),
+    "time": (1201, 0, "0.1", "column time ('t' of the log), line 1201: 0.1 s goes back"),
 }
 
 
