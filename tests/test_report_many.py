@@ -153,10 +153,20 @@ def test_a_trial_tells_how_it_was_run(tried, tmp_path):
     assert "--effects viscous_friction,base_tilt" in again_line(read_trial(trial_table(tmp_path)))
 
 
+def test_the_page_of_a_trial_names_the_scenario_and_the_duration_that_were_given(tried, tmp_path):
+    table = trial_table(tried)
+    (tmp_path / table.name).write_bytes(table.read_bytes())
+    given = {"robot": "my robots/rig", "scenario": "delta_clean", "duration": 6.0}
+    (tmp_path / table.stem).mkdir()
+    (tmp_path / table.stem / "nothing.json").write_text(json.dumps({"effects": [], "given": given}))
+    line = again_line(read_trial(trial_table(tmp_path)))
+    assert line.startswith("bench trial 'my robots/rig' --scenario delta_clean --duration 6 ")
+
+
 def test_trials_of_two_robots_are_told_apart(tried, tmp_path):
     for name in ("five_bar", "delta"):
         (tmp_path / f"{name}.parquet").write_bytes((tried / "five_bar.parquet").read_bytes())
-    with pytest.raises(BenchError, match=re.escape(f"name one of {tmp_path / 'delta.parquet'}")):
+    with pytest.raises(BenchError, match=re.escape(f"bench report {tmp_path / 'delta.parquet'}")):
         trial_table(tmp_path)
     path = write_trial_report(trial_table(tmp_path / "delta.parquet"), tmp_path / "delta.html")
     assert "<h1>How far a diagnosis of delta can be trusted</h1>" in path.read_text()

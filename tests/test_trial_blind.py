@@ -108,6 +108,8 @@ def test_workers_give_the_same_rows_and_the_command_writes_them(
     page = (tmp_path / "five_bar.md").read_text(encoding="utf-8")
     assert f"| {effect} | 1 |" in page
     assert (tmp_path / "five_bar_confusion.png").is_file()
+    kept = json.loads((tmp_path / "five_bar" / "one.json").read_text(encoding="utf-8"))
+    assert kept["given"] == {"robot": "five_bar", "duration": DURATION}
     assert effect[:12] in capsys.readouterr().out
 
 

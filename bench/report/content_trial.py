@@ -9,7 +9,7 @@ from typing import Any
 
 from bench.diagnose.summary import and_list
 from bench.errors import BenchError
-from bench.report.content_run import versions_of
+from bench.report.content_run import quoted, versions_of
 from bench.report.content_sweep import footer, generator
 from bench.report.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
 from bench.report.parts import Cell, Column, Commands, Items, Page, Part, Section, Table, Tile, row
@@ -53,8 +53,10 @@ def trial_table(source: Path) -> Path | None:
     found = sorted(source.glob(f"*{SUFFIX}")) if source.is_dir() else [source]
     tables = [path for path in found if path.suffix == SUFFIX and path.is_file() and _is_trial(path)]
     if len(tables) > 1:
-        names = ", ".join(str(path) for path in tables)
-        raise BenchError(f"{source}: holds trials of {len(tables)} robots: name one of {names}")
+        commands = ", ".join(f"bench report {quoted(path)}" for path in tables)
+        raise BenchError(
+            f"{source}: holds trials of {len(tables)} robots, each with a page of its own: {commands}"
+        )
     return tables[0] if tables else None
 
 
@@ -99,25 +101,34 @@ def again_line(found: TrialResult) -> str:
     seeds = max(
         [*each.values(), *(-(-counts[k] // DATASETS_A_SEED) for k in kinds if k not in ("one", "outside"))]
     )
-    words = ["bench trial", found.robot]
+    kept = _kept_beside(found, kinds)
+    given = kept.get("given", {})
+    words = ["bench trial", quoted(given.get("robot", found.robot))]
+    if "scenario" in given:
+        words += ["--scenario", quoted(given["scenario"])]
+    if "duration" in given:
+        words += ["--duration", f"{given['duration']:g}"]
     if len(kinds) < len(KINDS):
         words += ["--kinds", ",".join(kinds)]
-    effects = _effects(found, kinds)
-    if effects:
-        words += ["--effects", ",".join(effects)]
-    return " ".join([*words, "--seeds", str(seeds), "-o", str(found.table.parent)])
+    if kept.get("effects"):
+        words += ["--effects", ",".join(kept["effects"])]
+    return " ".join([*words, "--seeds", str(seeds), "-o", quoted(found.table.parent)])
 
 
-def _effects(found: TrialResult, kinds: Sequence[str]) -> list[str]:
-    """The effects that the trial drew from, as its folder keeps them; none: all."""
+def _kept_beside(found: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
+    """What the trial's folder keeps of its command: the effects that it drew from (none: all), and `given`."""
     for kind in kinds:
         path = found.table.with_suffix("") / f"{kind}.json"
         if path.is_file():
             try:
-                return [str(one) for one in json.loads(path.read_text(encoding="utf-8"))["effects"]]
+                kept = json.loads(path.read_text(encoding="utf-8"))
+                return {
+                    "effects": [str(one) for one in kept["effects"]],
+                    "given": dict(kept.get("given", {})),
+                }
             except (ValueError, KeyError, TypeError) as error:
                 raise BenchError(f"{path}: damaged: {error}") from None
-    return []
+    return {}
 
 
 def _is_trial(path: Path) -> bool:
@@ -342,7 +353,7 @@ def _again_section(found: TrialResult, again: Sequence[str]) -> Section:
         "outside": "an effect that is not in the catalogue",
     }
     rows = tuple(row(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind])
-    aid = "Add --scenario and --duration if they were given; more seeds add to what is there."
+    aid = "More seeds add to what is there."
     parts: tuple[Part, ...] = (
         Table("Datasets", "Drawn from seeds; each was diagnosed without access to the truth.", heads, rows),
         versions_of(columns),

@@ -15,6 +15,7 @@ from bench.files import finite
 from bench.report.parts import Figure, Page
 
 ASSETS = Path(__file__).with_name("assets")
+CHARTS = ("chart_basics.js", "chart_series.js", "charts.js")
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ def asset(name: str) -> str:
 
 def render_page(page: Page, workbench: Workbench | None = None) -> str:
     """The file's text. The policy allows the scripts and the style in it by their hashes, and nothing else."""
-    scripts = [asset("charts.js"), *([workbench.script] if workbench else []), asset("page.js")]
+    scripts = [*map(asset, CHARTS), *([workbench.script] if workbench else []), asset("page.js")]
     style = asset("page.css") + (workbench.style if workbench else "")
     # a script ends at its end tag, wherever it stands: none of ours may hold one
     if any("</" in text for text in (*scripts, style)):

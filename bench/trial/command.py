@@ -4,31 +4,34 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from bench.errors import BenchError
 from bench.files import atomic_path, write_text_atomically
+from bench.sweep.console import table_console
 from bench.sweep.drive import Report
 from bench.sweep.journal import Row
 from bench.sweep.pool import LocalPool, Pool, start_server
 from bench.sweep.progress import duration_text, shown_progress
 from bench.trial.cases import KINDS, Kind, chosen_effects
 from bench.trial.figures import write_figures
-from bench.trial.markdown import confusion_rows, percent, size_text, target_cells, trial_markdown
+from bench.trial.markdown import parts, trial_markdown
 from bench.trial.plan import TrialPlan
 from bench.trial.run_trial import Request, run_trial
 from bench.trial.setup import Setup, make_setup
 from bench.trial.summary import TrialSummary, summarised
 
-UNBROKEN = ("hidden", "effect")  # columns of names that are copied from the screen
+UNBROKEN = ("figure", "hidden", "effect")  # columns of names that are copied from the screen
 
 
 def run_command(
@@ -44,12 +47,14 @@ def run_command(
     scheduler: str | None = None,
 ) -> int:
     """Run a trial; table, page and figures go to `folder` under the robot's name. Returns the exit code."""
-    console = Console()
+    console = table_console()
     count = workers or len(os.sched_getaffinity(0))
     if scheduler is None:
         start_server()
     setup = make_setup(robot, scenario, duration)
-    request = Request(setup, _kinds(kinds), seeds, tuple(effects))
+    asked = {"robot": robot, "scenario": scenario, "duration": duration}
+    given = {name: value for name, value in asked.items() if value is not None}
+    request = Request(setup, _kinds(kinds), seeds, tuple(effects), given)
     _check(setup, request)
     start = time.monotonic()
 
@@ -97,24 +102,15 @@ def write_results(
 
 def show(summary: TrialSummary, console: Console) -> None:
     """Print the figures."""
-    console.print(
-        _table("figure", "reached", "must", "", "cases", "95 %", rows=map(target_cells, summary.targets))
-    )
-    heads = ("hidden", "cases", "named first", "named instead", "openly undecided")
-    console.print(_table(*heads, rows=confusion_rows(summary)))
-    misses = [
-        (size_text(one), one.first.of, percent(one.first), percent(one.first_undecided))
-        for one in summary.misses
-    ]
-    console.print(_table("own error / noise floor", "cases", "named first", "or undecided", rows=misses))
-    intervals = [
-        (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2f}")
-        for one in summary.coverage
-    ]
-    heads = ("effect", "parameter", "intervals", "hold the truth", "median deviation / std")
-    console.print(_table(*heads, rows=intervals))
-    for reason, count in summary.failed.items():
-        console.print(f"[red]failed[/] ({count}): {reason}", highlight=False, soft_wrap=True)
+    for part in parts(summary):
+        table = Table(
+            title=part.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
+        )
+        for head in part.heads:
+            table.add_column(head, no_wrap=head in UNBROKEN, overflow="fold")
+        for row in part.rows:
+            table.add_row(*(escape(str(cell)) for cell in row))
+        console.print(table)
 
 
 def scenario_seconds(setup: Setup) -> float:
@@ -161,12 +157,3 @@ def _notes(rows: Sequence[Row], seconds: float) -> dict[str, str]:
         values = sorted({str(row[name]) for row in done})
         notes[name.removeprefix("version.")] = ", ".join(values)
     return notes
-
-
-def _table(*heads: str, rows: Iterator[Sequence[object]] | Sequence[Sequence[object]]) -> Table:
-    table = Table(box=None, header_style="bold")
-    for head in heads:
-        table.add_column(head, no_wrap=head in UNBROKEN)
-    for row in rows:
-        table.add_row(*(str(cell).replace("**", "") for cell in row))
-    return table

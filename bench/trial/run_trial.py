@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from bench.errors import BenchError
@@ -23,12 +23,16 @@ DESIGNS = "designs"
 
 @dataclass(frozen=True)
 class Request:
-    """What a trial goes through. seeds: see `datasets_a_seed`. effects: drawn from these; empty: from all."""
+    """What a trial goes through. seeds: see `datasets_a_seed`. effects: drawn from these; empty: from all.
+
+    given: what its command named besides (robot, scenario, duration), only to be told again.
+    """
 
     setup: Setup
     kinds: tuple[Kind, ...]
     seeds: int
     effects: tuple[str, ...] = ()
+    given: Mapping[str, str | float] = field(default_factory=dict)
 
     @property
     def plans(self) -> tuple[TrialPlan, ...]:
@@ -49,7 +53,7 @@ def run_trial(
     are the same whatever the number of workers. Raises BenchError if the folder is that of another trial.
     """
     for plan in request.plans:
-        _claim(plan, folder)
+        _claim(plan, folder, request.given)
     pool: Pool | None = None
     try:
         for plan in request.plans:
@@ -93,7 +97,7 @@ def _rows_there(folder: Path, kind: Kind) -> int:
         return max((json.loads(line)["run"] + 1 for line in file if line.endswith(b"\n")), default=0)
 
 
-def _claim(plan: TrialPlan, folder: Path) -> None:
+def _claim(plan: TrialPlan, folder: Path, given: Mapping[str, str | float]) -> None:
     """Mark the cases of a kind in a folder as those of this trial, whatever the number of seeds."""
     record = folder / f"{plan.kind}.json"
     content = {
@@ -103,9 +107,11 @@ def _claim(plan: TrialPlan, folder: Path) -> None:
         "digest": digest([plan.setup.content, list(plan.setup.effects), RULES]),
     }
     if record.is_file():
-        if json.loads(record.read_text(encoding="utf-8")) != content:
+        there = json.loads(record.read_text(encoding="utf-8"))
+        there.pop("given", None)
+        if there != content:
             raise BenchError(
                 f"{folder}: holds another trial of this robot, or an older version: name another folder with -o DIR"
             )
         return
-    write_json_atomically(record, content)
+    write_json_atomically(record, {**content, "given": dict(given)})
