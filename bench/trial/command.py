@@ -15,6 +15,7 @@ from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from bench.errors import BenchError
 from bench.files import atomic_path, write_text_atomically
@@ -31,7 +32,7 @@ from bench.trial.run_trial import Request, run_trial
 from bench.trial.setup import Setup, make_setup
 from bench.trial.summary import TrialSummary, summarised
 
-UNBROKEN = ("figure", "hidden", "effect")  # columns of names that are copied from the screen
+WORDS = ("figure", "must be", "kept", "named instead", "reason")  # columns that may wrap
 
 
 def run_command(
@@ -103,14 +104,14 @@ def write_results(
 def show(summary: TrialSummary, console: Console) -> None:
     """Print the figures."""
     for part in parts(summary):
-        table = Table(
-            title=part.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
-        )
+        console.print(Text(part.title, "bold"))
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
         for head in part.heads:
-            table.add_column(head, no_wrap=head in UNBROKEN, overflow="fold")
+            table.add_column(head, no_wrap=head not in WORDS, overflow="fold")
         for row in part.rows:
             table.add_row(*(escape(str(cell)) for cell in row))
         console.print(table)
+        console.print()
 
 
 def scenario_seconds(setup: Setup) -> float:

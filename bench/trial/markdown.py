@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
-from bench.trial.summary import LARGE, Miss, Share, Target, TrialSummary
+from bench.trial.summary import LARGE, NO, NOTHING, Miss, Share, Target, TrialSummary
 
 COUNTED = (
     f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
@@ -12,51 +13,70 @@ COUNTED = (
 )
 
 
-def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
-    """Markdown tables; notes: how the trial was run. pictures: files beside the page."""
-    parts = [
-        f"# Blind trial of the diagnosis: {summary.robot}",
-        "\n".join(f"- {name}: {value}" for name, value in notes.items()),
-        COUNTED,
-        table(("figure", "reached", "must", "", "cases", "95 %"), map(target_cells, summary.targets)),
-        "## What was named first, one effect hidden",
-        table(
-            ("hidden", "cases", "named first", "named instead", "openly undecided"), confusion_rows(summary)
+@dataclass(frozen=True)
+class Part:
+    """A table under a title; rows of cells, one for each head. None of the rows is without cases."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: Sequence[Sequence[object]]
+
+
+def parts(summary: TrialSummary) -> list[Part]:
+    """What there are cases of, as tables; what was not tried is left out."""
+    found = [
+        Part(
+            "Figures, and what they must reach",
+            ("figure", "reached", "must be", "kept", "cases", "95 % interval"),
+            [target_cells(one) for one in summary.targets if one.reached is not None],
         ),
-    ]
-    if summary.absorbed:
-        parts += [
-            "## Absorbed: no data of this robot can show it, and the diagnosis says so",
-            table(
-                ("hidden", "cases", "nothing named beside"),
-                [(name, one.of, one.count) for name, one in summary.absorbed.items()],
-            ),
-        ]
-    parts += [
-        "## Named first, by size of the effect",
-        table(
+        Part(
+            "What was named first, one effect hidden or none",
+            ("hidden", "cases", "named first", "named instead", "openly undecided"),
+            confusion_rows(summary),
+        ),
+        Part(
+            "Absorbed: no data of this robot can show it, and the diagnosis says so",
+            ("hidden", "cases", "nothing named beside"),
+            [(name, one.of, one.count) for name, one in summary.absorbed.items()],
+        ),
+        Part(
+            "Named first, by size of the effect",
             ("own error / noise floor", "cases", "named first", "or undecided"),
             [
                 (size_text(one), one.first.of, percent(one.first), percent(one.first_undecided))
                 for one in summary.misses
+                if one.first.of
             ],
         ),
-        "## Parameters of the found effects",
-        table(
+        Part(
+            "Parameters of the found effects",
             ("effect", "parameter", "intervals", "hold the truth", "median deviation / std"),
             [
                 (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2f}")
                 for one in summary.coverage
             ],
         ),
+        Part("Cases that came to nothing", ("reason", "cases"), list(summary.failed.items())),
     ]
-    if summary.failed:
-        parts += [
-            "## Cases that came to nothing",
-            table(("reason", "cases"), list(summary.failed.items())),
-        ]
-    parts += [f"![{name}]({name})" for name in pictures]
-    return "\n\n".join(part for part in parts if part) + "\n"
+    return [part for part in found if part.rows]
+
+
+def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
+    """Markdown tables; notes: how the trial was run. pictures: files beside the page."""
+    blocks = [
+        f"# Blind trial of the diagnosis: {summary.robot}",
+        "\n".join(f"- {name}: {value}" for name, value in notes.items()),
+        COUNTED,
+    ]
+    for part in parts(summary):
+        blocks += [f"## {part.title}", table(part.heads, [_weighted(row) for row in part.rows])]
+    blocks += [f"![{name}]({name})" for name in pictures]
+    return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def _weighted(row: Sequence[object]) -> list[object]:
+    return [f"**{cell}**" if cell == NO else cell for cell in row]
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -74,17 +94,17 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
             bounds.append(
                 f"{word} {100.0 * bound:.0f} %" if target.share and bound < 1 else f"{word} {bound:g}"
             )
-    verdict = "" if not bounds or target.reached is None else "yes" if target.reached else "**no**"
+    name = f"– {target.name.strip()}" if target.name.startswith(" ") else target.name
     if target.share is None:
-        return target.name.strip(), shown, " and ".join(bounds), verdict, "", ""
+        return name, shown, " and ".join(bounds), target.verdict, "", ""
     if not target.share.of:
-        return target.name.strip(), "", " and ".join(bounds), "", "0", ""
+        return name, "", " and ".join(bounds), "", "0", ""
     low, high = target.share.interval
     return (
-        target.name.strip(),
+        name,
         shown,
         " and ".join(bounds),
-        verdict,
+        target.verdict,
         str(target.share.of),
         f"{100.0 * low:.1f} % to {100.0 * high:.1f} %",
     )
@@ -97,7 +117,8 @@ def confusion_rows(summary: TrialSummary) -> list[tuple[str, int, str, str, str]
         count = sum(named.values())
         others = ", ".join(f"{name} {n}" for name, n in named.items() if name != hidden)
         own = Share(named.get(hidden, 0), count)
-        rows.append((hidden, count, percent(own), others, str(summary.undecided.get(hidden, "") or "")))
+        first = f"nothing named: {percent(own)}" if hidden == NOTHING else percent(own)
+        rows.append((hidden, count, first, others, str(summary.undecided.get(hidden, "") or "")))
     return rows
 
 

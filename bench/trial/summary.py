@@ -23,6 +23,8 @@ WITHIN = 1.959964
 SIZES = (0.0, 1.5, 3.0, 6.0, 12.0, np.inf)
 """Bounds of the classes of an effect's own error over the noise floor."""
 
+YES, NO, TOO_FEW = "yes", "no", "too few cases to say"
+
 NOTHING, SOMETHING = "nothing", "unexplained"
 """What stands in the confusion matrix for no hidden effect or no alarm, and for an alarm without a name."""
 
@@ -68,6 +70,30 @@ class Target:
         return (self.least is None or self.value >= self.least) and (
             self.most is None or self.value <= self.most
         )
+
+    @property
+    def verdict(self) -> str:
+        """YES or NO where the cases are enough to say so, TOO_FEW, or nothing without a bound or any case."""
+        if self.reached is None or (self.least is None and self.most is None):
+            return ""
+        if self.share is None:
+            return YES if self.reached else NO
+        low, high = self.share.interval
+        if not self.reached:
+            outside = (self.least is not None and high < self.least) or (
+                self.most is not None and low > self.most
+            )
+            return NO if outside else TOO_FEW
+        return YES if self._enough(self.share) else TOO_FEW
+
+    def _enough(self, share: Share) -> bool:
+        """Whether so many cases can show that the bound is kept: if all were as they should be."""
+        if self.least is not None and self.most is not None:
+            low, high = share.interval
+            return high - low <= self.most - self.least
+        if self.least is not None:
+            return Share(share.of, share.of).interval[0] >= self.least
+        return self.most is None or Share(0, share.of).interval[1] <= self.most
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,86 @@
+"""The figures of a trial in print and on a page: nothing without cases, no verdict on too few."""
+
+import io
+
+import pytest
+from rich.console import Console
+
+from bench.trial.command import show
+from bench.trial.markdown import parts, trial_markdown
+from bench.trial.summary import Share, Target, TrialSummary, summarised
+from tests.trial_rows import trial_row, trial_rows
+
+
+def printed(summary: TrialSummary) -> str:
+    console = Console(file=io.StringIO(), width=132)
+    show(summary, console)
+    return console.file.getvalue()
+
+
+@pytest.fixture
+def nothing() -> TrialSummary:
+    """Ten cases without any hidden effect, one of them with an alarm."""
+    return summarised("robot", [trial_row("nothing", "", "")] * 9 + [trial_row("nothing", "", "base_tilt")])
+
+
+def test_what_was_not_tried_is_left_out(nothing: TrialSummary) -> None:
+    figures, confusion = parts(nothing)
+    assert [row[0] for row in figures.rows] == ["nothing hidden: any alarm", "– an effect named"]
+    assert confusion.rows == [("nothing", 10, "nothing named: 90 %", "base_tilt 1", "")]
+    for text in (printed(nothing), trial_markdown(nothing, {})):
+        assert "nan" not in text
+        assert "one hidden effect" not in text
+        assert "gain" not in text
+        for part in (figures, confusion):
+            assert part.title in text
+        assert "by size" not in text
+        assert "Parameters of" not in text
+
+
+def test_every_table_has_a_title_and_rows_with_cases() -> None:
+    summary = summarised("robot", trial_rows())
+    text, page = printed(summary), trial_markdown(summary, {})
+    for part in parts(summary):
+        assert part.rows
+        assert part.title in text
+        assert f"## {part.title}" in page
+    sizes = next(part for part in parts(summary) if "size" in part.title)
+    assert [row[0] for row in sizes.rows] == ["0 to 1.5", "3 to 6"]
+    assert "three" not in text
+    assert "lost" in text
+
+
+def test_a_row_of_names_and_numbers_keeps_to_one_line(nothing: TrialSummary) -> None:
+    (line,) = [line for line in printed(nothing).splitlines() if "any alarm" in line]
+    assert line.split("  ")[-1].strip() == "1.8 % to 40.4 %"
+
+
+@pytest.mark.parametrize(
+    ("count", "of", "least", "most", "verdict"),
+    [
+        (0, 10, None, 0.02, "too few cases to say"),
+        (0, 200, None, 0.02, "yes"),
+        (1, 10, None, 0.02, "too few cases to say"),
+        (3, 10, None, 0.02, "no"),
+        (10, 10, 0.95, None, "too few cases to say"),
+        (96, 100, 0.95, None, "yes"),
+        (94, 100, 0.95, None, "too few cases to say"),
+        (80, 100, 0.95, None, "no"),
+        (9, 10, 0.88, 0.99, "too few cases to say"),
+        (190, 200, 0.88, 0.99, "yes"),
+        (150, 200, 0.88, 0.99, "no"),
+        (5, 5, None, None, ""),
+        (0, 0, 0.95, None, ""),
+    ],
+)
+def test_a_verdict_needs_enough_cases(
+    count: int, of: int, least: float | None, most: float | None, verdict: str
+) -> None:
+    share = Share(count, of)
+    assert Target("figure", share.value, least, most, share).verdict == verdict
+
+
+def test_a_median_is_held_against_its_limit_as_it_is() -> None:
+    assert Target("median", 1.2, None, 1.15).verdict == "no"
+    assert Target("median", 1.1, None, 1.15).verdict == "yes"
+    assert Target("median", float("nan"), None, 1.15).verdict == ""
