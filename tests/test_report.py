@@ -74,7 +74,7 @@ def test_the_verdict_is_three_sentences(page, read):
     assert len(page.verdict) == 3
     assert page.verdict[0].startswith("Viscous friction at left is missing")
     assert "from 12\u00a0% to 1\u00a0% of the current" in page.verdict[0]
-    assert "the drive gain of left moves by +10\u00a0%" in page.verdict[1]
+    assert "the drive gain of left is 3.63" in page.verdict[1]
     assert page.verdict[2] == "The error left is what noise leaves."
     assert all(sentence in " ".join(read.said) for sentence in page.verdict)
 
@@ -83,7 +83,7 @@ def test_doubts_and_gains_share_the_second_sentence():
     doubtful = replace(MISSING, verdict="indistinguishable", alternatives=("current_delay", "quadratic_drag"))
     sentences = diagnosis_verdict(replace(diagnosis(), ranking=(doubtful, DOUBTFUL)))
     assert len(sentences) == 3
-    assert "moves by" in sentences[1]
+    assert "the drive gain of left is" in sentences[1]
     assert "instead of viscous friction it could as well be current delay or quadratic drag" in sentences[1]
 
 

@@ -53,6 +53,7 @@ def compare(
 
     from bench.compare.as_json import where_json
     from bench.compare.motor import compared
+    from bench.compare.next_step import next_step
     from bench.compare.where import errors_by_motor
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
@@ -81,6 +82,7 @@ def compare(
     console = Console()
     comparison_report(comparison, console)
     where_report(where, console)
+    click.echo("".join(f"{step}\n" for step in next_step(what, str(dataset)) if model_file is None), nl=False)
     if json_file is not None:
         write_json_atomically(json_file, {**comparison_json(comparison), **where_json(where)})
         click.echo(f"Comparison: {json_file}")

@@ -66,6 +66,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     """
     from rich.console import Console
 
+    from bench.compare.motor import compared
+    from bench.compare.next_step import left_over, next_step
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
     from bench.estimate.identify import identify as run
@@ -85,6 +87,9 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         catalogue=catalogue_for(data.effect_files, effect_files),
     )
     identification_report(result, Console(), verbose=verbose)
+    what = compared(data.robot, data.recordings, result.recordings, result.settings)
+    for line in (*left_over(what), *next_step(what, str(dataset))):
+        click.echo(line)
     if json_file is not None:
         save_model(result, json_file, data.folder)
         click.echo(f"Model: {json_file}")

@@ -26,7 +26,7 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
         )
         strange = unlike(diagnosis.after)
         return [nothing, *([strange] if strange else []), f"{_capital(diagnosis.unexplained.why)}."]
-    names = and_list([f"{said(one.effect)}{where(diagnosis, one)}" for one in found])
+    names = and_list([_named(diagnosis, one) for one in found])
     said_of = "is" if len(found) == 1 else "are"
     doubt = doubts(diagnosis)
     if doubt:
@@ -57,6 +57,12 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
             "look like other effects, and the names may be false. Record with a weighed payload, too, to be sure."
         )
     return sentences
+
+
+def _named(diagnosis: Diagnosis, one: EffectVerdict) -> str:
+    """An effect, where it shows, and what it could be instead."""
+    instead = f" (or {or_list([said(name) for name in one.alternatives])})" if one.alternatives else ""
+    return f"{said(one.effect)}{where(diagnosis, one)}{instead}"
 
 
 def _cannot_tell(one: EffectVerdict) -> str:
@@ -147,10 +153,11 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
     if abs(changes[joint]) < TELLING:
         return None
     them = "it" if len(diagnosis.missing) == 1 else "them"
-    unit = after[joint].unit.replace("*", "·")
+    gain = after[joint]
     return (
-        f"With {them} the drive gain of {joint} moves by {100.0 * changes[joint]:+.2g} %, from "
-        f"{before[joint].value:.4g} to {after[joint].value:.4g} {unit}."
+        f"With {them} the drive gain of {joint} is {gain.value:.4f} ± {gain.std:.2g} {gain.unit.replace('*', '·')}, "
+        f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
+        f"came out at {before[joint].value:.4g}."
     )
 
 

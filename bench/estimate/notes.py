@@ -87,14 +87,29 @@ def _implausible(result: Identification) -> list[str]:
     thousand = _a_thousand(list(ratios.values())) if result.gains_fitted else None
     if thousand is not None:
         notes.append(thousand)
+    error = result.error.identify
+    if error is not None and error >= 1.0:
+        notes.append(
+            f"The error is {_percent(error)} of the current, more than with no model at all: columns may be swapped, a "
+            "sign wrong, or the robot another one."
+        )
+    negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0]
+    if result.gains_fitted and len(negative) < len(ratios):
+        notes += [
+            f"The drive gain of {joint} came out negative, which cannot be: the sign of current.{joint}, or of "
+            f"position.{joint}, is probably reversed (`bench import ... --scale current.{joint}=-1`), or its column "
+            "is that of another motor."
+            for joint in negative
+        ]
     for joint, gain in result.drive_gains.items():
-        if result.gains_fitted and thousand is None and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN:
+        far = joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
+        if result.gains_fitted and thousand is None and far:
             notes.append(
                 f"The drive gain of {joint} came out at {gain.value:.3g} {gain.unit}, far from its nominal "
                 f"{gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as "
                 "declared."
             )
-    if result.gains_fitted and all(gain.value < 0 for gain in result.drive_gains.values()):
+    if result.gains_fitted and len(negative) == len(ratios):
         notes.append(
             "All drive gains came out negative, which cannot be: the recordings with and without payload are "
             "probably swapped in dataset.toml, or the currents' sign is."

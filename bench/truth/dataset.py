@@ -43,13 +43,18 @@ def truth_path(folder: str | Path) -> Path:
 def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
     """Write the dataset folder and, beside it, its truth; returns the path of the truth.
 
-    The folder appears whole or not at all. An older dataset of that name is replaced.
-    Raises BenchError if `folder` is there and holds no dataset, or cannot be written.
+    The folder appears whole or not at all. A simulated dataset of that name is replaced.
+    Raises BenchError if `folder` is there and holds no simulated dataset, or cannot be written.
     """
     target = Path(folder).resolve()
     empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
     if not empty and not (target / DATASET_FILE).is_file():
         raise BenchError(f"{folder}: is there already and holds no dataset: name another folder")
+    if not empty and not truth_path(target).is_file():
+        raise BenchError(
+            f"{folder}: holds a dataset that was not simulated (there is no {truth_path(target).name} beside it): "
+            "name another folder"
+        )
     with whole_folder(folder) as partial:
         _write_folder(simulation, partial)
         write_json_atomically(truth_path(target), truth(simulation))
