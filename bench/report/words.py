@@ -4,10 +4,10 @@ import math
 import re
 from collections.abc import Sequence
 
-from bench.diagnose.summary import said
 from bench.estimate.result import Quantity
 from bench.report.parts import Cell
-from bench.show.numbers import GIVEN, is_poor, percent, value_and_deviation
+from bench.show.numbers import GIVEN, is_poor, named_after, percent, value_and_deviation
+from bench.show.numbers import effect_name as spelled
 
 INTERVAL = 1.96  # deviations: 95 % of a normal distribution lie within
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -19,7 +19,7 @@ def typeset(text: str) -> str:
         r"(?<=\d)e([+-]?\d+)\b", lambda m: f"·10{str(int(m.group(1))).translate(_SUPERSCRIPT)}", text
     )
     text = re.sub(r"(?<=\d) ?%", "\u00a0%", re.sub(r"(?<![\w.])-(?=\d)", "−", text))
-    return re.sub(r"\b(coulomb|stribeck)\b", lambda m: m.group().capitalize(), text)
+    return named_after(text)
 
 
 def share(value: float | None, *, signed: bool = False) -> str:
@@ -51,7 +51,7 @@ def relative_std(one: Quantity) -> Cell:
 
 def effect_name(name: str) -> str:
     """An effect's name as it is said."""
-    return typeset(said(name))
+    return typeset(spelled(name))
 
 
 def said_list(names: Sequence[str]) -> str:

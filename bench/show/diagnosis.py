@@ -8,11 +8,11 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.diagnose.result import Diagnosis, EffectVerdict
-from bench.diagnose.summary import effort_unit, motor_torques, reason, said, summary_sentences
+from bench.diagnose.summary import effort_unit, motor_torques, reason, summary_sentences
 from bench.estimate.result import Quantity
 from bench.show.columns import GAPS, Column, aligned_pair, table_of
 from bench.show.comparison import sentences_list
-from bench.show.numbers import GIVEN, percent, pretty_unit, value_and_deviation
+from bench.show.numbers import GIVEN, effect_name, percent, pretty_unit, value_and_deviation
 from bench.show.tables import effects_table
 
 WIDTH = 100
@@ -43,7 +43,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     if diagnosis.missing:
         console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
     if left_out:
-        names = ", ".join(said(one.effect) for one in left_out)
+        names = ", ".join(effect_name(one.effect) for one in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
     told = [one for one in shown if verbose or not diagnosis.missing or one.verdict != "not supported"]
     _section(console, "Why", sentences_list([reason(diagnosis, one) for one in told]))
@@ -66,7 +66,7 @@ def ladder_table(diagnosis: Diagnosis, *, width: int = WIDTH) -> Table:
     steps = diagnosis.ladder
     names = ["the model as it is"]
     names += [
-        "+ " + ", ".join(said(name) for name in after.effects if name not in before.effects)
+        "+ " + ", ".join(effect_name(name) for name in after.effects if name not in before.effects)
         for before, after in pairwise(steps)
     ]
     judged = [one.validate if one.validate is not None else one.identify for one in steps]
@@ -92,7 +92,7 @@ def ranking_table(
     strong = [one.effect in diagnosis.missing for one in rows]
     absorbed = [one.verdict == "absorbed" for one in rows]
     columns = [
-        Column("effect", [said(one.effect) for one in rows]),
+        Column("effect", [effect_name(one.effect) for one in rows]),
         Column("verdict", [one.verdict for one in rows]),
         Column(
             "evidence",
@@ -112,7 +112,7 @@ def ranking_table(
         Column("at", [", ".join(one.actuators) for one in rows], rank=2),
         Column(
             "could as well be",
-            [", ".join(said(name) for name in one.alternatives) for one in rows],
+            [", ".join(effect_name(name) for name in one.alternatives) for one in rows],
             rank=4,
         ),
     ]

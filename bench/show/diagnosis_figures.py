@@ -10,13 +10,13 @@ from bench.compare.motor import compared
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
 from bench.diagnose.split import with_judged_parts
-from bench.diagnose.summary import and_list, said
+from bench.diagnose.summary import and_list
 from bench.estimate.result import CurrentSeries, relative_error
 from bench.files import atomic_path
 from bench.show.comparison_figures import errors_figure
 from bench.show.diagnosis_panels import draw_before_after, draw_ladder, draw_moved, moved, rungs
 from bench.show.figures import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
-from bench.show.numbers import current_unit, percent
+from bench.show.numbers import current_unit, effect_name, percent
 
 
 def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, dataset: Dataset) -> list[Path]:
@@ -88,7 +88,7 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
         axes = figure.subplots()
         draw_moved(axes, rows)
         axes.set_xlabel("difference to the value after, with 95 % intervals [%]; beyond ±1 % logarithmic")
-        added = and_list([said(one) for one in diagnosis.missing])
+        added = and_list([effect_name(one) for one in diagnosis.missing])
         figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
         figure.legend(loc="outside upper right", ncols=3, frameon=False)
     return figure

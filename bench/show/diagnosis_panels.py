@@ -7,11 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from bench.diagnose.result import Diagnosis
-from bench.diagnose.summary import said
 from bench.estimate.result import CurrentSeries, Quantity
 from bench.show.comparison_panels import NOISE, PLAIN, ZERO
 from bench.show.diagnosis_text import step_labels
-from bench.show.numbers import is_poor, judged_error, percent, pretty_unit
+from bench.show.numbers import effect_name, is_poor, judged_error, percent, pretty_unit
 
 BEFORE, AFTER = "#D55E00", "#0072B2"  # after Okabe and Ito
 BEFORE_PALE = "#F0B58A"
@@ -105,7 +104,7 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
     axes.set_xscale("symlog", linthresh=1.0)
     axes.xaxis.set_major_formatter(PLAIN)
-    axes.set_yticks(at, [said(one.effect) for one in shown])
+    axes.set_yticks(at, [effect_name(one.effect) for one in shown])
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.set_xlabel("evidence [nats]; beyond ±1 logarithmic")
     axes.grid(visible=False, axis="y")

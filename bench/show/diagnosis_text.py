@@ -4,25 +4,27 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from bench.diagnose.result import Diagnosis, LadderStep
-from bench.diagnose.summary import reason, said, summary_sentences
-from bench.show.numbers import percent
+from bench.diagnose.summary import reason, summary_sentences
+from bench.show.numbers import effect_name, percent
 from bench.show.summary import markdown_table
 
 
 def diagnosis_markdown(diagnosis: Diagnosis) -> str:
     """What is missing in sentences, the error after each added effect, and the verdicts with their reasons."""
     told = [one for one in diagnosis.ranking if one.verdict != "not supported"]
-    others = [said(one.effect) for one in diagnosis.ranking if one.verdict == "not supported"]
+    others = [effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "not supported"]
     parts = ["### What is missing", "\n\n".join(summary_sentences(diagnosis))]
     parts += ["### Error after each added effect", _ladder(diagnosis)]
     if told:
         rows = [
             [
-                f"**{said(one.effect)}**" if one.effect in diagnosis.missing else said(one.effect),
+                f"**{effect_name(one.effect)}**"
+                if one.effect in diagnosis.missing
+                else effect_name(one.effect),
                 one.verdict,
                 "–" if one.verdict == "absorbed" else f"{one.evidence:.1f}",
                 ", ".join(one.actuators) or "–",
-                ", ".join(said(name) for name in one.alternatives) or "–",
+                ", ".join(effect_name(name) for name in one.alternatives) or "–",
             ]
             for one in told
         ]
@@ -41,7 +43,9 @@ def step_labels(steps: Sequence[LadderStep]) -> list[str]:
     """A ladder's steps in words, as in "the model as it is", "+ coulomb friction"."""
     labels = ["the model as it is"]
     for before, after in pairwise(steps):
-        labels.append("+ " + ", ".join(said(name) for name in after.effects if name not in before.effects))
+        labels.append(
+            "+ " + ", ".join(effect_name(name) for name in after.effects if name not in before.effects)
+        )
     return labels
 
 

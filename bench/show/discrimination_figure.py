@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from bench.diagnose.summary import said
 from bench.discriminate.facts import RATE
 from bench.discriminate.files import trajectory_table
 from bench.discriminate.result import Discrimination
 from bench.errors import BenchError
 from bench.files import atomic_path
 from bench.show.figures import DPI, STYLE
+from bench.show.numbers import effect_name
 
 COLOURS = ("#0072B2", "#D55E00")  # after Okabe and Ito
 MOVING = "#3A424C"
@@ -49,7 +49,7 @@ def discrimination_figure(found: Discrimination) -> Figure:
             axes[j, 2].set_ylabel(f"{joint}, current [σ of noise]")
             axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0)
             for asked, answer, colour in zip(found.questions, found.motion.answers, COLOURS, strict=False):
-                name = said(asked.truth.request.replace(":", " at "))
+                name = effect_name(asked.truth.request.replace(":", " at "))
                 axes[j, 2].plot(
                     answer.time,
                     np.where(answer.left[:, j] == 0.0, np.nan, answer.left[:, j]),  # no row at standstill

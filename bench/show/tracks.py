@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import rerun as rr
 
-from bench.diagnose.summary import said
 from bench.estimate.result import CurrentSeries
 from bench.show.colours import LADDER_ON_DARK, ON_DARK, rgb
-from bench.show.numbers import judged_error
+from bench.show.numbers import effect_name, judged_error
 from bench.show.phases import lanes
 from bench.show.shown import Line, Motor, Shown, send_line
 
@@ -100,7 +99,7 @@ def _send_effects(
     if len(shown) < 2:
         return
     for number, (name, torque) in enumerate(shown.items()):
-        line = Line(said(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
+        line = Line(effect_name(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
         send_line(stream, f"{entity}/2_{name}", column, torque, line)
 
 
