@@ -13,7 +13,7 @@ from bench.diagnose.diagnose import diagnose
 from bench.diagnose.motions import SHOWN_BY
 from bench.discriminate.discriminate import discriminate
 from bench.discriminate.files import write_discrimination
-from bench.discriminate.words import motion_words, sentences
+from bench.discriminate.words import motion_words, next_step, sentences, warnings
 from bench.effects import CATALOGUE
 from bench.errors import BenchError
 from bench.model.geometry import read_geometry
@@ -30,10 +30,10 @@ NARROW = {"span": 0.1, "velocity_limit": 0.5, "acceleration_limit": 8.0, "harmon
 HIDDEN = {"effect": "coulomb_friction", "joint": "shoulder", "Fc": 0.3}
 
 
-def machine(recordings):
+def machine(recordings, hidden=(HIDDEN,)):
     """An arm with dry friction at its shoulder; the recordings carry nothing."""
     design = {"optimise": False, **NARROW}
-    changes = {"design": design, "payloads": {}, "recordings": recordings, "hidden": [HIDDEN]}
+    changes = {"design": design, "payloads": {}, "recordings": recordings, "hidden": list(hidden)}
     scenario = load_scenario("two_link", changes)
     return simulate(scenario, resolve_trajectories(scenario), threads=1)
 
@@ -132,12 +132,62 @@ def test_the_words_say_what_is_different(found):
     assert "shoulder" in words
     slow = {joint: replace(facts, speed=0.01, turning=0.001) for joint, facts in found.planned.items()}
     (words,) = motion_words(replace(found, planned=slow))
-    assert "motor shoulder moves slowly" in words
+    assert "motor shoulder moves slowly, at 0.01 rad/s" in words
     assert "it reverses slowly at shoulder" in words
     loaded = replace(found, motion=replace(found.motion, payload="disc"))
+    assert "rad/s was recorded" in words
+    slides = replace(found, planned=slow, joints=dict.fromkeys(found.joints, "N/A"))
+    assert "motor shoulder moves slowly, at 0.01 m/s" in motion_words(slides)[0]
     assert "it carries the payload disc" in motion_words(loaded)[0]
     still = {**found.planned, "elbow": replace(found.planned["elbow"], low=0.1, high=0.1)}
     assert "motor shoulder moves alone" in motion_words(replace(found, planned=still))[0]
+
+
+def test_nats_and_units_are_explained(found, written):
+    text = " ".join(sentences(found))
+    assert text.count("odds of e") == 1
+    assert "| shoulder [rad, s] | recorded |" in (written / "README.md").read_text()
+
+
+def test_a_model_that_fits_is_no_cause_for_doubt(found):
+    assert 0.8 < found.error_over_noise < 1.3
+    assert not found.model_is_wrong
+    assert warnings(found) == []
+    assert next_step(found, "data", "out").startswith("next: record out/trajectory.csv")
+    loud = replace(found, error_over_noise=8.0)
+    (doubt,) = warnings(loud)
+    assert sentences(loud)[0] == doubt
+    assert "8 times the noise" in doubt
+
+
+def test_a_model_that_is_known_to_be_wrong_is_told(given, tmp_path, capsys):
+    """Dry friction is hidden, and two effects are asked for that have nothing to do with it."""
+    write_simulation(given, tmp_path / "data")
+    arguments = ["current_delay", "current_loop_lag", "--duration", "5", "-o", str(tmp_path / "out")]
+    assert main(["discriminate", str(tmp_path / "data"), *arguments]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    answer = json.loads((tmp_path / "out" / "answer.json").read_text())
+    assert answer["error_over_noise"] > 5.0
+    assert "something else is missing. Run bench diagnose first" in out
+    assert f"next: bench diagnose {tmp_path / 'data'}" in out
+
+
+def test_where_neither_effect_shows_there_is_nothing_to_tell_apart(tmp_path):
+    clean = as_dataset(machine(narrow_recordings(), hidden=[]))
+    found = discriminate(clean, ("current_delay", "current_loop_lag"), duration=5.0)
+    assert found.nothing
+    assert max(found.shown.values()) < 1.0
+    assert not found.model_is_wrong
+    assert "There is nothing to tell apart" in " ".join(sentences(found))
+    paths = write_discrimination(tmp_path / "out", found, write_discrimination_figure)
+    assert [path.name for path in paths] == ["README.md", "answer.json"]
+
+
+def test_what_shows_in_the_given_data_is_told_from_noise(found):
+    assert min(found.shown.values()) > 1000.0
+    assert "Neither effect shows" not in " ".join(sentences(found))
+    small = replace(found, shown=dict.fromkeys(found.shown, 3.0))
+    assert "Neither effect shows for sure" in " ".join(sentences(small))
 
 
 def test_a_picture_shows_each_motor_and_both_models(found):

@@ -74,7 +74,7 @@ def discriminate(
     from bench.dataset import load_dataset
     from bench.discriminate.discriminate import discriminate as run
     from bench.discriminate.files import check_folder, write_discrimination
-    from bench.discriminate.words import sentences
+    from bench.discriminate.words import next_step, sentences, warnings
     from bench.effects import catalogue_for
     from bench.show.discrimination_figure import write_discrimination_figure
 
@@ -93,7 +93,11 @@ def discriminate(
     )
     paths = write_discrimination(output, found, write_discrimination_figure, rate=rate)
     console = Console()
+    doubts = warnings(found)
     for sentence in sentences(found):
-        console.print(Text(sentence))
+        console.print(Text(sentence, "yellow" if sentence in doubts else ""))
     for path in paths:
         click.echo(f"wrote {path}")
+    step = next_step(found, dataset, output)
+    if step is not None:
+        click.echo(step)

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
+from bench.diagnose.search import NEEDED
 from bench.diagnose.split import JUDGED
+from bench.discriminate.evidence import error_over_noise, own_estimate, shown_nats
 from bench.discriminate.facts import planned_facts, recorded_facts
 from bench.discriminate.limits import Envelope, envelope
 from bench.discriminate.planned import foretold, planned, times_of
@@ -17,7 +19,6 @@ from bench.discriminate.search import Design, band_of, best_motion, judged, star
 from bench.discriminate.separation import Question, question, separation, share_left
 from bench.effects import Effect, catalogue_for
 from bench.errors import BenchError
-from bench.estimate.deviations import uncertainty
 from bench.excite.limits import feasible_motion
 from bench.payload import Payload
 from bench.signals.settings import FilterSettings
@@ -28,6 +29,7 @@ TRIED = 8  # motions on which that is tested
 WIDER = 2.0  # times the limits: looked at where these are not enough
 HEAVIER = 2.0  # times the heaviest payload: a second one
 SECOND = "a second payload"
+FAINT = 0.5  # nats that a motion promises: less is worth no recording
 SURE = 3.0  # deviations of a parameter that has the wrong sign
 
 
@@ -47,7 +49,8 @@ def discriminate(
     requests: the two effects, as EFFECT or EFFECT:JOINT; effects: what the model has beside. The difference is
     what one model, fitted to the given data, foretells of the motor currents, and the other cannot imitate,
     fitted anew to given and new data together; in nats, as an expected log-likelihood difference. The smaller of
-    both directions is made large. duration: s, of the motion; widen: factor on the largest speeds, accelerations
+    both directions is made large. No motion is given where neither effect shows in the data and none promises any
+    evidence. duration: s, of the motion; widen: factor on the largest speeds, accelerations
     and currents of the recordings. Raises BenchError for effects that are unknown or alike.
     """
     if duration is not None and not duration > 0.0:
@@ -68,9 +71,15 @@ def discriminate(
     imitated = _imitated(asked, around, loads, duration, seed)
     asked = tuple(one for one in asked if one.truth.request not in imitated)
     motion = best_motion(asked, around, loads, duration, seed) if asked else None
+    shown = {one.request: 0.0 if one.absorbed else shown_nats(one) for one in rivals}
+    nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < NEEDED
+    motion = None if nothing else motion
     found = Discrimination(
         robot=dataset.robot.name,
         effects=requests,
+        error_over_noise=error_over_noise(rivals),
+        shown=shown,
+        nothing=nothing,
         joints={one.joint: one.gain_unit for one in dataset.robot.actuators},
         absorbed=absorbed,
         imitated=imitated,
@@ -151,13 +160,12 @@ def _notes(rivals: Sequence[Rival]) -> list[str]:
     """What the fits to the given data say against an effect already: a sign that cannot be."""
     notes = []
     for rival in rivals:
-        spread = uncertainty(rival.stack, rival.solution, "autocorrelated")
-        size = len(rival.solution.theta)
-        std = np.sqrt(np.maximum(np.diag(spread.covariance)[:size], 0.0))
-        at = size - sum(len(one.effect.parameters) for one in rival.own)
+        values, covariance = own_estimate(rival)
+        std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        at = 0
         for instance in rival.own:
             for parameter in instance.effect.parameters:
-                if parameter.positive and rival.solution.theta[at] < -SURE * std[at]:
+                if parameter.positive and values[at] < -SURE * std[at]:
                     where = f" at {instance.joint}" if instance.joint else ""
                     notes.append(
                         f"{rival.name.replace('_', ' ').capitalize()} would need a negative {parameter.name}{where} "

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.catalogue import built_in_robots
 from bench.discriminate.result import Discrimination, MotionFacts
-from bench.discriminate.words import sentences
+from bench.discriminate.words import length_unit, sentences
 from bench.errors import BenchError
 from bench.files import finite, whole_folder, write_json_atomically, write_text_atomically
 from bench.recording import write_table
@@ -64,6 +64,9 @@ def discrimination_json(found: Discrimination) -> dict[str, Any]:
         "robot": found.robot,
         "effects": list(found.effects),
         "tells": found.tells,
+        "error_over_noise": found.error_over_noise,
+        "shown": dict(found.shown),
+        "nothing_to_tell_apart": found.nothing,
         "absorbed": list(found.absorbed),
         "imitated": list(found.imitated),
         "given": dict(found.given),
@@ -147,5 +150,6 @@ def _table(found: Discrimination) -> list[str]:
         return f"| {joint} | {what} | {' | '.join(f'{value:.3g}' for value in values)} |"
 
     for joint, facts in found.planned.items():
-        lines += [row(joint, "recorded", found.recorded[joint]), row("", "this motion", facts)]
+        motor = f"{joint} [{length_unit(found, joint)}, s]"
+        lines += [row(motor, "recorded", found.recorded[joint]), row("", "this motion", facts)]
     return lines

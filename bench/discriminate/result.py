@@ -10,6 +10,8 @@ from bench.discriminate.limits import Envelope
 from bench.discriminate.search import Design
 from bench.discriminate.separation import Question
 
+LOUD = 3.0  # times the noise of the currents: an error that no right model makes
+
 
 @dataclass(frozen=True)
 class MotionFacts:
@@ -29,15 +31,21 @@ class MotionFacts:
 class Discrimination:
     """Which motion tells two effects apart.
 
-    effects: as they were named. absorbed: those of them that the model's own parameters take up, so that nothing
-    can show them. imitated: those that the other effect does everything of, whatever the motion. questions: one
-    for each effect that is neither, and how the motion answers them; given, promised: nats by the name of the
-    effect that is taken for the true one. recorded, planned: facts by joint. second: mass in kg of a second
-    payload, and the nats that the same motion promises with it. wider: factor on the limits, and nats.
+    effects: as they were named. error_over_noise: of the better of both models on the given data, RMS over RMS
+    of the currents' noise. shown: nats that each effect explains of the given data. nothing: whether neither
+    shows there, nor any motion promises that it would; there is no motion then. absorbed: those of them that
+    the model's own parameters take up, so that nothing can show them. imitated: those that the other effect
+    does everything of, whatever the motion. questions: one for each effect that is neither, and how the motion
+    answers them; given, promised: nats by the name of the effect that is taken for the true one. recorded,
+    planned: facts by joint. second: mass in kg of a second payload, and the nats that the same motion promises
+    with it. wider: factor on the limits, and nats.
     """
 
     robot: str
     effects: tuple[str, str]
+    error_over_noise: float
+    shown: Mapping[str, float]
+    nothing: bool
     joints: Mapping[str, str]
     absorbed: tuple[str, ...]
     imitated: tuple[str, ...]
@@ -51,6 +59,11 @@ class Discrimination:
     second: tuple[float, float] | None
     wider: tuple[float, float] | None
     notes: tuple[str, ...]
+
+    @property
+    def model_is_wrong(self) -> bool:
+        """Whether the error is far above the noise with either effect: something else is missing."""
+        return self.error_over_noise > LOUD
 
     @property
     def given(self) -> Mapping[str, float]:

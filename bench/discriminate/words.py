@@ -1,18 +1,52 @@
 """The answer in sentences."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.search import MATERIAL, NEEDED
 from bench.diagnose.summary import and_list, or_list, said
 from bench.discriminate.result import Discrimination, MotionFacts
 
+NATS = "one nat is odds of e, 2.7, to 1; ten are 22 000 to 1, which is sure"
 MUCH = 1.5  # times another figure: worth a word
 BEYOND = 0.05  # of the recorded travel: further out is elsewhere
 
 
 def sentences(found: Discrimination) -> list[str]:
     """What the given data and the new motion can say, and what is different about the motion."""
+    return [*warnings(found), *_answer(found)]
+
+
+def warnings(found: Discrimination) -> list[str]:
+    """What makes the answer doubtful: a model that is known to be wrong."""
+    if not found.model_is_wrong:
+        return []
+    doubt = (
+        f"With either effect, the model's error is {found.error_over_noise:.2g} times the noise of the current: "
+        "something else is missing. Run bench diagnose first, and name what it finds with --with."
+    )
+    return [doubt]
+
+
+def next_step(found: Discrimination, dataset: str | Path, folder: str | Path) -> str | None:
+    """What to do with the answer that `folder` holds; None where there is nothing to do."""
+    if found.model_is_wrong:
+        return f"next: bench diagnose {dataset}, then this command again with what it finds (--with EFFECT)"
+    if found.motion is None:
+        return None
+    return (
+        f"next: record {Path(folder) / 'trajectory.csv'} twice, add both logs with bench import (how: "
+        f"{Path(folder) / 'README.md'}), then bench diagnose {dataset}"
+    )
+
+
+def length_unit(found: Discrimination, joint: str) -> str:
+    """The unit of a motor's position: rad or m."""
+    return "rad" if found.joints[joint].startswith("N*m") else "m"
+
+
+def _answer(found: Discrimination) -> list[str]:
     names = [_spoken(one) for one in found.effects]
     if found.absorbed:
         taken = and_list([_spoken(one) for one in found.absorbed])
@@ -27,9 +61,21 @@ def sentences(found: Discrimination) -> list[str]:
             *found.notes,
         ]
     lines = [*found.notes, *(_imitated(found, one) for one in found.imitated)]
+    if found.nothing:
+        shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in found.shown.items()])
+        lines.append(
+            f"Neither effect shows in these data: they explain {shown}, where a verdict needs {NEEDED:g} ({NATS}). "
+            "No motion inside the limits would show the little that was fitted. There is nothing to tell apart. "
+            f"If one of them is suspected all the same, bring it out first: {or_list(telling_motions(_names(found)))}."
+        )
+        return lines
+    if max(found.shown.values()) < NEEDED:
+        lines.append(
+            "Neither effect shows for sure in these data: what follows is for effects as small as those fitted to them."
+        )
     lines.append(
         f"The given data, {found.given_seconds:.3g} s, can be expected to bring {_nats(found.given)}; a verdict needs "
-        f"{NEEDED:g} nats and an error that differs by {100 * MATERIAL:.3g} %."
+        f"{NEEDED:g} nats and an error that differs by {100 * MATERIAL:.3g} % ({NATS})."
     )
     if found.motion is None:
         lines.append(
@@ -55,7 +101,8 @@ def motion_words(found: Discrimination) -> list[str]:
     if len(moving) == 1 < len(found.planned):
         said_of.append(f"motor {moving[0]} moves alone")
     for joint in moving:
-        said_of += _joint_words(joint, found.recorded[joint], found.planned[joint])
+        unit = length_unit(found, joint)
+        said_of += _joint_words(joint, unit, found.recorded[joint], found.planned[joint])
     if found.motion.payload is not None:
         said_of.append(f"it carries the payload {found.motion.payload}")
     if not said_of:
@@ -63,21 +110,22 @@ def motion_words(found: Discrimination) -> list[str]:
     return [f"What is different about it: {'; '.join(said_of)}."]
 
 
-def _joint_words(joint: str, old: MotionFacts, new: MotionFacts) -> list[str]:
+def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> list[str]:
     words = []
     room = BEYOND * (old.high - old.low)
     if new.low < old.low - room or new.high > old.high + room:
         words.append(
-            f"motor {joint} works between {new.low:.3g} and {new.high:.3g}, where {old.low:.3g} to {old.high:.3g} was "
-            "recorded"
+            f"motor {joint} works between {new.low:.3g} and {new.high:.3g} {unit}, where {old.low:.3g} to "
+            f"{old.high:.3g} {unit} was recorded"
         )
     if new.speed * MUCH < old.speed:
         words.append(
-            f"motor {joint} moves slowly, at {new.speed:.2g} a second at most where {old.speed:.2g} was recorded"
+            f"motor {joint} moves slowly, at {new.speed:.2g} {unit}/s at most where {old.speed:.2g} {unit}/s was "
+            "recorded"
         )
     elif new.speed > MUCH * old.speed:
         words.append(
-            f"motor {joint} moves faster, up to {new.speed:.2g} a second where {old.speed:.2g} was recorded"
+            f"motor {joint} moves faster, up to {new.speed:.2g} {unit}/s where {old.speed:.2g} {unit}/s was recorded"
         )
     if new.turning * MUCH < old.turning:
         words.append(f"it reverses slowly at {joint}")
