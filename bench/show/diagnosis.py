@@ -12,7 +12,7 @@ from bench.diagnose.summary import effort_unit, motor_torques, reason, summary_s
 from bench.estimate.result import Quantity
 from bench.show.columns import GAPS, Column, aligned_pair, table_of
 from bench.show.comparison import sentences_list
-from bench.show.numbers import GIVEN, effect_name, percent, pretty_unit, value_and_deviation
+from bench.show.numbers import GIVEN, effect_name, named_after, percent, pretty_unit, value_and_deviation
 from bench.show.tables import effects_table
 
 WIDTH = 100
@@ -35,7 +35,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     facts = f"model with {have} · judged on {diagnosis.split}"
     console.print(Text.assemble((diagnosis.robot, "bold"), "  ", (facts, "dim")))
     console.print()
-    for sentence in summary_sentences(diagnosis):
+    for sentence in map(named_after, summary_sentences(diagnosis)):
         console.print(Text(sentence))
     _section(console, "Ladder: error after each added effect", ladder_table(diagnosis, width=width))
     shown, left_out = _shown(diagnosis.ranking, verbose)
@@ -46,7 +46,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
         names = ", ".join(effect_name(one.effect) for one in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
     told = [one for one in shown if verbose or not diagnosis.missing or one.verdict != "not supported"]
-    _section(console, "Why", sentences_list([reason(diagnosis, one) for one in told]))
+    _section(console, "Why", sentences_list([named_after(reason(diagnosis, one)) for one in told]))
     if diagnosis.missing:
         if diagnosis.after.gains_fitted:
             _section(console, "Drive gains, before and after", gains_before_after(diagnosis, width=width))

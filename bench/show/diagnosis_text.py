@@ -5,7 +5,7 @@ from itertools import pairwise
 
 from bench.diagnose.result import Diagnosis, LadderStep
 from bench.diagnose.summary import reason, summary_sentences
-from bench.show.numbers import effect_name, percent
+from bench.show.numbers import effect_name, named_after, percent
 from bench.show.summary import markdown_table
 
 
@@ -13,7 +13,7 @@ def diagnosis_markdown(diagnosis: Diagnosis) -> str:
     """What is missing in sentences, the error after each added effect, and the verdicts with their reasons."""
     told = [one for one in diagnosis.ranking if one.verdict != "not supported"]
     others = [effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "not supported"]
-    parts = ["### What is missing", "\n\n".join(summary_sentences(diagnosis))]
+    parts = ["### What is missing", "\n\n".join(map(named_after, summary_sentences(diagnosis)))]
     parts += ["### Error after each added effect", _ladder(diagnosis)]
     if told:
         rows = [
@@ -35,7 +35,7 @@ def diagnosis_markdown(diagnosis: Diagnosis) -> str:
     if others:
         parts.append(f"Not supported: {', '.join(others)}.")
     if told:
-        parts.append("\n".join(f"- {reason(diagnosis, one)}" for one in told))
+        parts.append("\n".join(f"- {named_after(reason(diagnosis, one))}" for one in told))
     return "\n\n".join(parts) + "\n"
 
 

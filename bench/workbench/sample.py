@@ -8,7 +8,7 @@ from bench.workbench.encode import floats, quantised
 from bench.workbench.found import FoundModel
 from bench.workbench.system import System
 
-BYTES, FEW_BYTES = 380_000, 300_000  # of all quantised columns together, in two bytes or in one
+BYTES, FEW_BYTES = 560_000, 300_000  # of all quantised columns together, in two bytes or in one
 FEWEST, MOST = 60, 500  # rows of a recording
 
 

@@ -195,7 +195,7 @@ const Charts = (() => {
     const count = figure.panels.length;
     const weights = figure.panels.map((panel) => panel.weight || 1);
     const sum = weights.reduce((a, b) => a + b, 0);
-    const head = 20;
+    const head = count > 1 ? 26 : 20; // px, of the label above a panel
     const bands = figure.x.scale === "band" ? figure.x.categories : [];
     const lines = Math.max(1, ...bands.map((text) => wrapped(text, (width - 60) / bands.length - 8).length));
     const under = figure.x.turned ? Math.max(...bands.map((text) => text.length)) * CHARACTER : 14 * (lines - 1);
