@@ -44,6 +44,8 @@ def load_dataset(folder: str | Path) -> Dataset:
     if path.is_dir():
         path = path / DATASET_FILE
     elif path.suffix != ".toml":
+        if path.is_file():
+            raise BenchError(f"{path}: is a file: give its folder, the one with the {DATASET_FILE}")
         raise BenchError(f"{path}: no such dataset folder")
     spec = read_toml(path, DatasetSpec)
     folder = path.parent

@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from bench.cli.options import (
+    as_folder,
     dataset_argument,
     effect_file_option,
     filter_options,
@@ -33,6 +34,7 @@ from bench.cli.options import (
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
+    callback=as_folder,
     help="Folder for report and figures: the currents, and a page of errors for every motor.",
 )
 def compare(

@@ -6,10 +6,12 @@ from typing import Any
 import click
 
 from bench.cli.options import (
+    as_folder,
     dataset_argument,
     effect_file_option,
     filter_options,
     given_filters,
+    in_existing_folder,
     json_option,
     with_option,
 )
@@ -26,10 +28,16 @@ from bench.cli.options import (
     "model_file",
     type=click.Path(path_type=Path),
     metavar="MODEL.json",
+    callback=in_existing_folder,
     help="Write the model with what is missing.",
 )
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder for report and figures."
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    callback=as_folder,
+    help="Folder for report and figures.",
 )
 @click.option("-v", "--verbose", is_flag=True, help="Print every effect and every parameter.")
 def diagnose(
@@ -47,6 +55,8 @@ def diagnose(
     Every effect of the catalogue, and every set of a few, is fitted beside the model and judged on recordings
     that were not fitted: those that the dataset keeps for validation, or the end of each recording.
     """
+    from dataclasses import replace
+
     from rich.console import Console
 
     from bench.dataset import load_dataset
@@ -55,10 +65,13 @@ def diagnose(
     from bench.estimate.model_file import save_model
     from bench.files import write_json_atomically
     from bench.show.diagnosis import diagnosis_report
+    from bench.signals.shortness import shortness_notes
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
     diagnosis = find_missing_effects(data, effects, filters=given, effect_files=effect_files)
+    short = shortness_notes(data.recordings, diagnosis.after.settings)
+    diagnosis = replace(diagnosis, after=replace(diagnosis.after, notes=(*diagnosis.after.notes, *short)))
     diagnosis_report(diagnosis, Console(), verbose=verbose)
     if json_file is not None:
         write_json_atomically(json_file, diagnosis_json(diagnosis))

@@ -7,10 +7,12 @@ import click
 
 from bench.cli.options import (
     METHODS,
+    as_folder,
     dataset_argument,
     effect_file_option,
     filter_options,
     given_filters,
+    in_existing_folder,
     json_option,
     with_option,
 )
@@ -41,9 +43,21 @@ from bench.cli.options import (
 @filter_options
 @json_option
 @click.option(
-    "--rrd", "rrd_file", type=click.Path(path_type=Path), metavar="FILE", help="Write a Rerun recording."
+    "--rrd",
+    "rrd_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    callback=in_existing_folder,
+    help="Write a Rerun recording.",
 )
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the report.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    callback=as_folder,
+    help="Folder for the report.",
+)
 @click.option("-v", "--verbose", is_flag=True, help="Print groupings in full.")
 def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,
@@ -64,6 +78,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     DATASET is a folder with a dataset.toml. With a recording that carries a payload of known mass beside one
     without, the drive gains are identified as well.
     """
+    from dataclasses import replace
+
     from rich.console import Console
 
     from bench.compare.motor import compared
@@ -73,6 +89,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.estimate.identify import identify as run
     from bench.estimate.model_file import save_model
     from bench.show.tables import identification_report
+    from bench.signals.shortness import shortness_notes
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
@@ -86,6 +103,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         essential=essential,
         catalogue=catalogue_for(data.effect_files, effect_files),
     )
+    result = replace(result, notes=(*result.notes, *shortness_notes(data.recordings, result.settings)))
     identification_report(result, Console(), verbose=verbose)
     what = compared(data.robot, data.recordings, result.recordings, result.settings)
     for line in (*left_over(what), *next_step(what, str(dataset))):

@@ -39,6 +39,16 @@ def in_existing_folder(_context: click.Context, option: click.Parameter, file: P
     return file
 
 
+def as_folder(_context: click.Context, option: click.Parameter, folder: Path | None) -> Path | None:
+    """Refuse a folder that is a file, or would lie in one, before any work is done."""
+    for path in () if folder is None else (folder, *folder.parents):
+        if path.is_dir():
+            break
+        if path.exists():
+            raise BenchError(f"{option.opts[0]} {folder}: {path} is a file: name a folder")
+    return folder
+
+
 json_option = click.option(
     "--json",
     "json_file",

@@ -5,7 +5,13 @@ from typing import Any
 
 import click
 
-from bench.cli.options import effect_file_option, filter_options, given_filters, with_option
+from bench.cli.options import (
+    effect_file_option,
+    filter_options,
+    given_filters,
+    in_existing_folder,
+    with_option,
+)
 
 
 @click.command("report")
@@ -17,6 +23,7 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
     default=Path("report.html"),
     show_default=True,
     metavar="FILE.html",
+    callback=in_existing_folder,
     help="The file to write.",
 )
 @click.option(

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.options import as_folder
+
 
 @click.command("trial")
 @click.argument("robot", metavar="ROBOT")
@@ -32,6 +34,7 @@ import click
     default=Path("trial"),
     show_default=True,
     metavar="DIR",
+    callback=as_folder,
     help="Folder of the results.",
 )
 @click.option(

@@ -1,0 +1,100 @@
+"""Paths on the command line that cannot be: refused before anything is computed, and nothing is written."""
+
+import json
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.recording import Recording
+from bench.signals.settings import FilterSettings
+from bench.signals.shortness import shortness_notes
+from bench.truth.dataset import write_simulation
+from tests.good_data import RATE, write_good_dataset
+from tests.test_discriminate import machine, narrow_recordings
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    return write_good_dataset(tmp_path_factory.mktemp("good") / "data")
+
+
+@pytest.fixture
+def refused(tmp_path, capsys, monkeypatch):
+    """Run a command that must refuse in one line before it reads any data."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "afile").write_text("something else")
+
+    def never(*_, **__):
+        raise AssertionError("the data were read before the path was looked at")
+
+    def run(*arguments, reads=False):
+        if not reads:
+            monkeypatch.setattr("bench.dataset.load_dataset", never)
+            monkeypatch.setattr("bench.trial.command.run_command", never)
+        assert main([*map(str, arguments)]) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert err.count("\n") == 1
+        assert [path.name for path in tmp_path.iterdir()] == ["afile"]
+        return err
+
+    return run
+
+
+@pytest.mark.parametrize("folder", ["afile", "afile/results", "afile/more/results"])
+@pytest.mark.parametrize("command", ["identify", "diagnose", "compare", "trial"])
+def test_a_folder_of_results_that_is_a_file_is_refused(command, folder, good, refused):
+    what = "five_bar" if command == "trial" else good
+    assert f"-o {folder}: afile is a file: name a folder" in refused(command, what, "-o", folder)
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        ("identify", "--json"),
+        ("identify", "--rrd"),
+        ("diagnose", "--json"),
+        ("diagnose", "--apply"),
+        ("compare", "--json"),
+        ("report", "-o"),
+    ],
+)
+def test_a_file_in_a_folder_that_is_not_there_is_refused(command, option, good, refused):
+    err = refused(command, good, option, "nodir/result.html")
+    assert f"{option} nodir/result.html: there is no folder nodir" in err
+
+
+@pytest.mark.parametrize("command", ["identify", "diagnose", "compare"])
+def test_a_recording_in_place_of_its_dataset_is_told(command, good, refused):
+    file = next(good.glob("*.csv"))
+    assert f"{file}: is a file: give its folder, the one with the dataset.toml" in refused(
+        command, file, reads=True
+    )
+
+
+def recording(name, seconds, use="identify"):
+    time = np.arange(int(seconds * RATE) + 1) / RATE
+    return Recording(name, use, None, time, np.zeros((len(time), 1)), np.zeros((len(time), 1)))
+
+
+def test_a_recording_that_is_short_beside_its_filter_is_noted():
+    settings = FilterSettings(position_cutoff=60.0, decimation=10)
+    assert (
+        shortness_notes([recording("long.csv", 5.0), recording("checked.csv", 0.8, "validate")], settings)
+        == []
+    )
+    (note,) = shortness_notes([recording("long.csv", 5.0), recording("short.csv", 0.8)], settings)
+    assert note.startswith("short.csv lasts 0.8 s, 48 periods of the filter")
+    assert "Record 1.9 s at least" in note
+
+
+def test_the_note_stands_in_the_answers(tmp_path, capsys):
+    recordings = [
+        one | {"design": one["design"] | {"duration": 0.8, "ramp": 0.2}} for one in narrow_recordings()
+    ]
+    write_simulation(machine(recordings), tmp_path / "data")
+    answer = tmp_path / "model.json"
+    assert main(["identify", str(tmp_path / "data"), "--json", str(answer)]) == 0
+    assert "periods of the filter" in " ".join(capsys.readouterr().out.split())
+    assert any("periods of the filter" in note for note in json.loads(answer.read_text())["notes"])
