@@ -1,11 +1,13 @@
 """The figures of a trial in print and on a page: nothing without cases, no verdict on too few."""
 
 import io
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 
 from bench.trial.command import show
+from bench.trial.figures import write_figures
 from bench.trial.markdown import parts, trial_markdown
 from bench.trial.summary import Share, Target, TrialSummary, summarised
 from tests.trial_rows import trial_row, trial_rows
@@ -35,6 +37,15 @@ def test_what_was_not_tried_is_left_out(nothing: TrialSummary) -> None:
             assert part.title in text
         assert "by size" not in text
         assert "Parameters of" not in text
+
+
+def test_pictures_are_of_what_there_are_cases_for(tmp_path: Path) -> None:
+    nothing = [trial_row("nothing", "", "")] * 2
+    assert write_figures(summarised("robot", nothing), nothing, tmp_path / "robot") == []
+    paths = write_figures(summarised("robot", trial_rows()), trial_rows(), tmp_path / "robot")
+    assert [path.name for path in paths] == [
+        f"robot_{name}.png" for name in ("confusion", "misses", "errors")
+    ]
 
 
 def test_every_table_has_a_title_and_rows_with_cases() -> None:

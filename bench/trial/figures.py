@@ -22,7 +22,7 @@ def write_figures(summary: TrialSummary, rows: Sequence[Row], stem: Path) -> lis
     """Draw what there are cases for: STEM_confusion.png, STEM_misses.png, STEM_errors.png."""
     drawn = []
     figures = {
-        "confusion": confusion_figure(summary) if summary.confusion else None,
+        "confusion": confusion_figure(summary) if set(summary.confusion) - {NOTHING} else None,
         "misses": misses_figure(summary) if any(one.first.of for one in summary.misses) else None,
         "errors": errors_figure(rows),
     }
@@ -61,7 +61,8 @@ def confusion_figure(summary: TrialSummary) -> Figure:
     axes.set_xlabel("named first", fontsize=8)
     axes.set_ylabel("hidden", fontsize=8)
     figure.suptitle(
-        f"{summary.robot}: cases with one effect hidden,\nown error at least {LARGE:g} × the noise floor",
+        f"{summary.robot}: cases with one effect hidden, own\nerror at least {LARGE:g} × the noise floor"
+        + (", or nothing" if NOTHING in hidden else ""),
         fontsize=8,
         x=0.01,
         ha="left",
