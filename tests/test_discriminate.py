@@ -190,6 +190,15 @@ def test_what_shows_in_the_given_data_is_told_from_noise(found):
     assert "Neither effect shows for sure" in " ".join(sentences(small))
 
 
+def test_given_data_that_are_enough_need_no_motion(found):
+    assert not found.given_tells
+    asked = tuple(replace(one, given=100.0 * one.given) for one in found.questions)
+    enough = replace(found, questions=asked)
+    assert enough.given_tells
+    assert "That is enough: bench diagnose can tell them apart" in " ".join(sentences(enough))
+    assert next_step(enough, "data", "out") == "next: bench diagnose data"
+
+
 def test_a_picture_shows_each_motor_and_both_models(found):
     axes = discrimination_figure(found).axes
     assert len(axes) == 6

@@ -88,6 +88,16 @@ class Discrimination:
         return float(np.sqrt(1.0 + min(shares)) - 1.0)
 
     @property
+    def given_tells(self) -> bool:
+        """Whether the given data are enough already."""
+        if self.motion is None or self.judged_rows == 0:
+            return False
+        pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
+        shares = [2.0 * nats * answer.memory / self.judged_rows for nats, answer in pairs]
+        growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
+        return min(self.given.values()) >= NEEDED and growth >= MATERIAL
+
+    @property
     def tells(self) -> bool:
         """Whether the motion is enough for a verdict of `bench diagnose`."""
         return bool(self.promised) and min(self.promised.values()) >= NEEDED and self.growth >= MATERIAL

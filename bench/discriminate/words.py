@@ -8,7 +8,7 @@ from bench.diagnose.search import MATERIAL, NEEDED
 from bench.diagnose.summary import and_list, or_list, said
 from bench.discriminate.result import Discrimination, MotionFacts
 
-NATS = "one nat is odds of e, 2.7, to 1; ten are 22 000 to 1, which is sure"
+NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is sure"
 MUCH = 1.5  # times another figure: worth a word
 BEYOND = 0.05  # of the recorded travel: further out is elsewhere
 
@@ -35,6 +35,8 @@ def next_step(found: Discrimination, dataset: str | Path, folder: str | Path) ->
         return f"next: bench diagnose {dataset}, then this command again with what it finds (--with EFFECT)"
     if found.motion is None:
         return None
+    if found.given_tells:
+        return f"next: bench diagnose {dataset}"
     return (
         f"next: record {Path(folder) / 'trajectory.csv'} twice, add both logs with bench import (how: "
         f"{Path(folder) / 'README.md'}), then bench diagnose {dataset}"
@@ -77,6 +79,8 @@ def _answer(found: Discrimination) -> list[str]:
         f"The given data, {found.given_seconds:.3g} s, can be expected to bring {_nats(found.given)}; a verdict needs "
         f"{NEEDED:g} nats and an error that differs by {100 * MATERIAL:.3g} % ({NATS})."
     )
+    if found.given_tells:
+        lines.append("That is enough: bench diagnose can tell them apart without a new motion.")
     if found.motion is None:
         lines.append(
             f"No motion was found inside the limits. What could help: {or_list(telling_motions(_names(found)))}."
