@@ -15,7 +15,10 @@ SMEARED = 0.5  # cut-off periods of the position filter that a jump of the accel
 DWELL = 0.5  # of that time: how long a joint without a motor has to be slow, to count as one that sticks
 START = 0.3  # of the RMS speed: slower at its first sample, a joint starts from rest
 FIRST_WAY = 0.03  # of a joint's travel: before that, friction still depends on how the joint came to rest
-HALF = 0.5  # of a row that may come from standstill before it is left aside
+AROUND = (
+    4.0  # likewise, of what tells of the surroundings: the noise in it is averaged as by the fit's low-pass
+)
+MOST = 0.2  # of a row that may come from standstill before it is left aside
 
 Gaps = tuple[np.ndarray, ...]
 """For each joint, the stretches (k, 3) of samples in which it stands still or reverses: the first, one past the
@@ -44,15 +47,15 @@ def standstills(
         if abs(v[0]) < START * rms:
             way = np.maximum.accumulate(np.abs(q - q[0]))
             slow |= way < FIRST_WAY * max(q.max() - q.min(), np.finfo(float).tiny)
-        found.append(_stretches(slow, reach))
+        found.append(_stretches(slow, reach, int(np.ceil(AROUND * rate / cutoff))))
     return tuple(found)
 
 
 def bridged(rows: np.ndarray, gaps: Gaps) -> np.ndarray:
     """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy.
 
-    The line goes through the means of as many samples on either side as the position filter mixes; it is level
-    where there is one side only.
+    The line goes through the means of the samples on either side, those in the middle of a side weighing most
+    (a Hann window); it is level where there is one side only.
     """
     rows = rows.copy()
     for j, stretches in enumerate(gaps):
@@ -85,11 +88,13 @@ def _ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _means(values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-    """The mean of values (N, ...) in each stretch, (k, ...); zero in one without samples."""
+    """The mean of values (N, ...) in each stretch under a Hann window, (k, ...); zero in one without samples."""
     samples, of = _ranges(start, stop)
+    weights = np.sin(np.pi * (samples - start[of] + 0.5) / (stop - start)[of]) ** 2
+    whole = np.bincount(of, weights, len(start))
     sums = np.zeros((len(start), *values.shape[1:]))
-    np.add.at(sums, of, values[samples])
-    return sums / _like(np.maximum(stop - start, 1), sums)
+    np.add.at(sums, of, values[samples] * _like(weights, values))
+    return sums / _like(np.where(whole > 0.0, whole, 1.0), sums)
 
 
 def _like(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -103,12 +108,12 @@ def no_gaps(joints: int) -> Gaps:
 
 
 def moving_rows(gaps: Gaps, samples: int, decimation: int) -> np.ndarray:
-    """Which decimated rows of which joints come for the most part from motion, (M, n) True or False."""
+    """Which decimated rows of which joints come from motion but for a small part, (M, n) True or False."""
     inside = np.zeros((samples, len(gaps)))
     for j, stretches in enumerate(gaps):
         for start, stop, _ in stretches:
             inside[start:stop, j] = 1.0
-    return np.asarray(decimate(inside, decimation) < HALF)
+    return np.asarray(decimate(inside, decimation) < MOST)
 
 
 def _stuck(velocity: np.ndarray, shortest: float) -> np.ndarray:
@@ -127,13 +132,16 @@ def _runs(slow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return edges[::2], edges[1::2]
 
 
-def _stretches(slow: np.ndarray, reach: int) -> np.ndarray:
-    """Runs of True (N,), each longer by `reach` at both ends; those with hardly a sample between them are one."""
+def _stretches(slow: np.ndarray, reach: int, beside: int) -> np.ndarray:
+    """Runs of True (N,), each longer by `reach` at both ends; those with hardly a sample between them are one.
+
+    beside: how many samples on either side tell of the surroundings.
+    """
     runs: list[list[int]] = []
     for start, stop in zip(*_runs(slow), strict=True):
         first, last = max(int(start) - reach, 0), min(int(stop) + reach, len(slow))
         if runs and first - runs[-1][1] < reach:
             runs[-1][1] = last
         else:
-            runs.append([first, last, 2 * reach])
+            runs.append([first, last, beside])
     return np.array(runs, dtype=int).reshape(-1, 3)
