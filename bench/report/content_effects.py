@@ -14,7 +14,6 @@ from bench.report.words import (
     share,
     short,
     typeset,
-    with_interval,
     with_std,
 )
 from bench.show.numbers import flat_effects, gain_change, pretty_unit
@@ -203,14 +202,14 @@ def _gains_table(after: Identification, before: Identification | None) -> Table:
         if before is not None:
             old: DriveGain = before.drive_gains[joint]
             cells += [
-                with_interval(old),
-                with_interval(gain),
+                with_std(old),
+                with_std(gain),
                 share(gain.value / old.value - 1.0, signed=True),
             ]
         else:
-            cells += [with_interval(gain)]
+            cells += [with_std(gain)]
         rows.append(row(*cells, share(gain.relative_std), share(gain_change(gain), signed=True)))
-    aid = "After ±: half the 95 % interval. std: standard deviation in percent of the value."
+    aid = "After ± and under std, in percent of the value: the standard deviation. 95 % intervals are twice as wide."
     return Table("The same in numbers", aid, tuple(columns), tuple(rows))
 
 

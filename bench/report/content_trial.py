@@ -18,7 +18,7 @@ from bench.sweep.journal import Row
 from bench.sweep.table import column_names, read_table
 from bench.trial.cases import DATASETS_A_SEED, KINDS
 from bench.trial.markdown import COUNTED, percent, size_text, target_cells
-from bench.trial.summary import NOTHING, SOMETHING, Share, Target, TrialSummary, summarised
+from bench.trial.summary import NO, NOTHING, SOMETHING, TOO_FEW, YES, Share, Target, TrialSummary, summarised
 
 NEEDED = (
     "status",
@@ -158,9 +158,12 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
     judged = [
         one for one in summary.targets if one.reached is not None and (one.least, one.most) != (None, None)
     ]
-    missed = [one for one in judged if not one.reached]
-    third = f"Of {plural(len(judged), 'figure')} with a limit, {len(judged) - len(missed)} keep it"
-    third += f"; not kept: {and_list([_plain_name(one.name) for one in missed])}." if missed else "."
+    kept = sum(one.verdict == YES for one in judged)
+    third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
+    for verdict, words in ((NO, "not kept"), (TOO_FEW, "too few cases to say")):
+        names = [_plain_name(one.name) for one in judged if one.verdict == verdict]
+        third += f"; {words}: {and_list(names)}" if names else ""
+    third += "."
     return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
 
 
@@ -211,7 +214,9 @@ def _targets_section(summary: TrialSummary) -> Section:
 
 
 def _kept(one: Target) -> Cell:
-    return Cell("kept", "badge missing") if one.reached else Cell("not kept", "badge indistinguishable")
+    if one.verdict == YES:
+        return Cell("kept", "badge missing")
+    return Cell("not kept" if one.verdict == NO else one.verdict, "badge indistinguishable")
 
 
 def _confusion_section(summary: TrialSummary) -> Section:

@@ -37,11 +37,6 @@ def with_std(one: Quantity) -> str:
     return _pair(one.value, one.std)
 
 
-def with_interval(one: Quantity) -> str:
-    """A value with half its 95 % interval."""
-    return _pair(one.value, INTERVAL * one.std)
-
-
 def relative_std(one: Quantity) -> Cell:
     """The standard deviation in percent of the value, marked where the value says little."""
     if one.std == 0.0:
