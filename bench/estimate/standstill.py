@@ -59,12 +59,12 @@ def bridged(rows: np.ndarray, gaps: Gaps) -> np.ndarray:
     """
     rows = rows.copy()
     for j, stretches in enumerate(gaps):
-        if not len(stretches):
+        own = rows[:, j]
+        if not len(stretches) or not own.any():
             continue
         start, stop, beside = stretches.T
         before = np.maximum(start - beside, np.concatenate(([0], stop[:-1])))
         after = np.minimum(stop + beside, len(rows))
-        own = rows[:, j]
         first, second = _means(own, before, start), _means(own, stop, after)
         has_first, has_second = before < start, stop < after
         y0, y1 = (
@@ -91,10 +91,13 @@ def _means(values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarra
     """The mean of values (N, ...) in each stretch under a Hann window, (k, ...); zero in one without samples."""
     samples, of = _ranges(start, stop)
     weights = np.sin(np.pi * (samples - start[of] + 0.5) / (stop - start)[of]) ** 2
-    whole = np.bincount(of, weights, len(start))
-    sums = np.zeros((len(start), *values.shape[1:]))
-    np.add.at(sums, of, values[samples] * _like(weights, values))
-    return sums / _like(np.where(whole > 0.0, whole, 1.0), sums)
+    means = np.zeros((len(start), *values.shape[1:]))
+    some = np.flatnonzero(stop > start)
+    if len(some):
+        first = np.searchsorted(of, some)
+        weighted = values[samples] * _like(weights, values)
+        means[some] = np.add.reduceat(weighted, first) / _like(np.add.reduceat(weights, first), means)
+    return means
 
 
 def _like(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
