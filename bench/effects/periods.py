@@ -30,8 +30,9 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
     """The periods that stand out of a joint's error: peaks of its least-squares periodogram over position.
 
     carriers: for every recording what multiplies the wave, (M,). A sample counts where the low-pass of the fit
-    lets the wave through, |rate of the phase| below 2 pi band. Source: Lomb, "Least-squares frequency analysis
-    of unequally spaced data", Astrophysics and Space Science 39, 1976.
+    lets the wave through, |rate of the phase| below 2 pi band. In single precision, since the periods are refined
+    afterwards. Source: Lomb, "Least-squares frequency analysis of unequally spaced data", Astrophysics and Space
+    Science 39, 1976.
     """
     joint = samples[0]
     one = (2.0 * np.pi if joint.rotates else 1.0) / max(
@@ -45,19 +46,15 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
     explained = np.zeros(len(grid))
     moments = np.zeros((len(grid), 5))
     for sample, carrier in zip(samples, carriers, strict=True):
-        angle = grid[:, None] * phase(sample.position, 1.0, sample.rotates)
-        pace = grid[:, None] * np.abs(phase(sample.velocity, 1.0, sample.rotates))
-        passed = carrier * (pace < 2.0 * np.pi * sample.band)
+        angle = np.outer(grid, phase(sample.position, 1.0, sample.rotates)).astype(np.float32)
+        pace = np.abs(phase(sample.velocity, 1.0, sample.rotates))
+        most = 2.0 * np.pi * sample.band / np.maximum(pace, np.finfo(float).tiny)
+        passed = np.where(grid[:, None] < most, carrier.astype(np.float32), np.float32(0.0))
         cosine, sine = passed * np.cos(angle), passed * np.sin(angle)
-        moments += np.column_stack(
-            (
-                (cosine * cosine).sum(axis=1),
-                (cosine * sine).sum(axis=1),
-                (sine * sine).sum(axis=1),
-                cosine @ sample.error,
-                sine @ sample.error,
-            )
-        )
+        error = sample.error.astype(np.float32)
+        pairs = ((cosine, cosine), (cosine, sine), (sine, sine))
+        products = [np.einsum("ij,ij->i", one, other) for one, other in pairs]
+        moments += np.column_stack((*products, cosine @ error, sine @ error))
     cc, cs, ss, ce, se = moments.T
     determinant = cc * ss - cs * cs
     usable = determinant > 1e-6 * cc * ss
