@@ -13,7 +13,8 @@ from bench.signals.settings import FilterSettings
 from bench.signals.spectrum import noise_floor
 
 FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
-BESIDE = 1  # rows on either side of a reversal that belong to it
+SWIFT = 3  # rows left aside between two directions: more is a standstill, not a reversal
+BESIDE = 1.5  # rows on either side of a reversal that belong to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +124,7 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
     moving = series.moving[:, j]
     row = np.flatnonzero(moving)
     velocity = series.velocity[:, j]
-    still = np.flatnonzero(~moving)
+    still = _standstill(moving)
     steps = np.diff(series.time)
     return MotorSeries(
         joint=joint,
@@ -145,11 +146,21 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
     )
 
 
+def _standstill(moving: np.ndarray) -> np.ndarray:
+    """Rows of stretches in which the joint stands still for longer than a reversal takes."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~moving, [False])).astype(int)))
+    stretches = [np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > SWIFT]
+    return np.concatenate(stretches) if stretches else np.empty(0, dtype=int)
+
+
 def _reversals(velocity: np.ndarray, moving: np.ndarray) -> np.ndarray:
-    """Between which rows the joint reverses while it moves, as row numbers with a fraction of one."""
-    before, after = velocity[:-1], velocity[1:]
-    at = np.flatnonzero((before * after < 0) & moving[:-1] & moving[1:])
-    return np.asarray(at + before[at] / (before[at] - after[at]))
+    """Where the joint reverses, as row numbers with a fraction of one; SWIFT rows or fewer it may stand still."""
+    row = np.flatnonzero(moving)
+    before, after = row[:-1], row[1:]
+    turned = (velocity[before] * velocity[after] < 0) & (after - before <= SWIFT + 1)
+    before, after = before[turned], after[turned]
+    share = velocity[before] / (velocity[before] - velocity[after])
+    return np.asarray(before + (after - before) * share, dtype=float)
 
 
 def _to_nearest(row: np.ndarray, marks: np.ndarray) -> np.ndarray:
