@@ -13,7 +13,7 @@ from bench.trial.judge import Named, judged
 from bench.trial.realise import hidden_places
 from bench.trial.setup import Setup, make_setup
 from bench.trial.summary import NOTHING, SOMETHING, Share, summarised
-from bench.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, true_values
+from bench.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, as_logged, true_values
 from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.trial_rows import trial_row
 
@@ -39,6 +39,28 @@ def test_true_values_come_from_the_fields_of_hidden_effects() -> None:
     assert true_values("cogging_torque", {"a": 1.0, "b": 2.0, "period": 0.5}, slide=True)[
         "periods"
     ] == pytest.approx(2)
+
+
+def test_what_an_encoder_offset_shifts_is_told_in_logged_positions() -> None:
+    offset, period, position = 0.07, 0.4, np.linspace(-1, 1, 7)
+    hidden = [
+        {"effect": "cogging_torque", "joint": "left", "a": 0.3, "b": -0.2, "period": period},
+        {"effect": "cogging_torque", "joint": "right", "a": 0.3, "b": -0.2, "period": period},
+        {"effect": "encoder_offset", "joint": "left", "offset": offset},
+        {"effect": "joint_spring", "joint": "left", "k": 2.0, "q0": 0.5},
+        {"effect": "position_dependent_friction", "joint": "left", "a": 0.0, "b": 0.1},
+    ]
+
+    def periodic(one: dict[str, float], angle: np.ndarray) -> np.ndarray:
+        return one["a"] * np.cos(angle) + one["b"] * np.sin(angle)
+
+    told = as_logged(hidden)
+    logged = position + offset
+    w = 2 * np.pi / period
+    np.testing.assert_allclose(periodic(told[0], w * logged), periodic(hidden[0], w * position))
+    assert told[1:3] == hidden[1:3]
+    assert told[3]["q0"] == pytest.approx(0.57)
+    np.testing.assert_allclose(periodic(told[4], logged), periodic(hidden[4], position))
 
 
 def test_a_case_is_the_same_in_whatever_order_it_is_drawn(five_bar: Setup) -> None:

@@ -12,6 +12,7 @@ from bench.model.model import build_model
 from bench.show.numbers import effect_key
 from bench.show.story import Known
 from bench.sweep.true_parameters import true_values
+from bench.trial.true_effects import as_logged
 from bench.trial.true_effects import true_values as true_effect_values
 from bench.truth.dataset import truth_path
 from bench.truth.hidden_torque import hidden_torque, plain_machine
@@ -71,7 +72,7 @@ def truth_values(dataset: Dataset, content: Mapping[str, Any]) -> dict[str, floa
     model = build_model(dataset.robot)
     values = true_values(model, content)
     slides = {joint.name for joint in model.geometry.joints if joint.kind == "slide"}
-    for hidden in content["hidden"]:
+    for hidden in as_logged(content["hidden"]):
         joint = hidden.get("joint") or WHOLE_ROBOT
         found = true_effect_values(hidden["effect"], hidden, slide=joint in slides)
         values |= {effect_key(hidden["effect"], joint, name): value for name, value in found.items()}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -82,3 +83,27 @@ def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str,
     if slide and "periods" in values:
         values["periods"] /= 2 * np.pi
     return {name: value for name, value in values.items() if np.isfinite(value)}
+
+
+def as_logged(hidden: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Hidden effects told in the positions that are logged, which a hidden encoder offset shifts.
+
+    With the logged position p = q + offset, a cos(w q) + b sin(w q) and k (q - q0) have other a, b and q0 in p.
+    """
+    offsets = {one.get("joint"): one["offset"] for one in hidden if one["effect"] == "encoder_offset"}
+    return [_shifted(dict(one), offsets.get(one.get("joint"), 0.0)) for one in hidden]
+
+
+def _shifted(one: dict[str, Any], offset: float) -> dict[str, Any]:
+    if not offset:
+        return one
+    if one["effect"] == "joint_spring":
+        return one | {"q0": one["q0"] + offset}
+    if one["effect"] in ("cogging_torque", "torque_ripple"):
+        angle = 2 * np.pi * offset / one["period"]
+    elif one["effect"] == "position_dependent_friction":
+        angle = one.get("harmonic", 1.0) * offset
+    else:
+        return one
+    turned = complex(one["a"], one["b"]) * np.exp(1j * angle)
+    return one | {"a": turned.real, "b": turned.imag}

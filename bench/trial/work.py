@@ -32,7 +32,7 @@ from bench.trial.judge import judged, named_from
 from bench.trial.plan import TrialPlan
 from bench.trial.realise import Entry, hidden_places, realised, reference_scenario
 from bench.trial.setup import Setup
-from bench.trial.true_effects import true_values
+from bench.trial.true_effects import as_logged, true_values
 from bench.truth.dataset import as_dataset
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import Simulation, simulate
@@ -231,7 +231,7 @@ def _accuracy(simulation: Simulation, diagnosis: Diagnosis, told: Identification
 def _intervals(setup: Setup, hidden: Sequence[Entry], result: Identification) -> list[Mapping[str, Any]]:
     """Estimated value, deviation and truth of the parameters of the hidden effects that the model has."""
     found: list[Mapping[str, Any]] = []
-    for effect, place, entry in hidden_places(setup, hidden):
+    for effect, place, entry in hidden_places(setup, as_logged(hidden)):
         at = result.effect_parameters.get(effect, {})
         values = at.get(place or ROBOT)
         if values is None:

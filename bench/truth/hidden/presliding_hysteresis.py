@@ -12,8 +12,8 @@ from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor, refuse_fas
 class PreslidingHysteresis(JointEffect):
     """σ z, dz/dt = q̇ - σ |q̇| z / Fc (Dahl): σ (q - q_reversal) at first, Fc · sign(q̇) once it slides.
 
-    LuGre with equal static and Coulomb friction and no damping of the bristles. The torque of a step is
-    exactly Dahl's for the positions up to the step before.
+    LuGre with equal static and Coulomb friction. MuJoCo's state is of the step before; a damping of the bristles
+    of σ times the step brings it to the present one, so that the torque is Dahl's at the present position.
 
     Dahl, "Solid friction damping of mechanical vibrations", AIAA Journal 14 (1976).
 
@@ -27,6 +27,5 @@ class PreslidingHysteresis(JointEffect):
 
     def change(self, draft: Draft) -> None:
         refuse_fast_swing(draft, self, self.stiffness, draft.inertia[self.joint])
-        add_dc_motor(
-            draft, self.name, draft.spec.joint(self.joint), lugre=[self.stiffness, 0.0, self.Fc, self.Fc, 1.0]
-        )
+        lugre = [self.stiffness, self.stiffness * draft.step, self.Fc, self.Fc, 1.0]
+        add_dc_motor(draft, self.name, draft.spec.joint(self.joint), lugre=lugre)
