@@ -63,6 +63,7 @@ def diagnose(
     from bench.diagnose.as_json import diagnosis_json
     from bench.diagnose.find import find_missing_effects
     from bench.estimate.model_file import save_model
+    from bench.estimate.swapped import swapped_notes
     from bench.files import write_json_atomically
     from bench.show.diagnosis import diagnosis_report
     from bench.signals.shortness import shortness_notes
@@ -71,7 +72,9 @@ def diagnose(
     given = given_filters(**filters)
     diagnosis = find_missing_effects(data, effects, filters=given, effect_files=effect_files)
     short = shortness_notes(data.recordings, diagnosis.after.settings)
-    diagnosis = replace(diagnosis, after=replace(diagnosis.after, notes=(*diagnosis.after.notes, *short)))
+    swapped = swapped_notes(data, diagnosis.before)
+    notes = (*swapped, *diagnosis.after.notes, *short)
+    diagnosis = replace(diagnosis, after=replace(diagnosis.after, notes=notes))
     diagnosis_report(diagnosis, Console(), verbose=verbose)
     if json_file is not None:
         write_json_atomically(json_file, diagnosis_json(diagnosis))

@@ -88,6 +88,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.effects import catalogue_for
     from bench.estimate.identify import identify as run
     from bench.estimate.model_file import save_model
+    from bench.estimate.swapped import swapped_notes
     from bench.show.tables import identification_report
     from bench.signals.shortness import shortness_notes
 
@@ -103,7 +104,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         essential=essential,
         catalogue=catalogue_for(data.effect_files, effect_files),
     )
-    result = replace(result, notes=(*result.notes, *shortness_notes(data.recordings, result.settings)))
+    short, swapped = shortness_notes(data.recordings, result.settings), swapped_notes(data, result)
+    result = replace(result, notes=(*swapped, *result.notes, *short))
     identification_report(result, Console(), verbose=verbose)
     what = compared(data.robot, data.recordings, result.recordings, result.settings)
     for line in (*left_over(what), *next_step(what, str(dataset))):
