@@ -21,17 +21,20 @@ FOUND = ("coulomb_friction:left", "viscous_friction:left")
 ABSORBED = ("payload_mass_error", "rotor_inertia")
 
 
-def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0):
-    """A short dataset with two recordings to fit and two to judge on."""
+RECORDINGS = (
+    ("free", "identify", 1, False),
+    ("held", "identify", 2, True),
+    ("free_check", "validate", 3, False),
+    ("held_check", "validate", 4, True),
+)
+
+
+def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recordings=RECORDINGS):
+    """A short dataset with two recordings to fit and two to judge on, or others: name, use, seed, loaded."""
     payload = next(iter(load_scenario(robot).settings.payloads))
     tables = [
         {"name": name, "use": use, "design": {"seed": seed}, **({"payload": payload} if loaded else {})}
-        for name, use, seed, loaded in (
-            ("free", "identify", 1, False),
-            ("held", "identify", 2, True),
-            ("free_check", "validate", 3, False),
-            ("held_check", "validate", 4, True),
-        )
+        for name, use, seed, loaded in recordings
     ]
     design = {"optimise": False, "duration": duration, "ramp": 0.5}
     changes = {"design": design, "recordings": tables, "hidden": list(hidden)}
@@ -39,9 +42,9 @@ def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0):
     return folder
 
 
-def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE)):
+def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE), filters=None):
     """A diagnosis that found these effects and ranks these, without the search."""
-    before, after = identify(dataset), identify(dataset, found)
+    before, after = identify(dataset, filters=filters), identify(dataset, found, filters=filters)
     present = {one.partition(":")[0] for one in found}
     ranking = tuple(
         EffectVerdict(
@@ -104,6 +107,8 @@ class Solver:
         size = len(motor["columns"]) + 2
         factor = np.zeros((size, size))
         given = motor[use]["triangle"]
+        if given is None:
+            return np.zeros((self.count + 2,) * 2)
         if isinstance(given, str):
             factor[np.triu_indices(size)] = numbers(given)
         else:
@@ -370,7 +375,9 @@ class Solver:
         left = {"fitted": solution.grams, "judged": judged}
         errors = {
             use: float(
-                np.sqrt(self.errors(grams, solution.d, solution.gains).sum() / self.squares[use].sum())
+                np.sqrt(
+                    self.errors(grams, solution.d, solution.gains).sum() / (self.squares[use].sum() or 1.0)
+                )
             )
             for use, grams in left.items()
         }

@@ -1,6 +1,6 @@
 """The model that a diagnosis found, made ready again: the one about which the workbench's columns are taken."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from bench.estimate.result import Identification
 from bench.estimate.settle import present_model, solved_quickly
 from bench.estimate.solution import Solution
 from bench.estimate.summary import ROBOT
+from bench.signals.settings import FilterSettings, choose_settings
 
 
 @dataclass(frozen=True)
@@ -36,11 +37,47 @@ class FoundModel:
     judged_on: str
 
 
-def found_model(dataset: Dataset, diagnosis: Diagnosis, catalogue: dict[str, Effect]) -> FoundModel:
-    """Prepare the equations of a diagnosis again, with the filters that it used."""
-    dataset, split = with_judged_parts(dataset)
+def found_models(
+    dataset: Dataset, diagnosis: Diagnosis, catalogue: dict[str, Effect]
+) -> tuple[FoundModel, FoundModel | None]:
+    """Prepare the equations of a diagnosis again, with the filters that it used.
+
+    Where the user kept no recording to judge on, the diagnosis fitted a part of each. Then a second model is fitted
+    to all rows, with the filters that `bench identify` takes.
+    """
+    parts, split = with_judged_parts(dataset)
+    settings = diagnosis.before.settings
+    found = _found_model(parts, diagnosis, catalogue, settings, split)
+    if parts is dataset:
+        return found, None
+    return found, _found_model(dataset, diagnosis, catalogue, _of_all(dataset, parts, settings), split)
+
+
+def _of_all(dataset: Dataset, parts: Dataset, settings: FilterSettings) -> FilterSettings:
+    """Filters chosen for whole recordings; what was set by hand for the fitted parts stays."""
+    chosen = _chosen(parts)
+    given = {
+        one.name: getattr(settings, one.name)
+        for one in fields(settings)
+        if getattr(settings, one.name) != getattr(chosen, one.name)
+    }
+    return replace(_chosen(dataset), **given)
+
+
+def _chosen(dataset: Dataset) -> FilterSettings:
+    fitted = [one for one in dataset.recordings if one.use == "identify"]
+    return choose_settings([one.position for one in fitted], [one.current for one in fitted], fitted[0].rate)
+
+
+def _found_model(
+    dataset: Dataset,
+    diagnosis: Diagnosis,
+    catalogue: dict[str, Effect],
+    settings: FilterSettings,
+    split: str,
+) -> FoundModel:
     before, after = diagnosis.before, diagnosis.after
-    plain = prepare(dataset, (), before.settings, catalogue=catalogue)
+    plain = prepare(dataset, (), settings, catalogue=catalogue)
     fit_gains = gains_can_be_fitted(plain, None)
     weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
     places = places_in(plain.model.geometry, weighed)

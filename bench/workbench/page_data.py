@@ -10,7 +10,7 @@ from bench.diagnose.result import Diagnosis
 from bench.effects import catalogue_for
 from bench.effects.effect import Effect
 from bench.workbench.encode import doubles, floats, short_triangle, triangle
-from bench.workbench.found import FoundModel, found_model
+from bench.workbench.found import FoundModel, found_models
 from bench.workbench.reduce import Reduced
 from bench.workbench.sample import thinned
 from bench.workbench.system import System, build, coordinates_of
@@ -27,10 +27,20 @@ def page_data(
     diagnosis: of this dataset; its filters are used. catalogue: the effects by name, by default the built-in ones
     and the dataset's own. Arrays are base64 of little-endian numbers; `triangle` holds the upper triangle of the
     factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis: where the model's own columns
-    are combined, how its parameters follow.
+    are combined, how its parameters follow. whole: the same of all rows, fitted as `bench identify` does it, where a
+    part of every recording is kept apart to judge on; None where recordings are. The rest then only judges.
     """
     known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
-    model = found_model(dataset, diagnosis, known)
+    model, whole = found_models(dataset, diagnosis, known)
+    carried = _carried(model, diagnosis, known, drawn=whole is None)
+    carried["whole"] = None if whole is None else _carried(whole, diagnosis, known)
+    return carried
+
+
+def _carried(
+    model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect], *, drawn: bool = True
+) -> dict[str, Any]:
+    """One model's equations, and, where its curves are drawn, a sample of the recordings."""
     verdicts = {one.effect: one for one in diagnosis.ranking}
     usable = [
         effect
@@ -39,12 +49,11 @@ def page_data(
         or (name in verdicts and verdicts[name].verdict != "absorbed")
     ]
     system = build(model, usable)
-    robot = dataset.robot
+    robot = model.plain.dataset.robot
     return {
         "version": VERSION,
         "robot": robot.name,
         "judged_on": model.judged_on,
-        "whole": any(one.use == "validate" for one in dataset.recordings),
         "fits_gains": model.fit_gains,
         "noise_floor": diagnosis.unexplained.noise_floor,
         "motors": [_motor(model, system, j) for j in range(len(robot.actuators))],
@@ -61,7 +70,7 @@ def page_data(
         ],
         "found": [[one.effect.name, one.joint] for one in model.found.effects],
         "started": [list(one) for one in model.started],
-        "recordings": thinned(model, system),
+        "recordings": thinned(model, system) if drawn else [],
     }
 
 
@@ -78,12 +87,14 @@ def _motor(model: FoundModel, system: System, j: int) -> dict[str, Any]:
         "columns": columns.tolist(),
     }
     for use, chosen in (("fitted", system.fitted), ("judged", ~system.fitted)):
-        factor = np.zeros((rows.shape[1], rows.shape[1]))
+        packed = None
         if chosen.any():
+            factor = np.zeros((rows.shape[1], rows.shape[1]))
             upper = np.linalg.qr(rows[chosen], mode="r")
             factor[: len(upper)] = upper
+            packed = triangle(factor) if system.basis is None else short_triangle(factor)
         found[use] = {
-            "triangle": triangle(factor) if system.basis is None else short_triangle(factor),
+            "triangle": packed,
             "squares": float((measured[chosen] ** 2).sum()),
             "moving": int(system.moving[chosen, j].sum()),
         }

@@ -9,6 +9,7 @@ SCRIPTS = (
     "columns.js",
     "equations.js",
     "fit.js",
+    "models.js",
     "choice.js",
     "curves.js",
     "sliders.js",

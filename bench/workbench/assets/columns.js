@@ -132,22 +132,34 @@ const WorkbenchColumns = (() => {
       return {columns, p};
     }
 
-    /* Inner products of combined columns, (K, K). */
+    /* Inner products of combined columns, (K, K). Most columns are the page's own as they are. */
     function combined(motor, gram, columns) {
       const K = columns.length;
-      const local = columns.map(({index, value}) => {
-        const pairs = [];
-        index.forEach((at, i) => motor.index[at] >= 0 && value[i] !== 0 && pairs.push([motor.index[at], value[i]]));
-        return pairs;
+      const {size} = motor;
+      const plain = new Int32Array(K).fill(-1);
+      const pairs = columns.map(({index, value}, k) => {
+        if (index.length === 1 && value[0] === 1) {
+          plain[k] = motor.index[index[0]];
+          return null;
+        }
+        const found = [];
+        index.forEach((at, i) => motor.index[at] >= 0 && value[i] !== 0 && found.push([motor.index[at], value[i]]));
+        return found;
       });
       const found = new Float64Array(K * K);
-      const row = new Float64Array(motor.size);
+      const mixed = new Float64Array(size);
       for (let a = 0; a < K; a++) {
-        row.fill(0);
-        for (const [i, x] of local[a]) for (let b = 0; b < motor.size; b++) row[b] += x * gram[i * motor.size + b];
-        for (let b = a; b < K; b++) {
+        let row = mixed;
+        if (pairs[a]) {
+          mixed.fill(0);
+          for (const [i, x] of pairs[a]) for (let b = 0; b < size; b++) mixed[b] += x * gram[i * size + b];
+        } else if (plain[a] < 0) continue;
+        else row = gram.subarray(plain[a] * size, (plain[a] + 1) * size);
+        for (let b = 0; b < K; b++) {
+          if (pairs[b] && b < a) continue;
           let sum = 0;
-          for (const [i, x] of local[b]) sum += x * row[i];
+          if (pairs[b]) for (const [i, x] of pairs[b]) sum += x * row[i];
+          else if (plain[b] >= 0) sum = row[plain[b]];
           found[a * K + b] = found[b * K + a] = sum;
         }
       }

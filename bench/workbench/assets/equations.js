@@ -8,11 +8,11 @@ how the parameters differ from it, and `known` takes out the found model's effec
 error is then error + (1 - g0/g) modelled - (columns d + known)/g, which loses no digits near the found model.
 */
 const WorkbenchEquations = (() => {
-  const {product, times, factorised, solved} = WorkbenchNumbers;
+  const {product, times, factorised, solved} = WorkbenchNumbers; // of symmetric matrices, `factorised` reads the lower half
   const REWEIGHTINGS = 3;
   const MOST_STEPS = 50;
-  const CONVERGED = 1e-12;
-  const DEPENDENT = 1e-10; // of a column's square: what the others must leave of it
+  const CONVERGED = 1e-10; // of the cost: the last step's gain
+  const DEPENDENT = {exact: 1e-10, short: 1e-7}; // of a column's square: what the others must leave of it
   const TINY = 1e-300;
 
   function create(data, columns) {
@@ -20,6 +20,7 @@ const WorkbenchEquations = (() => {
     const n = data.motors.length;
     const own = data.own;
     const fitGains = data.fits_gains;
+    const dependent = data.basis ? DEPENDENT.short : DEPENDENT.exact; // numbers of 16 bits tell no finer
     const foundGains = columns.found.gains;
     const nominal = data.motors.map((motor) => motor.nominal);
     const squares = {
@@ -44,12 +45,18 @@ const WorkbenchEquations = (() => {
       return x;
     }
 
-    function errors(grams, K, d, gains) {
+    /* Each motor's error x'x as a combination x of the columns, and its inner products with all of them. */
+    function left(grams, K, d, gains) {
       return grams.map((gram, j) => {
         const x = errorVector(K, d, gains[j], j);
-        return Math.max(product(gram, K, x, x), 0);
+        const cross = times(gram, K, x);
+        let square = 0;
+        for (let i = 0; i < K; i++) square += x[i] * cross[i];
+        return {x, cross, square: Math.max(square, 0)};
       });
     }
+
+    const errors = (grams, K, d, gains) => left(grams, K, d, gains).map((one) => one.square);
 
     function torqueErrors(grams, K, d, gains) {
       return grams.map((gram, j) => {
@@ -77,7 +84,7 @@ const WorkbenchEquations = (() => {
         kappa[K - 2] = foundGains[j];
         const cross = times(one, K, kappa);
         const at = (i) => (i < own ? i : i + 1); // the payload stands after the model's own columns
-        for (let a = 0; a < p; a++) for (let b = 0; b < p; b++) gram[at(a) * size + at(b)] += one[a * K + b];
+        for (let a = 0; a < p; a++) for (let b = 0; b <= a; b++) gram[at(a) * size + at(b)] += one[a * K + b];
         for (let a = 0; a < p; a++) {
           gram[at(a) * size + own] += cross[a];
           gram[own * size + at(a)] += cross[a];
@@ -93,7 +100,7 @@ const WorkbenchEquations = (() => {
         if (gram[i * size + i] > 1e-18 * largest) continue;
         for (let k = 0; k < size; k++) gram[i * size + k] = gram[k * size + i] = 0;
       }
-      const {passed} = factorised(gram, size, DEPENDENT);
+      const {passed} = factorised(gram, size, dependent);
       for (let i = own + 1; i < size; i++) if (!passed[i]) order.push(i - 1);
       return order;
     }
@@ -113,29 +120,24 @@ const WorkbenchEquations = (() => {
       const right = new Float64Array(size);
       grams.forEach((gram, j) => {
         const w = weights[j] ** 2;
-        const aim = new Float64Array(K);
-        aim[k] = -1;
-        aim[k + 1] = fitGains ? 0 : nominal[j] - foundGains[j];
-        aim[k + 2] = fitGains ? foundGains[j] : nominal[j];
-        const cross = times(gram, K, aim);
+        const [modelled, error] = fitGains ? [0, foundGains[j]] : [nominal[j] - foundGains[j], nominal[j]];
+        const aim = (a) => modelled * gram[a * K + k + 1] + error * gram[a * K + k + 2] - gram[a * K + k];
         for (let a = 0; a < k; a++) {
-          for (let b = 0; b < k; b++) normal[a * size + b] += w * gram[a * K + b];
-          right[a] += w * cross[a];
+          for (let b = 0; b <= a; b++) normal[a * size + b] += w * gram[a * K + b];
+          right[a] += w * aim(a);
         }
         if (!fitGains) return;
-        const current = new Float64Array(K);
-        current[k + 1] = current[k + 2] = 1;
-        const by = times(gram, K, current);
-        for (let a = 0; a < k; a++) normal[a * size + k + j] = normal[(k + j) * size + a] = -w * by[a];
-        normal[(k + j) * size + k + j] = w * (by[k + 1] + by[k + 2]);
-        right[k + j] = -w * (cross[k + 1] + cross[k + 2]);
+        const current = (a) => gram[a * K + k + 1] + gram[a * K + k + 2];
+        for (let a = 0; a < k; a++) normal[(k + j) * size + a] = -w * current(a);
+        normal[(k + j) * size + k + j] = w * (current(k + 1) + current(k + 2));
+        right[k + j] = -w * (aim(k + 1) + aim(k + 2));
       });
       const x = solved(factorised(normal, size), right);
       return {d: x.slice(0, k), gains: fitGains ? foundGains.map((g, j) => g + x[k + j]) : nominal.slice()};
     }
 
-    /* The linearised current errors: normal matrix and right side for [d, gains]. */
-    function linearisedStep(grams, K, d, gains, weights) {
+    /* The linearised current errors: normal matrix and right side for [d, gains]; at: what is left there. */
+    function linearisedStep(grams, K, d, gains, weights, at) {
       const k = d.length;
       const size = k + (fitGains ? n : 0);
       const normal = new Float64Array(size * size);
@@ -144,25 +146,23 @@ const WorkbenchEquations = (() => {
       grams.forEach((gram, j) => {
         const w = weights[j] ** 2;
         const g = gains[j];
-        const cross = times(gram, K, errorVector(K, d, g, j));
+        const {x, cross} = at[j];
+        const scale = w / (g * g);
         for (let a = 0; a < k; a++) {
-          for (let b = 0; b < k; b++) normal[a * size + b] += (w / (g * g)) * gram[a * K + b];
+          for (let b = 0; b <= a; b++) normal[a * size + b] += scale * gram[a * K + b];
           right[a] += (w / g) * cross[a];
         }
-        const y = new Float64Array(K);
-        for (let i = 0; i < k; i++) y[i] = -d[i] / (g * g);
-        y[K - 3] = -1 / (g * g);
-        y[K - 2] = -foundGains[j] / (g * g);
+        const y = x.map((value, i) => (i < K - 2 ? value : value - 1) / g); // how the error changes with the gain
         byGain.push(y);
         if (!fitGains) return;
-        const by = times(gram, K, y);
         let square = 0;
         let against = 0;
         for (let a = 0; a < K; a++) {
-          square += y[a] * by[a];
+          const by = (cross[a] - gram[a * K + K - 2] - gram[a * K + K - 1]) / g;
+          square += y[a] * by;
           against += y[a] * cross[a];
+          if (a < k) normal[(k + j) * size + a] = (w / g) * by;
         }
-        for (let a = 0; a < k; a++) normal[a * size + k + j] = normal[(k + j) * size + a] = (w / g) * by[a];
         normal[(k + j) * size + k + j] = w * square;
         right[k + j] = w * against;
       });
@@ -172,10 +172,11 @@ const WorkbenchEquations = (() => {
     function minimised(grams, K, from, weights) {
       let {d, gains} = from;
       const k = d.length;
-      const costOf = (values, by) => errors(grams, K, values, by).reduce((sum, one, j) => sum + one * weights[j] ** 2, 0);
-      let cost = costOf(d, gains);
+      const costOf = (every) => every.reduce((sum, one, j) => sum + one.square * weights[j] ** 2, 0);
+      let now = left(grams, K, d, gains);
+      let cost = costOf(now);
       for (let round = 0; round < MOST_STEPS; round++) {
-        const {normal, right, size} = linearisedStep(grams, K, d, gains, weights);
+        const {normal, right, size} = linearisedStep(grams, K, d, gains, weights, now);
         const step = solved(factorised(normal, size), right);
         let change = 0;
         if (fitGains) gains.forEach((g, j) => (change = Math.max(change, Math.abs(step[k + j] / g))));
@@ -184,23 +185,23 @@ const WorkbenchEquations = (() => {
         while (share > 1e-6) {
           const tried = d.map((value, i) => value + share * step[i]);
           const by = fitGains ? gains.map((g, j) => g + share * step[k + j]) : gains;
-          const reached = costOf(tried, by);
-          if (reached <= cost * (1 + 1e-12)) {
-            next = {d: tried, gains: by, cost: reached};
+          const reached = left(grams, K, tried, by);
+          if (costOf(reached) <= cost * (1 + 1e-12)) {
+            next = {d: tried, gains: by, cost: costOf(reached), now: reached};
             break;
           }
           share /= 2;
         }
         if (!next) break;
         const settled = cost - next.cost <= CONVERGED * cost && share === 1;
-        ({d, gains, cost} = next);
+        ({d, gains, cost, now} = next);
         if (settled) break;
       }
       return {d, gains};
     }
 
-    /* The current-domain solution of a system; from: a solution nearby, {d, gains}, at which to begin. */
-    function solve(system, from = null) {
+    /* The current-domain solution of a system. */
+    function solve(system) {
       const kept = keptColumns(system);
       const {p, K: whole} = system;
       const index = [...kept, p, p + 1, p + 2];
@@ -213,13 +214,10 @@ const WorkbenchEquations = (() => {
       };
       const currentWeights = (at) =>
         errors(grams, K, at.d, at.gains).map((one) => 1 / Math.max(Math.sqrt(one / data.rows), 1e-9 * largest + TINY));
-      let at = from && {d: Float64Array.from(kept, (column) => from.d[column]), gains: from.gains};
-      if (!from) {
-        at = linear(grams, K, new Array(n).fill(1));
-        for (let i = 0; i < REWEIGHTINGS; i++) at = linear(grams, K, torqueWeights(at));
-      }
+      let at = linear(grams, K, new Array(n).fill(1));
+      for (let i = 0; i < REWEIGHTINGS; i++) at = linear(grams, K, torqueWeights(at));
       let weights = currentWeights(at);
-      for (let i = from ? 1 : 0; i < REWEIGHTINGS; i++) {
+      for (let i = 0; i < REWEIGHTINGS; i++) {
         at = minimised(grams, K, at, weights);
         weights = currentWeights(at);
       }
@@ -240,10 +238,11 @@ const WorkbenchEquations = (() => {
       for (let i = 0; i < b; i++) all.push({index: [place.start + i], value: [1]});
       const size = all.length;
       const {d, gains} = solution;
-      const rms = errors(system.fitted, K, d, gains).map((one, j) => Math.sqrt(one / Math.max(data.motors[j].fitted.moving, 1)));
+      const now = left(system.fitted, K, d, gains);
+      const rms = now.map((one, j) => Math.sqrt(one.square / Math.max(data.motors[j].fitted.moving, 1)));
       const floor = 1e-12 * Math.max(...rms) + TINY;
       const weights = rms.map((one) => 1 / Math.max(one, floor));
-      const {normal, right, size: unknowns, byGain} = linearisedStep(system.fitted, K, d, gains, weights);
+      const {normal, right, size: unknowns, byGain} = linearisedStep(system.fitted, K, d, gains, weights, now);
       const inner = new Float64Array(b * b);
       const score = new Float64Array(b);
       const cross = Array.from({length: b}, () => new Float64Array(unknowns));
@@ -252,7 +251,7 @@ const WorkbenchEquations = (() => {
         const gram = combined(motor, motor.fitted, all);
         const w = weights[j] ** 2;
         const g = gains[j];
-        const error = errorVector(K, d, g, j);
+        const error = now[j].x;
         for (let i = 0; i < b; i++) {
           const row = gram.subarray((K + i) * size, (K + i + 1) * size);
           for (let m = 0; m < b; m++) inner[i * b + m] += (w / (g * g)) * row[K + m];

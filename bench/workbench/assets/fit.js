@@ -67,16 +67,17 @@ const WorkbenchFit = (() => {
       }
     }
 
+    function solveWith(terms, present) {
+      const system = systemOf(terms, present);
+      const solution = solve(system);
+      return {system, solution, present: {gains: solution.gains, difference: differenceOf(system, solution)}};
+    }
+
     /*
     Shapes found and columns linearised, in a few rounds, as bench/estimate/settle.py does it: the present model. It
     pauses after every part of the work, so that the page can stay awake.
     */
     function* settled(terms) {
-      const solveWith = (some, present) => {
-        const system = systemOf(some, present);
-        const solution = solve(system);
-        return {system, solution, present: {gains: solution.gains, difference: differenceOf(system, solution)}};
-      };
       if (!terms.some((term) => term.place.curved)) return found;
       let {present} = solveWith(terms.filter((term) => !term.place.curved), found);
       let before = null;
@@ -125,30 +126,29 @@ const WorkbenchFit = (() => {
     }
 
     /*
-    About the same at once, from a model nearby: what that one has stays in its shape, and shapes that are new are
-    looked for beside it.
+    Nearly the same in an instant, from a model nearby: what that one has stays in its shape, and shapes that are new
+    are looked for beside it; the columns are linearised about the model once.
     */
     function nearly(keys, held, near) {
-      const {terms: before, present, system: at, solution: from} = near.made;
+      const {terms: before, system: at, solution: from} = near.made;
+      let {present} = near.made;
       const terms = termsOf(keys, held);
-      const d = new Float64Array(own + terms.reduce((sum, term) => sum + (term.fixed ? 0 : term.place.count), 0));
-      d.set(from.d.subarray(0, own));
-      let place = own;
       for (const term of terms) {
         const known = before.find((other) => other.place === term.place);
-        if (!term.held && known) Object.assign(term, {value: known.value, branch: known.branch});
-        else if (!term.held && term.place.kind === "shape") {
+        if (term.held) continue;
+        if (known) Object.assign(term, {value: known.value, branch: known.branch});
+        else if (term.place.kind === "shape") {
           Object.assign(term, chosen(bestShape(term, besides(at, from, term.place), present)));
         }
-        if (term.fixed) continue;
-        if (known && !known.fixed) {
-          const start = before.slice(0, before.indexOf(known)).reduce((sum, one) => sum + (one.fixed ? 0 : one.place.count), own);
-          d.set(from.d.subarray(start, start + term.place.count), place);
-        }
-        place += term.place.count;
+      }
+      if (!terms.some((term) => term.place.curved)) present = found;
+      else {
+        const reached = solveWith(terms, present);
+        present = reached.present;
+        about(terms, reached.solution.theta);
       }
       const system = systemOf(terms, present);
-      return answered(terms, present, system, solve(system, {d, gains: from.gains}));
+      return answered(terms, present, system, solve(system));
     }
 
     function answered(terms, present, system, solution) {

@@ -52,8 +52,14 @@ const WorkbenchSkeleton = (() => {
       if (aid) make("p", "aid", one, aid);
       return one;
     };
-    const ladder = part("Error, effect by effect", "From the model without any effect; at each step the one that helps most.");
-    const motors = part("Drive gains and errors", "Fitted, not fitted: error of this motor's current.");
+    const steps = "From the model without any effect; at each step the one that helps most.";
+    const judge = data.whole ? ` Judged on ${data.judged_on}; fitted to the rest.` : "";
+    const ladder = part("Error, effect by effect", steps + judge);
+    const plainly = "Fitted, not fitted: error of this motor's current.";
+    const motors = part(
+      "Drive gains and errors",
+      data.whole ? `${plainly} Gains and fitted error: a fit to all rows. Not fitted: judged as the ladder.` : plainly,
+    );
     const curves = part("Currents", "");
     const choices = make("div", "choices", curves);
     const aid = make("p", "aid", curves);

@@ -8,46 +8,28 @@
 
   function start(section, data, Charts) {
     const {formatNumber} = Charts;
-    const equations = WorkbenchFit.create(data);
-    const {places} = equations;
-    const curves = WorkbenchCurves.create(data);
+    const models = WorkbenchModels.create(data);
+    const {places, judging, ofJudging} = models;
+    const drawn = data.whole || data; // what gains and curves are of
+    const curves = WorkbenchCurves.create(drawn);
     const parts = skeleton(section, data);
-    const known = new Map(); // fits by what is ticked and held
     const chosenPlaces = new Map(); // at which places an effect was ticked last
-    let state = WorkbenchChoice.start(data, places);
+    let state = WorkbenchChoice.start(drawn, places);
     const foundTicks = new Set(state.ticks);
     const judgedAny = data.motors.some((motor) => motor.judged.squares > 0);
     const errorOf = (fit) => (judgedAny ? fit.judged : fit.fitted);
     const percent = (share, digits = 3) => (share === null ? "–" : `${formatNumber(100 * share, digits)} %`);
-    const many = Boolean(data.basis); // effects: more than can be fitted in an instant
+    const apart = data.judged_on.replace(/, not fitted$/, "");
+    const many = Boolean(data.basis || drawn.basis); // effects: more than can be fitted in an instant
     let task = 0;
     let shown = null;
+    let began = 0;
 
     const ownOf = (name) => places.filter((place) => place.effect === name);
-    const heldOf = (ticks, held) => Object.fromEntries(Object.entries(held).filter(([key]) => ticks.has(key)));
-    const nameOf = (ticks, held) => JSON.stringify([[...ticks].sort(), Object.entries(heldOf(ticks, held)).sort()]);
-
-    function fitOf(ticks, held = state.held) {
-      const name = nameOf(ticks, held);
-      if (!known.has(name)) known.set(name, equations.fit(ticks, heldOf(ticks, held)));
-      return known.get(name);
-    }
-
-    /* The same in parts, with a pause after each. */
-    function* fitSlowly(ticks, held = state.held) {
-      const name = nameOf(ticks, held);
-      if (!known.has(name)) known.set(name, yield* equations.fitted(ticks, heldOf(ticks, held)));
-      return known.get(name);
-    }
-
-    /* Of many effects: nearly the same in an instant, from a model nearby. */
-    const nearly = (ticks, near, held = state.held) =>
-      known.get(nameOf(ticks, held)) || equations.nearly(ticks, heldOf(ticks, held), near);
-
-    /* For ladder and ticks: the model itself, or of many effects nearly the same. */
+    /* For ladder and ticks: the model that judges, or of many effects nearly the same, from a model nearby. */
     function* lookedAt(ticks, near) {
       yield;
-      return many ? nearly(ticks, near) : yield* fitSlowly(ticks);
+      return many ? judging.nearly(ticks, state.held, near) : yield* judging.fitted(ticks, state.held);
     }
 
     function switched(name) {
@@ -69,7 +51,7 @@
     function choose(changes, lasting = true) {
       state = {...state, ...changes};
       remember();
-      const hash = WorkbenchChoice.written(data, places, state);
+      const hash = WorkbenchChoice.written(drawn, places, state);
       if (lasting && location.hash !== hash) location.hash = hash;
       draw(lasting);
     }
@@ -101,7 +83,7 @@
     parts.found.addEventListener("click", () => choose({ticks: new Set(foundTicks), held: {}}));
     parts.nothing.addEventListener("click", () => choose({ticks: new Set(), held: {}}));
     const motor = segments(parts.choices, "Motor", data.motors.map((one) => one.joint), (i) => choose({motor: i}));
-    const named = data.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
+    const named = drawn.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
     const recording = segments(parts.choices, "Recording", named, (i) => choose({recording: i}));
     const ladderChart = Charts.create(parts.ladder, ladderFigure([["no effect", null]]));
     let curveChart = null;
@@ -174,7 +156,7 @@
       const near = names((one) => one.place.approximate);
       const whole = [...foundTicks].every((key) => state.ticks.has(key));
       const needed = names((one) => one.place.needed && !whole);
-      const short = names((one) => data.basis && one.place.kind === "shape" && !one.place.approximate);
+      const short = names((one) => many && one.place.kind === "shape" && !one.place.approximate);
       const outside = names((one) => one.outside);
       const windows = names((one) => one.place.windows && !one.values.some((value) => value.held));
       const held = names((one) => one.values.some((value) => value.held));
@@ -184,7 +166,7 @@
         );
       }
       if (short.length) {
-        said.push(`${titled(list(short))}: beside so many effects, in few digits; bench identify may differ in the third one.`);
+        said.push(`${titled(list(short))}: beside so many effects, in few digits; bench identify may differ in the fourth one.`);
       }
       if (needed.length) {
         said.push(
@@ -198,8 +180,10 @@
         said.push(`${titled(list(windows))}: the period is looked for near the two that stood out of the error; bench identify looks everywhere.`);
       }
       if (held.length) said.push(`${titled(list(held))}: held where you put it; bench identify would look for the best value.`);
-      if (!data.whole) {
-        said.push(`Fitted to the first part of every recording and judged on the rest; bench identify fits them whole.`);
+      if (data.whole) {
+        said.push(
+          `No recording is kept to judge on. Gains, parameters, curves and the fitted error come from a fit to all rows, as bench identify does it; the error not fitted, the ladder and the errors beside the effects from a fit without ${apart}.`,
+        );
       }
       return said;
     }
@@ -207,7 +191,7 @@
     function drawCurves(fit) {
       motor.value = state.motor;
       recording.value = state.recording;
-      const seen = data.recordings[state.recording];
+      const seen = drawn.recordings[state.recording];
       const {time, low, high, modelled, error} = curves.of(fit, state.recording, state.motor);
       const unit = data.motors[state.motor].unit.split("/")[1] || "A";
       parts.aid.textContent =
@@ -236,24 +220,36 @@
       else curveChart = Charts.create(parts.curves, figure);
     }
 
+    /* All that follows a choice, in parts: ladder, the model itself where it was shown nearly, errors behind ticks. */
     function* all() {
-      if (!known.has(nameOf(state.ticks, state.held))) show(yield* fitSlowly(state.ticks));
-      yield* later();
+      const nothing = yield* judging.fitted(new Set(), {});
+      const steps = yield* ladder(nothing);
+      if (!models.has(state.ticks, state.held)) {
+        show(yield* models.fitted(state.ticks, state.held));
+        if (steps.length > 1) steps[steps.length - 1][1] = ofJudging(shown);
+        ladderChart.update(ladderFigure(steps));
+      }
+      yield;
+      const now = ofJudging(shown);
+      const largest = Math.max(errorOf(nothing), errorOf(now));
+      for (const row of rows) {
+        row.after(state, now, yield* lookedAt(switched(row.name), now), errorOf, largest, percent);
+        yield;
+      }
+      section.dataset.ready = "true";
     }
 
-    /* Steps of the ladder, and the error behind every tick, solved in slices so that the page stays awake. */
-    function* later() {
-      const nothing = yield* fitSlowly(new Set(), {});
-      yield;
-      const ticked = rows.map((row) => row.name).filter((name) => ownOf(name).some((place) => state.ticks.has(place.key)));
+    /* Steps of the ladder, as [name, model], the effect that helps most first. */
+    function* ladder(nothing) {
       const steps = [["no effect", nothing]];
       let taken = new Set();
-      let left = ticked;
+      let left = rows.map((row) => row.name).filter((name) => ownOf(name).some((place) => state.ticks.has(place.key)));
       while (left.length && steps.length <= MOST_STEPS) {
         let best = null;
         for (const name of left) {
           const ticks = new Set([...taken, ...ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key))]);
-          const fit = yield* lookedAt(ticks, steps[steps.length - 1][1]);
+          const last = ticks.size === state.ticks.size;
+          const fit = last ? ofJudging(shown) : yield* lookedAt(ticks, steps[steps.length - 1][1]);
           if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
           yield;
         }
@@ -261,16 +257,10 @@
         left = left.filter((name) => name !== best.name);
         steps.push([`+ ${spoken(best.name)}`, best.fit]);
       }
-      if (left.length) steps.push([`+ ${left.length} more`, yield* fitSlowly(state.ticks)]);
+      if (left.length) steps.push([`+ ${left.length} more`, ofJudging(shown)]);
       ladderChart.update(ladderFigure(steps));
-      yield;
-      const now = fitOf(state.ticks);
-      const largest = Math.max(errorOf(nothing), errorOf(now));
-      for (const row of rows) {
-        row.after(state, now, yield* lookedAt(switched(row.name), now), errorOf, largest, percent);
-        yield;
-      }
-      section.dataset.ready = "true";
+      section.dataset.ladder = (performance.now() - began).toFixed(1);
+      return steps;
     }
 
     function show(fit) {
@@ -281,8 +271,8 @@
     }
 
     function draw(whole = true) {
-      const began = performance.now();
-      show(many && shown ? nearly(state.ticks, shown) : fitOf(state.ticks));
+      began = performance.now();
+      show(many && shown ? models.nearly(state.ticks, state.held, shown) : models.fit(state.ticks, state.held));
       section.dataset.ready = "false";
       section.dataset.reaction = (performance.now() - began).toFixed(1);
       clearTimeout(task);
@@ -301,16 +291,16 @@
     }
 
     addEventListener("hashchange", () => {
-      if (location.hash === WorkbenchChoice.written(data, places, state)) return;
-      const before = WorkbenchChoice.read(data, places, location.hash);
+      if (location.hash === WorkbenchChoice.written(drawn, places, state)) return;
+      const before = WorkbenchChoice.read(drawn, places, location.hash);
       if (before) state = before;
-      else if (location.hash === "") state = WorkbenchChoice.start(data, places);
+      else if (location.hash === "") state = WorkbenchChoice.start(drawn, places);
       else return;
       remember();
       draw();
     });
     remember();
-    const given = WorkbenchChoice.read(data, places, location.hash);
+    const given = WorkbenchChoice.read(drawn, places, location.hash);
     if (given) state = given;
     draw();
     if (given) section.scrollIntoView();

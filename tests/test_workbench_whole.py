@@ -1,0 +1,122 @@
+"""Data without a recording to judge on: the page fits all rows as `bench identify` does, and judges on a part."""
+
+import json
+
+import pytest
+
+from bench.cli import main
+from bench.dataset import load_dataset
+from bench.diagnose.split import with_judged_parts
+from bench.estimate.identify import identify
+from bench.report.parts import Page, Section
+from bench.report.render import Workbench, render_page
+from bench.signals.settings import FilterSettings
+from bench.workbench.page_data import page_data
+from bench.workbench.page_files import script, style
+from tests.workbench_kit import FOUND, RECORDINGS, Solver, diagnosis_of, write_dataset
+
+LAWS = ("coulomb_friction", "constant_offset", "stribeck_friction", "viscous_friction")
+FRICTIONS = ("coulomb_friction", "viscous_friction")
+CASES = [
+    (robot, requests)
+    for robot, found in (("five_bar", FOUND), ("emps", FRICTIONS))
+    for requests in ((), found, ("coulomb_friction",), ("stribeck_friction", "viscous_friction"))
+]
+
+
+@pytest.fixture(scope="module")
+def five_bar(tmp_path_factory):
+    return write_dataset(tmp_path_factory.mktemp("whole") / "data", recordings=RECORDINGS[:2])
+
+
+@pytest.fixture(scope="module")
+def emps(measured_data, tmp_path_factory):
+    log = measured_data / "emps" / "DATA_EMPS.mat"
+    if not log.is_file():
+        pytest.skip("the measured EMPS data are not here (set PARABENCH_DATA)")
+    folder = tmp_path_factory.mktemp("whole") / "emps"
+    columns = ["--map", "position.axis=qm", "--map", "current.axis=vir", "--map", "time=t"]
+    assert main(["import", str(log), "--robot", "emps", *columns, "-o", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(request, tmp_path_factory):
+    """For each robot, once: the dataset, what is fitted where a part is judged, and the page."""
+    made = {}
+
+    def of(robot):
+        if robot not in made:
+            dataset = load_dataset(request.getfixturevalue(robot))
+            parts, _ = with_judged_parts(dataset)
+            data = page_data(dataset, diagnosis_of(parts, FOUND if robot == "five_bar" else FRICTIONS, LAWS))
+            data = json.loads(json.dumps(data, allow_nan=False))
+            file = tmp_path_factory.mktemp("page") / "page.html"
+            page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
+            file.write_text(render_page(page, Workbench(data, script(), style())), encoding="utf-8")
+            made[robot] = (dataset, parts, data, file)
+        return made[robot]
+
+    return of
+
+
+@pytest.mark.parametrize(("robot", "requests"), CASES, ids=str)
+def test_all_rows_are_fitted_as_identify_does(page, robot, requests):
+    dataset, parts, data, _ = page(robot)
+    expected, judged = identify(dataset, requests), identify(parts, requests)
+    for carried, known in ((data["whole"], expected), (data, judged)):
+        solver = Solver(carried)
+        found = solver.fit({key for key in solver.places if {key, key.partition(":")[0]} & set(requests)})
+        assert found.fitted == pytest.approx(known.error.identify, rel=5e-5)
+        for gain, other in zip(found.gains, known.drive_gains.values(), strict=True):
+            assert gain == pytest.approx(other.value, rel=5e-5)
+    assert found.judged == pytest.approx(judged.error.validate, rel=5e-5)
+    # the difference that the page would show otherwise
+    assert judged.error.identify != pytest.approx(expected.error.identify, rel=1e-3)
+
+
+@pytest.mark.parametrize(("robot", "requests"), CASES, ids=str)
+def test_a_browser_shows_what_identify_shows(chromium, page, robot, requests):
+    from bench.report.browser import opened
+
+    dataset, parts, _, file = page(robot)
+    expected, judged = identify(dataset, requests), identify(parts, requests)
+    shown = opened(chromium, file)
+    heard = []
+    shown.on("console", lambda message: heard.append(message.text))
+    shown.on("pageerror", lambda error: heard.append(str(error)))
+    shown.goto("about:blank")
+    shown.goto(f"{file.as_uri()}#workbench?with={','.join(requests) or 'none'}")
+    shown.wait_for_selector("#workbench[data-ready=true]")
+
+    def value(name):
+        return float(shown.locator(f"#workbench {name}").get_attribute("data-value"))
+
+    assert value("[data-figure=identify]") == pytest.approx(expected.error.identify, rel=5e-5)
+    assert value("[data-figure=validate]") == pytest.approx(judged.error.validate, rel=5e-5)
+    for joint, gain in expected.drive_gains.items():
+        assert value(f"[data-gain={joint}]") == pytest.approx(gain.value, rel=5e-5)
+    for effect, joints in expected.effect_parameters.items():
+        for joint, values in joints.items():
+            for name, known in values.items():
+                near = max(1e-4 * abs(known.value), 0.01 * known.std)
+                at = f"[data-key='{effect}:{joint}'][data-parameter='{name}']"
+                if shown.locator(f"#workbench {at}").count():
+                    assert value(at) == pytest.approx(known.value, abs=near), (effect, joint, name)
+    status = shown.locator("#workbench [role=status]").text_content()
+    assert "fit to all rows" in status
+    assert "last 30 % of every recording" in status
+    assert heard == []
+    shown.close()
+
+
+def test_filters_set_by_hand_hold_for_all_rows_too(five_bar):
+    dataset = load_dataset(five_bar)
+    parts, _ = with_judged_parts(dataset)
+    diagnosis = diagnosis_of(
+        parts, FOUND, ("coulomb_friction", "viscous_friction"), filters={"decimation": 5}
+    )
+    assert isinstance(diagnosis.before.settings, FilterSettings)
+    solver = Solver(page_data(dataset, diagnosis)["whole"])
+    expected = identify(dataset, FOUND, filters={"decimation": 5})
+    assert solver.fit(set(FOUND)).fitted == pytest.approx(expected.error.identify, rel=5e-5)
