@@ -20,6 +20,8 @@ SEED = 20120606
 FIRST_LAG, LAGS = 6, 12  # rows: beyond the memory of the fit's low-pass
 ALMOST = 1.0  # strength given to time where errors merely follow each other
 BLOCK = 12  # rows that are shuffled together, since neighbouring errors are alike
+FEW = 0.05  # of the blocks: blows, where they hold ...
+MOST = 0.5  # ... that much of the squared error; of noise they hold a sixth
 
 
 def relative_noise_floor(
@@ -51,19 +53,25 @@ def unexplained(result: Identification, recordings: Sequence[Recording]) -> Unex
     for j in range(len(joints)):
         errors = np.concatenate([one.error[:, j][one.moving[:, j]] for one in judged])
         scale = errors.std() or 1.0
+        if _in_blows(errors):
+            found["time"] = max(found.get("time", 0.0), ALMOST)
         for name, values in _variables(judged, j).items():
             ratio = _dependence(errors / scale, values, random)
             found[name] = max(found.get(name, 0.0), ratio)
     if _lasting(judged):
         found["time"] = max(found.get("time", 0.0), ALMOST)
     depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
-    significant = error > MATERIAL * floor and bool(depends)
-    if not significant:
-        why = f"the error left ({100.0 * error:.3g} %) is what the noise of the currents leaves ({100.0 * floor:.3g} %)"
+    left = f"{100.0 * error:.3g} %"
+    noise = f"the noise of the currents leaves {100.0 * floor:.3g} %"
+    if error <= MATERIAL * floor:
+        why = f"the error left ({left}) is what the noise of the currents leaves ({100.0 * floor:.3g} %)"
+        return Unexplained(False, error, floor, (), why)
+    if not depends:
+        why = f"{left} of the current is left where {noise}; it varies with nothing, as the noise of encoders does not"
         return Unexplained(False, error, floor, (), why)
     why = (
-        f"{100.0 * error:.3g} % of the current is left where noise leaves {100.0 * floor:.3g} %, and it varies with "
-        f"{', '.join(depends)}: no effect of the catalogue accounts for it"
+        f"{left} of the current is left where {noise}, and it varies with {', '.join(depends)}: no effect of the "
+        "catalogue accounts for it"
     )
     return Unexplained(True, error, floor, depends, why)
 
@@ -122,6 +130,14 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
     freedom = 2.0 * mean**2 / max(variance, 1e-300)
     limit = mean / freedom * float(chi2.isf(SURPRISING, freedom))
     return between(errors) / limit
+
+
+def _in_blows(errors: np.ndarray) -> bool:
+    """Whether few short stretches hold most of the squared error, as where play is crossed."""
+    blocks = len(errors) // BLOCK
+    energy = np.sort((errors[: blocks * BLOCK].reshape(blocks, BLOCK) ** 2).sum(axis=1))
+    few = round(FEW * blocks)
+    return few > 0 and float(energy[-few:].sum()) > MOST * float(energy.sum())
 
 
 def _lasting(series: Sequence[CurrentSeries]) -> bool:
