@@ -23,7 +23,7 @@ HELPERS = {
         "places",
         "play",
     ),
-    *("kept", "samples", "secant", "select", "signals", "tool_motion", "user_file"),
+    *("kept", "names", "samples", "secant", "select", "signals", "tool_motion", "user_file"),
 }
 FORMATS = {  # the names that other programs rely on
     *("viscous_friction", "asymmetric_viscous_friction", "coulomb_friction", "constant_offset"),

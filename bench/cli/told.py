@@ -10,8 +10,8 @@ from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth
 from bench.dataset import DATASET_FILE, Dataset, load_dataset
 from bench.diagnose.result import Diagnosis, LadderStep
 from bench.diagnose.split import with_judged_parts
-from bench.diagnose.summary import said
 from bench.effects import Effect, catalogue_for
+from bench.effects.names import spoken
 from bench.errors import BenchError
 from bench.estimate.effect_torques import effect_torques
 from bench.estimate.identify import fit, identify, prepare
@@ -163,7 +163,7 @@ def step_words(steps: Sequence[Sequence[str]]) -> list[str]:
     """What each model adds to the one before, as in "+ coulomb friction"."""
     words = [AS_IT_IS]
     for before, after in pairwise(steps):
-        new = [said(one.partition(":")[0]) for one in after if one not in before]
+        new = [spoken(one.partition(":")[0]) for one in after if one not in before]
         words.append(f"+ {', '.join(dict.fromkeys(new))}")
     return words
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from bench.diagnose.result import EffectVerdict, LadderStep
 from bench.diagnose.search import MATERIAL
 from bench.effects import EffectInstance
+from bench.effects.names import begun
 from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
 
@@ -24,7 +25,7 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
         ]
         found.setdefault(one.effect.name, []).append(wrong[0] if wrong else "")
     return {
-        name: f"{_spoken(name)} would need a negative {wrong[0]} to explain the data, which is physically "
+        name: f"{begun(name)} would need a negative {wrong[0]} to explain the data, which is physically "
         "impossible: something else of a like shape is there."
         for name, wrong in found.items()
         if all(wrong)
@@ -47,7 +48,7 @@ def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, str]:
     ):
         return {}
     (name,) = set(after.effects) - set(before.effects)
-    why = f"{_spoken(name)} is not needed where the other found effects are fitted anew without it."
+    why = f"{begun(name)} is not needed where the other found effects are fitted anew without it."
     return {name: why}
 
 
@@ -56,7 +57,3 @@ def refused(verdict: EffectVerdict, why: str | None) -> EffectVerdict:
     if why is None:
         return verdict
     return replace(verdict, verdict="not supported", actuators=(), alternatives=(), why=why)
-
-
-def _spoken(effect: str) -> str:
-    return effect.replace("_", " ").capitalize()

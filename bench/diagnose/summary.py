@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
+from bench.effects.names import spoken
 from bench.estimate.notes import unlike
 from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
@@ -61,15 +62,15 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
 
 def _named(diagnosis: Diagnosis, one: EffectVerdict) -> str:
     """An effect, where it shows, and what it could be instead."""
-    instead = f" (or {or_list([said(name) for name in one.alternatives])})" if one.alternatives else ""
-    return f"{said(one.effect)}{where(diagnosis, one)}{instead}"
+    instead = f" (or {or_list([spoken(name) for name in one.alternatives])})" if one.alternatives else ""
+    return f"{spoken(one.effect)}{where(diagnosis, one)}{instead}"
 
 
 def _cannot_tell(one: EffectVerdict) -> str:
     """What an effect could be instead, and how to find out."""
     motions = or_list(telling_motions([one.effect, *one.alternatives]))
     return (
-        f"Instead of {said(one.effect)} it could as well be {or_list([said(name) for name in one.alternatives])}: "
+        f"Instead of {spoken(one.effect)} it could as well be {or_list([spoken(name) for name in one.alternatives])}: "
         f"these recordings cannot tell. To tell them apart: {motions}; "
         f"`bench discriminate DATASET {one.effect} {one.alternatives[0]} -o DIR` designs the motion."
     )
@@ -113,11 +114,6 @@ def motor_torques(result: Identification) -> dict[str, float]:
 def effort_unit(result: Identification, joint: str) -> str:
     """N·m or N, of one motor."""
     return result.drive_gains[joint].unit.partition("/")[0].replace("*", "·")
-
-
-def said(effect: str) -> str:
-    """An effect's name as it is said."""
-    return effect.replace("_", " ")
 
 
 def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:

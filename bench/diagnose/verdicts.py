@@ -8,6 +8,7 @@ from bench.diagnose.candidates import Proposal
 from bench.diagnose.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnose.search import Found, Scored, close, contains, material, score
 from bench.diagnose.system import System, solve_set
+from bench.effects.names import spoken
 
 DOMINANT = 3.0
 MUCH_LEFT = (
@@ -47,11 +48,6 @@ def verdicts(
     return tuple(
         sorted(rows, key=lambda one: (one.effect not in names, order[one.verdict], -one.evidence, one.effect))
     )
-
-
-def spoken(name: str) -> str:
-    """An effect's name as it is said."""
-    return name.replace("_", " ")
 
 
 def listed(names: Sequence[str]) -> str:

@@ -18,6 +18,7 @@ from bench.discriminate.rivals import Rival, fit_rivals, noise_of
 from bench.discriminate.search import Design, band_of, best_motion, judged, starts
 from bench.discriminate.separation import Question, question, separation, share_left
 from bench.effects import Effect, catalogue_for
+from bench.effects.names import begun
 from bench.errors import BenchError
 from bench.excite.limits import feasible_motion
 from bench.payload import Payload
@@ -168,7 +169,7 @@ def _notes(rivals: Sequence[Rival]) -> list[str]:
                 if parameter.positive and values[at] < -SURE * std[at]:
                     where = f" at {instance.joint}" if instance.joint else ""
                     notes.append(
-                        f"{rival.name.replace('_', ' ').capitalize()} would need a negative {parameter.name}{where} "
+                        f"{begun(rival.name)} would need a negative {parameter.name}{where} "
                         "to explain the given data, which cannot be: that speaks against it already."
                     )
                 at += 1

@@ -5,8 +5,9 @@ from pathlib import Path
 
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.search import MATERIAL, NEEDED
-from bench.diagnose.summary import and_list, or_list, said
+from bench.diagnose.summary import and_list, or_list
 from bench.discriminate.result import Discrimination, MotionFacts
+from bench.effects.names import spoken
 
 NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is sure"
 MUCH = 1.5  # times another figure: worth a word
@@ -196,7 +197,7 @@ def _names(found: Discrimination) -> list[str]:
 
 def _spoken(request: str) -> str:
     name, _, where = request.partition(":")
-    return f"{said(name)} at {where}" if where else said(name)
+    return f"{spoken(name)} at {where}" if where else spoken(name)
 
 
 def _number(nats: float) -> str:

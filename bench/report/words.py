@@ -4,9 +4,10 @@ import math
 import re
 from collections.abc import Sequence
 
+from bench.effects.names import named_after
 from bench.estimate.result import Quantity
 from bench.report.parts import Cell
-from bench.show.numbers import GIVEN, is_poor, named_after, percent, value_and_deviation
+from bench.show.numbers import GIVEN, is_poor, percent, value_and_deviation
 from bench.show.numbers import effect_name as spelled
 
 INTERVAL = 1.96  # deviations: 95 % of a normal distribution lie within

@@ -9,10 +9,11 @@ from rich.text import Text
 
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.diagnose.summary import effort_unit, motor_torques, reason, summary_sentences
+from bench.effects.names import named_after
 from bench.estimate.result import Quantity
 from bench.show.columns import GAPS, Column, aligned_pair, table_of
 from bench.show.comparison import sentences_list
-from bench.show.numbers import GIVEN, effect_name, named_after, percent, pretty_unit, value_and_deviation
+from bench.show.numbers import GIVEN, effect_name, percent, pretty_unit, value_and_deviation
 from bench.show.tables import effects_table
 
 WIDTH = 100

@@ -5,7 +5,8 @@ from itertools import pairwise
 
 from bench.diagnose.result import Diagnosis, LadderStep
 from bench.diagnose.summary import reason, summary_sentences
-from bench.show.numbers import effect_name, named_after, percent
+from bench.effects.names import named_after
+from bench.show.numbers import effect_name, percent
 from bench.show.summary import markdown_table
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bench.diagnose.summary import said
+from bench.effects.names import spoken
 from bench.estimate.result import CurrentSeries, DriveGain, Identification, Quantity
 
 POOR = 0.3  # relative deviation above which a value says little
@@ -16,19 +16,12 @@ USES = {"identify": "fitted", "validate": "not fitted"}
 Truth = Mapping[str, float]
 """True values by joint (drive gains), by parameter name, and as EFFECT:JOINT.PARAMETER (effects)."""
 
-_PEOPLE = re.compile(r"\b(coulomb|stribeck)\b")
-
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def effect_name(name: str) -> str:
     """An effect's name as it is written: "Coulomb friction", "viscous friction"."""
-    return named_after(said(name))
-
-
-def named_after(text: str) -> str:
-    """A text with the names of people as names."""
-    return _PEOPLE.sub(lambda m: m.group().capitalize(), text)
+    return spoken(name)
 
 
 def pretty_unit(unit: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bench.effects.names import spoken
 from bench.files import atomic_path
 from bench.sweep.journal import Row
 from bench.trial.markdown import size_text
@@ -52,8 +53,8 @@ def confusion_figure(summary: TrialSummary) -> Figure:
     for i, j in zip(*np.nonzero(counts), strict=True):
         colour = "white" if shares[i, j] > 0.6 else "black"
         axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=6.5, color=colour)
-    axes.set_xticks(range(len(across)), [_spoken(name) for name in across], rotation=90, fontsize=7)
-    axes.set_yticks(range(len(hidden)), [_spoken(name) for name in hidden], fontsize=7)
+    axes.set_xticks(range(len(across)), [spoken(name) for name in across], rotation=90, fontsize=7)
+    axes.set_yticks(range(len(hidden)), [spoken(name) for name in hidden], fontsize=7)
     axes.set_xticks(np.arange(len(across) + 1) - 0.5, minor=True)
     axes.set_yticks(np.arange(len(hidden) + 1) - 0.5, minor=True)
     axes.grid(which="minor", color="#E6E9ED", linewidth=0.6)
@@ -132,7 +133,3 @@ def _plain(axes: Axes) -> None:
         axes.spines[side].set_visible(False)
     axes.grid(visible=True, color="#E6E9ED", linewidth=0.6)
     axes.set_axisbelow(True)
-
-
-def _spoken(name: str) -> str:
-    return name.replace("_", " ")
