@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from bench.dataset import Dataset
 from bench.diagnose.diagnose import diagnose
@@ -17,7 +15,6 @@ from bench.errors import BenchError
 from bench.estimate.identify import fit, prepare
 from bench.estimate.prepare import Prepared, with_effects
 from bench.estimate.result import Identification
-from bench.estimate.summary import ROBOT
 from bench.excite.scenario import designer
 from bench.scenario import resolve_trajectories
 from bench.sweep.accuracy import accuracy
@@ -28,11 +25,11 @@ from bench.sweep.versions import versions
 from bench.sweep.work import FAILED, OK, Trajectories
 from bench.trial.cases import Case
 from bench.trial.compatible import PARTS, expected
+from bench.trial.intervals import intervals, moving_alike
 from bench.trial.judge import judged, named_from
 from bench.trial.plan import TrialPlan
 from bench.trial.realise import Entry, hidden_places, realised, reference_scenario
 from bench.trial.setup import Setup
-from bench.trial.true_effects import as_logged, true_values
 from bench.truth.dataset import as_dataset
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import Simulation, simulate
@@ -124,8 +121,9 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     row["least_own_error_over_floor"] = min((own[effect] for effect in case.effects), default=0.0)
     row |= _answer(case, diagnosis)
     row |= _accuracy(simulation, diagnosis, told, floor)
-    row["intervals"] = json.dumps(_intervals(setup, hidden, diagnosis.after))
-    row["intervals_told"] = json.dumps(_intervals(setup, hidden, told))
+    alike = moving_alike(simulation, setup.passive)
+    row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
+    row["intervals_told"] = json.dumps(intervals(setup, hidden, told, alike))
     return row | versions().columns()
 
 
@@ -226,21 +224,3 @@ def _accuracy(simulation: Simulation, diagnosis: Diagnosis, told: Identification
         row[f"error_over_floor.{name}"] = _error(result) / _floor(simulation, result)
         row[f"gain_error.{name}"] = accuracy(simulation, result)["gain_error"]
     return row
-
-
-def _intervals(setup: Setup, hidden: Sequence[Entry], result: Identification) -> list[Mapping[str, Any]]:
-    """Estimated value, deviation and truth of the parameters of the hidden effects that the model has."""
-    found: list[Mapping[str, Any]] = []
-    for effect, place, entry in hidden_places(setup, as_logged(hidden)):
-        at = result.effect_parameters.get(effect, {})
-        values = at.get(place or ROBOT)
-        if values is None:
-            continue
-        for name, truth in true_values(effect, {k: v for k, v in entry.items() if k != "effect"}).items():
-            if name in values and 0 < values[name].std < np.inf:
-                one = values[name]
-                found.append(
-                    {"effect": effect, "at": place, "parameter": name}
-                    | {"truth": truth, "value": one.value, "std": one.std}
-                )
-    return found
