@@ -9,13 +9,24 @@ from bench.dataset import load_dataset
 from bench.effects import CATALOGUE
 from bench.estimate.identify import identify
 from bench.estimate.prepare import prepare
+from bench.report.parts import Page, Section
+from bench.report.render import Workbench, render_page
 from bench.workbench import kinds, reduce
 from bench.workbench.encode import short_triangle
 from bench.workbench.page_data import page_data
+from bench.workbench.page_files import script, style
 from bench.workbench.small_changes import small_changes
 from tests.workbench_kit import FOUND, Solver, diagnosis_of, numbers, write_dataset
 
-LAWS = ("coulomb_friction", "drive_flexibility", "encoder_offset", "geometric_error", "viscous_friction")
+LAWS = (
+    "coulomb_friction",
+    "drive_flexibility",
+    "encoder_offset",
+    "geometric_error",
+    "presliding_hysteresis",
+    "stribeck_friction",
+    "viscous_friction",
+)
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +50,9 @@ def solver(dataset):
         (("viscous_friction",), 1e-4),
         ((*FOUND, "geometric_error:left_rod"), 2e-3),
         ((*FOUND, "drive_flexibility:left"), 2e-3),
+        (("stribeck_friction", "viscous_friction"), 1e-4),
+        (("coulomb_friction", "stribeck_friction", "viscous_friction"), 1e-4),
+        (("presliding_hysteresis", "viscous_friction"), 5e-4),
     ],
     ids=lambda one: "+".join(one) or "nothing" if isinstance(one, tuple) else "",
 )
@@ -73,3 +87,29 @@ def test_a_short_triangle_keeps_four_digits_of_every_product():
     np.testing.assert_allclose(
         found.T @ found / np.outer(sizes, sizes), rows.T @ rows / np.outer(sizes, sizes), atol=1e-4
     )
+
+
+def test_a_browser_shows_nearly_that_at_once_and_then_that(chromium, dataset, solver, tmp_path):
+    from bench.report.browser import opened
+
+    page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
+    file = tmp_path / "page.html"
+    file.write_text(render_page(page, Workbench(solver.data, script(), style())), encoding="utf-8")
+    shown = opened(chromium, file)
+    shown.wait_for_selector("#workbench[data-ready=true]")
+    # read in the same task as the click, before anything that follows
+    at_once = shown.evaluate(
+        """() => {
+          document.querySelector("#workbench input[data-effect=stribeck_friction]").click();
+          return Number(document.querySelector("#workbench [data-figure=validate]").dataset.value);
+        }"""
+    )
+    shown.wait_for_selector("#workbench[data-ready=true]")
+    then = shown.locator("#workbench [data-figure=validate]").get_attribute("data-value")
+    expected = identify(dataset, (*FOUND, "stribeck_friction")).error.validate
+    assert float(then) == pytest.approx(expected, rel=1e-4)
+    assert at_once == pytest.approx(expected, rel=0.05)
+    ladder = shown.locator("#workbench svg[role=img]").first.text_content()
+    assert "Stribeck friction" in ladder
+    assert f"{float(format(100.0 * expected, '.3g')):g} %" in ladder
+    shown.close()

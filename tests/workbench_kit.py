@@ -217,7 +217,7 @@ class Solver:
                 continue
             inner = gram[np.ix_(basis, basis)]
             left = gram[i, i] - gram[i, basis] @ np.linalg.lstsq(inner, gram[basis, i], rcond=1e-14)[0]
-            if left > 1e-10:
+            if left > (1e-10 if self.data["basis"] is None else 1e-7):
                 kept.append(i)
                 basis.append(i)
         return np.array(kept)

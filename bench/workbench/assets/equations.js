@@ -11,7 +11,7 @@ const WorkbenchEquations = (() => {
   const {product, times, factorised, solved} = WorkbenchNumbers; // of symmetric matrices, `factorised` reads the lower half
   const REWEIGHTINGS = 3;
   const MOST_STEPS = 50;
-  const CONVERGED = 1e-10; // of the cost: the last step's gain
+  const CONVERGED = 1e-10; // of the cost: what a further step would gain
   const DEPENDENT = {exact: 1e-10, short: 1e-7}; // of a column's square: what the others must leave of it
   const TINY = 1e-300;
 
@@ -169,8 +169,10 @@ const WorkbenchEquations = (() => {
       return {normal, right, size, byGain};
     }
 
+    /* from: {d, gains}, and `rate`: by which share each step gains less than the one before, as far as it is known. */
     function minimised(grams, K, from, weights) {
-      let {d, gains} = from;
+      let {d, gains, rate = 1} = from;
+      let gained = 0;
       const k = d.length;
       const costOf = (every) => every.reduce((sum, one, j) => sum + one.square * weights[j] ** 2, 0);
       let now = left(grams, K, d, gains);
@@ -193,11 +195,13 @@ const WorkbenchEquations = (() => {
           share /= 2;
         }
         if (!next) break;
-        const settled = cost - next.cost <= CONVERGED * cost && share === 1;
+        if (gained > 0) rate = Math.min(1, Math.max((cost - next.cost) / gained, 0));
+        gained = cost - next.cost;
+        const settled = gained * rate <= CONVERGED * cost && share === 1; // what the next step would gain
         ({d, gains, cost, now} = next);
         if (settled) break;
       }
-      return {d, gains};
+      return {d, gains, rate};
     }
 
     /* The current-domain solution of a system. */
@@ -206,7 +210,7 @@ const WorkbenchEquations = (() => {
       const {p, K: whole} = system;
       const index = [...kept, p, p + 1, p + 2];
       const K = index.length;
-      const grams = system.fitted.map((gram) => taken(gram, whole, index));
+      const grams = K === whole ? system.fitted : system.fitted.map((gram) => taken(gram, whole, index));
       const largest = Math.sqrt(Math.max(...squares.fitted.map((one) => one / data.rows)));
       const torqueWeights = (at) => {
         const scale = Math.max(...at.gains.map((g, j) => Math.sqrt(squares.fitted[j] / data.rows) * Math.abs(g)));

@@ -127,7 +127,7 @@ const WorkbenchFit = (() => {
 
     /*
     Nearly the same in an instant, from a model nearby: what that one has stays in its shape, and shapes that are new
-    are looked for beside it; the columns are linearised about the model once.
+    are looked for beside it; columns that follow the model are linearised about it once.
     */
     function nearly(keys, held, near) {
       const {terms: before, system: at, solution: from} = near.made;
@@ -141,8 +141,7 @@ const WorkbenchFit = (() => {
           Object.assign(term, chosen(bestShape(term, besides(at, from, term.place), present)));
         }
       }
-      if (!terms.some((term) => term.place.curved)) present = found;
-      else {
+      if (terms.some((term) => term.place.follows || term.place.kind === "value")) {
         const reached = solveWith(terms, present);
         present = reached.present;
         about(terms, reached.solution.theta);

@@ -42,7 +42,8 @@ const WorkbenchSkeleton = (() => {
     const left = make("div", "bench-list", grid);
     make("h3", "", left, "Effects");
     const then = "Beside each: the error on recordings that were not fitted, if you tick it or take it out";
-    make("p", "aid", left, data.basis ? `${then}, with the shapes of the others as they are.` : `${then}.`);
+    const kept = data.basis ? ", with the shapes of the others as they are" : ""; // of many effects
+    make("p", "aid", left, `${then}${kept}.`);
     const list = make("ul", "bench-effects", left);
     const hidden = make("p", "aid", left);
     const right = make("div", "bench-answer", grid);
@@ -52,7 +53,7 @@ const WorkbenchSkeleton = (() => {
       if (aid) make("p", "aid", one, aid);
       return one;
     };
-    const steps = "From the model without any effect; at each step the one that helps most.";
+    const steps = `From the model without any effect; at each step the one that helps most${kept}.`;
     const judge = data.whole ? ` Judged on ${data.judged_on}; fitted to the rest.` : "";
     const ladder = part("Error, effect by effect", steps + judge);
     const plainly = "Fitted, not fitted: error of this motor's current.";

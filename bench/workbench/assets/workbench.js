@@ -249,13 +249,15 @@
         for (const name of left) {
           const ticks = new Set([...taken, ...ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key))]);
           const last = ticks.size === state.ticks.size;
-          const fit = last ? ofJudging(shown) : yield* lookedAt(ticks, steps[steps.length - 1][1]);
+          const fit = last ? ofJudging(shown) : yield* lookedAt(ticks, ofJudging(shown));
           if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
           yield;
         }
         taken = best.ticks;
         left = left.filter((name) => name !== best.name);
         steps.push([`+ ${spoken(best.name)}`, best.fit]);
+        const ahead = left.slice(0, MOST_STEPS + 1 - steps.length).map(() => ["…", null]);
+        if (many && ahead.length) ladderChart.update(ladderFigure([...steps, ...ahead])); // step by step
       }
       if (left.length) steps.push([`+ ${left.length} more`, ofJudging(shown)]);
       ladderChart.update(ladderFigure(steps));
@@ -287,7 +289,17 @@
         while (!done && performance.now() < until) ({done} = work.next());
         if (!done) task = setTimeout(slice, 0);
       };
-      task = setTimeout(slice, 0);
+      afterPaint(slice);
+    }
+
+    /* What was shown is painted first; a page that nobody sees is not. */
+    function afterPaint(work) {
+      const own = (task = setTimeout(() => {
+        if (document.hidden) return work();
+        requestAnimationFrame(() => {
+          if (task === own) task = setTimeout(work, 0);
+        });
+      }, 0));
     }
 
     addEventListener("hashchange", () => {
