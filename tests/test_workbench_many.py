@@ -12,6 +12,7 @@ from bench.estimate.prepare import prepare
 from bench.report.parts import Page, Section
 from bench.report.render import Workbench, render_page
 from bench.workbench import kinds, reduce
+from bench.workbench.apart import set_apart
 from bench.workbench.encode import short_triangle
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
@@ -27,6 +28,8 @@ LAWS = (
     "stribeck_friction",
     "viscous_friction",
 )
+
+RAISED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +92,23 @@ def test_a_short_triangle_keeps_four_digits_of_every_product():
     )
 
 
+def test_columns_set_apart_are_the_same_model():
+    random = np.random.default_rng(7)
+    before = random.normal(size=(60, 2, 7)) * np.array([1.0, 1e3, 1e-3, 5.0, 1.0, 1.0, 1.0])
+    before[:, :, 5] = before[:, :, 0] + 0.02 * before[:, :, 5]  # near to the model's own
+    before[:, :, 6] = before[:, :, 3] + 0.02 * before[:, :, 6]  # so too, but it follows the model
+    columns, reference = before.copy(), np.ones(7)
+    basis = set_apart(columns, reference, before.copy(), np.array([False, False, True]))
+    for coordinates in (reference, random.normal(size=7)):
+        parameters = np.append(basis @ coordinates, coordinates[4:])
+        np.testing.assert_allclose(before @ parameters, columns @ coordinates, atol=1e-9)
+    np.testing.assert_allclose(basis @ reference, np.ones(4), rtol=1e-9)
+    rows = columns.reshape(-1, 7)
+    np.testing.assert_allclose(rows[:, :4].T @ rows[:, :4], np.eye(4), atol=1e-9)
+    assert np.abs(rows[:, :4].T @ rows[:, 5]).max() < 1e-9
+    np.testing.assert_array_equal(columns[:, :, [4, 6]], before[:, :, [4, 6]])
+
+
 def test_a_browser_shows_nearly_that_at_once_and_then_that(chromium, dataset, solver, tmp_path):
     from bench.report.browser import opened
 
@@ -106,10 +126,18 @@ def test_a_browser_shows_nearly_that_at_once_and_then_that(chromium, dataset, so
     )
     shown.wait_for_selector("#workbench[data-ready=true]")
     then = shown.locator("#workbench [data-figure=validate]").get_attribute("data-value")
-    expected = identify(dataset, (*FOUND, "stribeck_friction")).error.validate
+    identified = identify(dataset, (*FOUND, "stribeck_friction"))
+    expected = identified.error.validate
     assert float(then) == pytest.approx(expected, rel=1e-4)
     assert at_once == pytest.approx(expected, rel=0.05)
     ladder = shown.locator("#workbench svg[role=img]").first.text_content()
+    cells = shown.evaluate(
+        """() => [...document.querySelectorAll("#workbench details tbody tr")].map((row) => row.cells[1].textContent)"""
+    )
+    for text, parameter in zip(cells, identified.parameters, strict=True):
+        mantissa, _, power = text.replace("−", "-").partition("·10")
+        value = float(mantissa) * 10.0 ** int(power.translate(RAISED) or 0)
+        assert value == pytest.approx(parameter.value, rel=1e-4, abs=0.02 * parameter.std)
     assert "Stribeck friction" in ladder
     assert f"{float(format(100.0 * expected, '.3g')):g} %" in ladder
     shown.close()

@@ -26,9 +26,10 @@ def page_data(
 
     diagnosis: of this dataset; its filters are used. catalogue: the effects by name, by default the built-in ones
     and the dataset's own. Arrays are base64 of little-endian numbers; `triangle` holds the upper triangle of the
-    factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis: where the model's own columns
-    are combined, how its parameters follow. whole: the same of all rows, fitted as `bench identify` does it, where a
-    part of every recording is kept apart to judge on; None where recordings are. The rest then only judges.
+    factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis: where the columns are
+    combined, how the model's parameters follow from those that stand for its own, and from others. whole: the same of
+    all rows, fitted as `bench identify` does it, where a part of every recording is kept apart to judge on; None where
+    recordings are. The rest then only judges.
     """
     known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
     model, whole = found_models(dataset, diagnosis, known)
@@ -62,7 +63,7 @@ def _carried(
         "columns": system.columns.shape[2],
         "parameters": _parameters(diagnosis),
         "reference": doubles(system.reference),
-        "basis": None if system.basis is None else doubles(system.basis),
+        "basis": None if system.basis is None else _basis(system.basis),
         "effects": [
             _effect(model, system, diagnosis, name)
             for name in known
@@ -99,6 +100,12 @@ def _motor(model: FoundModel, system: System, j: int) -> dict[str, Any]:
             "moving": int(system.moving[chosen, j].sum()),
         }
     return found
+
+
+def _basis(basis: np.ndarray) -> dict[str, Any]:
+    own = len(basis)
+    others = own + np.flatnonzero(basis[:, own:].any(axis=0))
+    return {"own": doubles(basis[:, :own]), "columns": others.tolist(), "others": floats(basis[:, others].T)}
 
 
 def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:

@@ -12,7 +12,7 @@ KEPT_FOLLOWING = 1e-4  # the same of an effect that follows the present model, s
 DRAWN, DRAWN_FOLLOWING = 1e-2, 5e-2  # the same, where curves are drawn
 MOST_BYTES = 800_000  # of the triangles of all motors together
 FULL, SHORT = 4, 2  # bytes of a number
-MOST_SHORT_BYTES = 930_000  # the same at half the length, where they are more
+MOST_SHORT_BYTES = 900_000  # the same at half the length, where they are more
 
 
 @dataclass(frozen=True)

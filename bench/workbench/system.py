@@ -8,6 +8,7 @@ import numpy as np
 from bench.effects import Effect, EffectInstance
 from bench.estimate.layout import known_rows, regressor_rows
 from bench.estimate.settle import candidate_columns
+from bench.workbench.apart import set_apart
 from bench.workbench.directions import (
     Directions,
     Terms,
@@ -21,8 +22,6 @@ from bench.workbench.reduce import Reduced, coefficients_at, many, reduced, with
 from bench.workbench.rows import Rows
 from bench.workbench.variants import Variants, shape_order
 
-HARDLY = 1e-8  # of the largest singular value: what shows less is not made larger
-
 
 @dataclass(frozen=True)
 class System:
@@ -31,8 +30,8 @@ class System:
     effects: in the order of the catalogue; starts: the first column of each, and C. reference (C,): how the found
     model combines the columns; gains (n,) its drive gains; modelled, error (M, n): its current and what it leaves,
     as far as it is combined from the columns. fitted (M,): whether a row is fitted. directions: in which other
-    models differ. basis (own, own): where there are many columns, the model's own ones are combined so that they are
-    far from each other: its parameters are basis @ the coordinates by these; None where they are its parameters.
+    models differ. basis (own, C): where there are many columns, they are combined so that they are far from each
+    other: the model's parameters are basis @ the coordinates by these; None where they are its parameters.
     """
 
     columns: np.ndarray
@@ -76,9 +75,9 @@ def build(model: FoundModel, effects: Sequence[Effect]) -> System:
     modelled = (columns @ reference + known) / model.solution.gains
     basis = None
     if many(wanted, own.shape[2]):
-        basis, back = _apart(columns[fitted, :, : own.shape[2]], model.solution.weights)
-        columns[:, :, : len(basis)] = columns[:, :, : len(basis)] @ basis
-        reference[: len(basis)] = back @ reference[: len(basis)]
+        still = [one.variants.kind != "linear" or bool(one.variants.follows) for one in every]
+        weighted = columns[fitted] * model.solution.weights[:, None]
+        basis = set_apart(columns, reference, weighted, np.repeat(still, np.diff(starts)))
     return System(
         columns=columns,
         effects=every,
@@ -92,17 +91,6 @@ def build(model: FoundModel, effects: Sequence[Effect]) -> System:
         directions=directions,
         basis=basis,
     )
-
-
-def _apart(own: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How columns (M, n, p) are combined (p, p) to orthogonal ones of the same size, and the inverse.
-
-    Combinations that the recordings do not show stay small.
-    """
-    rows = (own * weights[:, None]).reshape(-1, own.shape[2])
-    _, singular, right = np.linalg.svd(np.linalg.qr(rows, mode="r"), full_matrices=False)
-    sizes = np.maximum(singular, HARDLY * singular[0]) if singular[0] > 0.0 else np.ones(len(singular))
-    return right.T / sizes, sizes[:, None] * right
 
 
 def _tells(variants: Variants, kinds: Kinds) -> bool:
@@ -122,7 +110,7 @@ def coordinates_of(system: System, part: Reduced) -> np.ndarray | None:
     if follows == "rigid":
         found = rigid_coordinates(system.directions, count)
         if system.basis is not None:
-            found[:, : len(system.basis)] = found[:, : len(system.basis)] @ system.basis
+            found = found[:, : len(system.basis)] @ system.basis
         return found
     if follows == "needed":
         joints = list(system.directions.model.plain.dataset.robot.joints)

@@ -1,20 +1,29 @@
 "use strict";
 /* The model with any effects: shapes found, columns linearised about the present model, as bench/estimate/settle.py does. */
 const WorkbenchFit = (() => {
-  const {doubles, times, factorised, solved, smallest} = WorkbenchNumbers;
+  const {floats, doubles, times, factorised, solved, smallest} = WorkbenchNumbers;
   const MOST_ROUNDS = 4;
   const SETTLED = 1e-4;
   const NEARBY = 0.02; // of a shape's present value: how far around it the shape is searched, beside all else
 
   function create(data) {
     const columns = WorkbenchColumns.create(data);
-    const {motors, places, found, within, coefficients, combined} = columns;
+    const {motors, places, reference, found, within, coefficients, combined} = columns;
     const {systemOf, errors, solve, besides, differenceOf, squares} = WorkbenchEquations.create(data, columns);
     const own = data.own;
-    const basis = data.basis && doubles(data.basis);
+    const basis = data.basis && {...data.basis, own: doubles(data.basis.own), others: floats(data.basis.others)};
 
-    /* The model's own parameters, from how its own columns are combined. */
-    const parametersOf = (theta) => (basis ? times(basis, own, theta) : theta.slice(0, own));
+    /* The model's own parameters, from how columns are combined beside the found model. */
+    function parametersOf(difference) {
+      const found = reference.subarray(0, own).map((value, i) => value + difference[i]);
+      if (!basis) return found;
+      const parameters = times(basis.own, own, found);
+      basis.columns.forEach((column, k) => {
+        const share = reference[column] + difference[column];
+        for (let i = 0; i < own; i++) parameters[i] += share * basis.others[k * own + i];
+      });
+      return parameters;
+    }
 
     /* The neighbourhood of a shape's present value, which competes with the others. */
     function nearby({place, value}, brackets, branch) {
@@ -176,13 +185,14 @@ const WorkbenchFit = (() => {
         const outside = term.place.kind === "value" && !term.fixed && within(term.place, term.value).outside;
         return {place: term.place, key: term.place.key, values, outside, shown};
       });
+      const difference = differenceOf(system, solution);
       return {
         fitted: share("fitted"),
         judged: share("judged"),
         by: data.motors.map((motor, j) => ({fitted: share("fitted", j), judged: share("judged", j), gain: solution.gains[j]})),
-        theta: parametersOf(solution.theta),
+        theta: parametersOf(difference),
         effects,
-        difference: differenceOf(system, solution),
+        difference,
         gains: solution.gains,
         made: {terms, present, system, solution},
       };

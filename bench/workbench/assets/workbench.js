@@ -161,8 +161,11 @@
       const windows = names((one) => one.place.windows && !one.values.some((value) => value.held));
       const held = names((one) => one.values.some((value) => value.held));
       if (near.length) {
+        const several = fit.effects.filter((one) => one.place.approximate).length > 1;
         said.push(
-          `${titled(list(near))}: linearised about the model that was found; bench identify linearises anew, and may differ in the third digit.`,
+          `${titled(list(near))}: linearised about the model that was found; bench identify linearises anew, and may differ in the third digit${
+            several ? ", at many places at once by some percent" : ""
+          }.`,
         );
       }
       if (short.length) {
