@@ -33,15 +33,24 @@ def page_data(
     """
     known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
     model, whole = found_models(dataset, diagnosis, known)
-    carried = _carried(model, diagnosis, known, drawn=whole is None)
-    carried["whole"] = None if whole is None else _carried(whole, diagnosis, known)
-    return carried
+    if whole is None:
+        return _carried(model, diagnosis, known) | {"whole": None}
+    judging = _carried(model, diagnosis, known, triangles=3, drawn=False)
+    return judging | {"whole": _carried(whole, diagnosis, known, triangles=3)}
 
 
 def _carried(
-    model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect], *, drawn: bool = True
+    model: FoundModel,
+    diagnosis: Diagnosis,
+    known: Mapping[str, Effect],
+    *,
+    triangles: int = 2,
+    drawn: bool = True,
 ) -> dict[str, Any]:
-    """One model's equations, and, where its curves are drawn, a sample of the recordings."""
+    """One model's equations, and, where its curves are drawn, a sample of the recordings.
+
+    triangles: how many the page carries of each motor.
+    """
     verdicts = {one.effect: one for one in diagnosis.ranking}
     usable = [
         effect
@@ -49,7 +58,7 @@ def _carried(
         if name in {one.effect.name for one in model.found.effects}
         or (name in verdicts and verdicts[name].verdict != "absorbed")
     ]
-    system = build(model, usable)
+    system = build(model, usable, triangles)
     robot = model.plain.dataset.robot
     return {
         "version": VERSION,

@@ -68,8 +68,11 @@ def many(parts: Sequence[Reduced], own: int) -> bool:
     return _numbers([_at_motors(one) for one in parts], own) * FULL > MOST_BYTES
 
 
-def within_reach(parts: Sequence[Reduced], own: int) -> tuple[Reduced, ...]:
-    """The effects with as many columns as a page can carry beside the model's own: the least ones go first."""
+def within_reach(parts: Sequence[Reduced], own: int, triangles: int = 2) -> tuple[Reduced, ...]:
+    """The effects with as many columns as a page can carry beside the model's own: the least ones go first.
+
+    triangles: how many a page carries of each motor.
+    """
     if not many(parts, own):
         return tuple(parts)
     share = KEPT
@@ -77,7 +80,7 @@ def within_reach(parts: Sequence[Reduced], own: int) -> tuple[Reduced, ...]:
     sizes = [len(one.left_out) for one in parts]
     while share < 1.0:
         kept = [one[:, :size] for one, size in zip(filled, sizes, strict=True)]
-        if _numbers(kept, own) * SHORT <= MOST_SHORT_BYTES:
+        if _numbers(kept, own) * SHORT * triangles <= 2 * MOST_SHORT_BYTES:
             break
         share *= 1.5
         sizes = [max(int(np.sum(one.left_out > share)), 1) for one in parts]
@@ -90,7 +93,7 @@ def _at_motors(part: Reduced) -> np.ndarray:
 
 
 def _numbers(filled: Sequence[np.ndarray], own: int) -> int:
-    """In a triangle for each motor, of fitted and of judged recordings."""
+    """In two triangles for each motor: of fitted and of judged recordings."""
     counts = own + sum(one.sum(axis=1) for one in filled)
     return int(2 * np.sum(counts * (counts + 1.0) / 2.0))
 

@@ -47,8 +47,8 @@ class System:
     basis: np.ndarray | None
 
 
-def build(model: FoundModel, effects: Sequence[Effect]) -> System:
-    """The system with the columns of these effects, wherever each can sit."""
+def build(model: FoundModel, effects: Sequence[Effect], triangles: int = 2) -> System:
+    """The system with the columns of these effects, wherever each can sit; triangles: see `within_reach`."""
     plain = model.plain
     moving = np.concatenate([one.moving for one in plain.observations])
     fitted = np.concatenate([np.full(len(one.time), one.use == "identify") for one in plain.observations])
@@ -67,7 +67,7 @@ def build(model: FoundModel, effects: Sequence[Effect]) -> System:
         if one.follows:
             parts[i] = reduced(one, rows.of(one), moving, rows.parts(one))
     wanted = [parts[i] for i in range(len(variants))]
-    every = within_reach(wanted, own.shape[2])
+    every = within_reach(wanted, own.shape[2], triangles)
     columns = np.concatenate([own, *(one.columns for one in every)], axis=2)
     columns *= moving[:, :, None]
     starts = np.cumsum([own.shape[2], *(one.columns.shape[2] for one in every)])
