@@ -1,12 +1,13 @@
 """The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
 from bench.diagnose.split import with_judged_parts
 from bench.diagnose.unexplained import relative_noise_floor
+from bench.effects import CATALOGUE, Effect
 from bench.estimate.model_file import Comparison
 from bench.estimate.result import CurrentSeries, Identification
 from bench.report.content_effects import gains_section, not_ranked_section, ranking_section
@@ -30,8 +31,16 @@ from bench.sweep.versions import versions
 AS_IT_IS, COMPLETED = "of the model as it is", "with what is missing"
 
 
-def diagnosis_page(diagnosis: Diagnosis, dataset: Dataset, again: Sequence[str]) -> Page:
-    """What the model lacks, and all that stands behind it. again: the commands that give this page."""
+def diagnosis_page(
+    diagnosis: Diagnosis,
+    dataset: Dataset,
+    again: Sequence[str],
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+) -> Page:
+    """What the model lacks, and all that stands behind it.
+
+    again: the commands that give this page. catalogue: the effects by name.
+    """
     before, after = diagnosis.before, diagnosis.after
     judged = _with_series_of(dataset, after.recordings)
     models = [shown(COMPLETED, "after", judged, after, after.settings)]
@@ -58,7 +67,7 @@ def diagnosis_page(diagnosis: Diagnosis, dataset: Dataset, again: Sequence[str])
             ladder,
             currents_section(models),
             where_section(models),
-            ranking_section(diagnosis),
+            ranking_section(diagnosis, catalogue),
             gains_section(after, old),
             parameters_section(after, old),
             conditioning_section(after),

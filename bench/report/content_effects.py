@@ -1,10 +1,14 @@
 """Sections on effects and gains: the ranking with its reasons, and the drive gains before and after."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.diagnose.summary import effort_unit, error_share, reason
+from bench.effects import Effect
 from bench.estimate.result import DriveGain, Identification
+from bench.report.laws import law_of
 from bench.report.parts import Cell, Column, Items, Part, Row, Section, Table, one_figure, row
 from bench.report.thin import significant
 from bench.report.words import (
@@ -18,15 +22,20 @@ from bench.report.words import (
 )
 from bench.show.numbers import flat_effects, gain_change, pretty_unit
 
+FEW = 4  # alternatives named in a cell
 UNSUPPORTED = ("not supported", "absorbed")
 VERDICTS_AID = (
     "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
     "alternatives. Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong."
 )
+LAWS_AID = (
+    "τ: torque or force that the motors have to overcome beside the rigid bodies'; q, q̇, q̈: a joint's position, "
+    "velocity and acceleration; sign: of a number, as +1 or −1."
+)
 
 
-def ranking_section(diagnosis: Diagnosis) -> Section:
-    """Every effect with its verdict: those that count in full, the others folded."""
+def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Section:
+    """Every effect with its verdict, those that count in full, the others folded; and the laws of what was found."""
     shown = [one for one in diagnosis.ranking if one.verdict not in UNSUPPORTED]
     rest = [one for one in diagnosis.ranking if one.verdict == "not supported"]
     absorbed = [one for one in diagnosis.ranking if one.verdict == "absorbed"]
@@ -35,6 +44,7 @@ def ranking_section(diagnosis: Diagnosis) -> Section:
         parts.append(
             Table("Effects that count", VERDICTS_AID, _COLUMNS, tuple(_row(diagnosis, one) for one in shown))
         )
+        parts += _laws(diagnosis, catalogue)
         parts.append(
             Items("Why", "", tuple(typeset(reason(diagnosis, one)) for one in shown)),
         )
@@ -75,6 +85,14 @@ def ranking_section(diagnosis: Diagnosis) -> Section:
     return Section("ranking", "Which effects are missing", typeset(lead), tuple(parts), "Missing effects")
 
 
+def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
+    """What the found effects do, as far as their classes tell it."""
+    known = [(name, *law_of(catalogue[name])) for name in diagnosis.missing if name in catalogue]
+    rows = tuple(row(effect_name(name), law, symbols) for name, law, symbols in known if law)
+    columns = (Column("effect", "keep"), Column("law", "words"), Column("symbols", "words"))
+    return [Table("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
+
+
 def not_ranked_section() -> Section:
     """Says that nothing was looked for."""
     said_so = (
@@ -113,7 +131,7 @@ def _row(diagnosis: Diagnosis, one: EffectVerdict) -> Row:
         short(one.evidence),
         size or "–",
         _most(error_share(one)),
-        said_list([effect_name(name) for name in one.alternatives]),
+        _few([effect_name(name) for name in one.alternatives]),
         kind="strong" if one.effect in diagnosis.missing else "",
     )
 
@@ -124,6 +142,15 @@ def _places(diagnosis: Diagnosis, one: EffectVerdict) -> str:
     if list(one.actuators) == motors and len(motors) > 1:
         return "all motors"
     return f"{len(one.actuators)} joints" if len(one.actuators) > 3 else said_list(one.actuators)
+
+
+def _few(names: list[str]) -> str:
+    """The first of many names: the sentence beside has them all."""
+    return (
+        said_list(names)
+        if len(names) <= FEW
+        else f"{said_list(names[: FEW - 1])} and {len(names) - FEW + 1} more"
+    )
 
 
 def _most(part: float | None) -> str:

@@ -49,8 +49,8 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None) -> Path:
         again.append(f"bench report {quoted(folder)} -o {quoted(path)}")
     after, workbench = kept.after, None
     if kept.diagnosis is not None:
-        page = diagnosis_page(kept.diagnosis, kept.dataset, again)
         catalogue = catalogue_for(kept.dataset.effect_files, [Path(one) for one in kept.run.effect_files])
+        page = diagnosis_page(kept.diagnosis, kept.dataset, again, catalogue)
         workbench = Workbench(page_data(kept.dataset, kept.diagnosis, catalogue), script(), style())
     elif kept.model:
         comparison = Comparison(after.robot, kept.model, after.recordings, after.error)

@@ -187,19 +187,20 @@ def _before_after(
             Column("after ± std", _with_std([after for *_, after in rows])),
             Column(
                 "change",
-                [
-                    percent(
-                        (after.value - before.value) / abs(before.value) if before.value else None,
-                        signed=True,
-                    )
-                    for _, before, after in rows
-                ],
+                [_change(before.value, after.value) for _, before, after in rows],
                 "right",
             ),
             *more,
         ],
         width,
     )
+
+
+def _change(before: float, after: float) -> str:
+    """How a value changed, in percent; the difference itself where it changed its sign or was zero."""
+    if before * after > 0.0:
+        return percent((after - before) / abs(before), signed=True)
+    return f"{after - before:+.3g}"
 
 
 def _with_std(quantities: Sequence[Quantity]) -> list[str]:

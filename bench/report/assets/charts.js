@@ -105,9 +105,13 @@ const Charts = (() => {
     const room = axis.domain || (which === "x" && !axis.room) ? 0 : 0.06 * (high - low);
     if (low !== 0 || !axis.include) low -= room;
     high += room;
-    const step = steps(low, high, wanted);
-    const ticks = [];
-    for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i++) ticks.push(i * step);
+    const ticksOf = (step) => {
+      const first = Math.ceil(low / step - 1e-9);
+      return Array.from({length: Math.floor(high / step + 1e-9) - first + 1}, (_, i) => (first + i) * step);
+    };
+    let step = steps(low, high, wanted);
+    if (ticksOf(step).length < 3) step = steps(low, high, 2 * wanted); // one number alone tells no size
+    const ticks = ticksOf(step);
     const digits = Math.max(1, Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / step)) + 1);
     const at = (v) => from + ((v - low) / (high - low)) * (to - from);
     return {low, high, at, ticks, text: (t) => formatNumber(Math.abs(t) < step / 1e6 ? 0 : t * factor, digits)};

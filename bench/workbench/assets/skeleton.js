@@ -54,7 +54,7 @@ const WorkbenchSkeleton = (() => {
       return one;
     };
     const steps = `From the model without any effect; at each step the one that helps most${kept}.`;
-    const judge = data.whole ? ` Judged on ${data.judged_on}; fitted to the rest.` : "";
+    const judge = data.whole ? ` Judged on ${data.judged_on.replace(/, not fitted$/, "")}; fitted to the rest.` : "";
     const ladder = part("Error, effect by effect", steps + judge);
     const plainly = "Fitted, not fitted: error of this motor's current.";
     const motors = part(

@@ -1,0 +1,78 @@
+"""The laws of effects as the page writes them, from what their classes say."""
+
+from dataclasses import dataclass, replace
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from bench.effects import CATALOGUE, ActuatorEffect, EffectParameter
+from bench.report.content import diagnosis_page
+from bench.report.laws import in_symbols, law_of
+from bench.report.parts import Table
+from bench.show.diagnosis import diagnosis_report
+from tests.report_kit import AGAIN, MISSING, dataset, diagnosis
+
+
+@dataclass(frozen=True)
+class Silent(ActuatorEffect):
+    name = "silent"
+    parameters = (EffectParameter("c", "{effort}"),)
+
+    def torque(self, joint):
+        return joint.velocity[:, None]
+
+
+def laws_of(diagnosed, catalogue=CATALOGUE):
+    page = diagnosis_page(diagnosed, dataset(), AGAIN, catalogue)
+    (ranking,) = [one for one in page.sections if one.id == "ranking"]
+    return [one for one in ranking.parts if isinstance(one, Table) and one.title.startswith("Laws")]
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_effect_has_a_law_and_its_symbols(name):
+    law, symbols = law_of(CATALOGUE[name])
+    assert law.endswith(".")
+    assert symbols.endswith(".")
+    for parameter in CATALOGUE[name].parameters:
+        assert parameter.name in law + symbols
+    for plain in ("Source", "Valid", "qd", "tau", "*", "^2"):
+        assert plain not in law + symbols
+
+
+def test_a_law_is_written_with_its_signs():
+    law, symbols = law_of(CATALOGUE["stribeck_friction"])
+    assert law.startswith("τ = (Fc + Fs exp(−|q̇/vs|^delta)) sign(q̇):")
+    assert symbols.startswith(
+        "Fc: Coulomb friction, Fs: what is added at the slowest motion, positive, N·m or N"
+    )
+    assert in_symbols("N*m*s2/rad2 or N*s2/m2, kg*m2") == "N·m·s²/rad² or N·s²/m², kg·m²"
+    assert in_symbols("dtau/dt, tau_r - r J qdd, low-passed, k i^2") == "dτ/dt, τ_r − r J q̈, low-passed, k i²"
+
+
+def test_the_page_tells_the_laws_of_what_was_found():
+    (table,) = laws_of(diagnosis())
+    assert [[cell.text for cell in row.cells[:2]] for row in table.rows] == [
+        ["viscous friction", "τ = Fv q̇: friction proportional to the velocity q̇, as of an oil film."]
+    ]
+
+
+def test_an_effect_that_tells_no_law_has_none():
+    assert law_of(Silent()) == ("", "")
+    found = replace(diagnosis(), missing=("silent",), ranking=(replace(MISSING, effect="silent"),))
+    assert laws_of(found, {**CATALOGUE, "silent": Silent()}) == []
+
+
+def test_a_change_of_sign_is_told_as_a_difference():
+    found = diagnosis()
+    first, *others = found.after.parameters
+    turned = replace(
+        found, after=replace(found.after, parameters=(replace(first, value=-first.value), *others))
+    )
+    console = Console(width=120, file=StringIO())
+    diagnosis_report(turned, console)
+    lines = console.file.getvalue().splitlines()
+    start = next(i for i, line in enumerate(lines) if "before and after" in line and "parameters" in line)
+    line = next(one for one in lines[start:] if first.name in one)
+    assert f"{-2 * first.value:+.3g}" in line
+    assert "%" not in line
