@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import Effect, EffectParameter
-from bench.effects.play import apparent_inertia, own_torque, torque_behind
+from bench.effects.play import apparent_inertia, motion_cutoff, own_torque, torque_behind
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
@@ -20,9 +20,10 @@ class DriveFlexibility(Effect):
     positive, rad/(N*m) or m/N; tau_r: torque of the present rigid model at the joint, rotor included; tau_s:
     what the spring carries of it; Ia: inertia of the rotor, which does not follow the spring. CIa = C Ia: positive,
     s2, one over the square of the rotor's angular frequency on the spring. The columns are changes of the model's
-    torque where the link's position, velocity and acceleration are those behind the spring. Valid well below the
-    resonance of link and spring; damping in the spring is left out. Source: Spong, "Modeling and control of
-    elastic joint robots", Journal of Dynamic Systems, Measurement, and Control 109, 1987.
+    torque where the link's position, velocity and acceleration are those behind the spring, tau_s itself included;
+    what lies above the band of the joint's motion is taken off, since the encoder's noise grows with its fourth
+    power. Valid well below the resonance of link and spring; damping in the spring is left out. Source: Spong,
+    "Modeling and control of elastic joint robots", Journal of Dynamic Systems, Measurement, and Control 109, 1987.
     """
 
     name = "drive_flexibility"
@@ -39,6 +40,11 @@ class DriveFlexibility(Effect):
         torque, acceleration = own_torque(robot, joint)
         most = apparent_inertia(torque, acceleration)
         rotor = min(max(self.CIa, 0.0) / self.C, most) if self.C > 0.0 else 0.0
+        cutoff = motion_cutoff(robot, joint)
+        if self.C > 0.0:  # the link's torque where the link is, not where the motor is
+            behind = self.C * torque - max(self.CIa, 0.0) * acceleration
+            at = list(robot.joints).index(joint)
+            torque = torque + torque_behind(robot, joint, behind, rotor, cutoff)[:: robot.every, at]
         columns = []
         for value, signal in (self.C, torque), (self.CIa, -acceleration):
             size = float(np.abs(signal).max())
@@ -47,7 +53,7 @@ class DriveFlexibility(Effect):
                 continue
 
             def change(step: float, signal: np.ndarray = signal) -> np.ndarray:
-                return torque_behind(robot, joint, step * signal, rotor)
+                return torque_behind(robot, joint, step * signal, rotor, cutoff)
 
             columns.append(secant(robot, max(value, 0.0), SMALLEST / size, LARGEST / size, change))
         return np.concatenate(columns, axis=2)
