@@ -57,6 +57,15 @@ def test_the_page_tells_the_laws_of_what_was_found():
     ]
 
 
+def test_what_rounding_leaves_is_nothing():
+    (first, *others) = diagnosis().ranking
+    page = diagnosis_page(
+        replace(diagnosis(), ranking=(replace(first, evidence=-1e-13), *others)), dataset(), AGAIN
+    )
+    (ranking,) = [one for one in page.sections if one.id == "ranking"]
+    assert ranking.parts[0].rows[0].cells[5].text == "0"
+
+
 def test_an_effect_that_tells_no_law_has_none():
     assert law_of(Silent()) == ("", "")
     found = replace(diagnosis(), missing=("silent",), ranking=(replace(MISSING, effect="silent"),))

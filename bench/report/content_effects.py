@@ -22,6 +22,7 @@ from bench.report.words import (
 )
 from bench.show.numbers import flat_effects, gain_change, pretty_unit
 
+ROUNDING = 1e-6  # of an evidence in nats, of a share
 FEW = 4  # alternatives named in a cell
 UNSUPPORTED = ("not supported", "absorbed")
 VERDICTS_AID = (
@@ -56,7 +57,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
                 effect_name(one.effect),
                 share(one.error_before),
                 share(one.error_after),
-                short(one.evidence),
+                short(_not_rounding(one.evidence)),
                 typeset(one.why),
             )
             for one in rest
@@ -128,7 +129,7 @@ def _row(diagnosis: Diagnosis, one: EffectVerdict) -> Row:
         _places(diagnosis, one),
         share(one.error_before),
         share(one.error_after),
-        short(one.evidence),
+        short(_not_rounding(one.evidence)),
         size or "–",
         _most(error_share(one)),
         _few([effect_name(name) for name in one.alternatives]),
@@ -157,7 +158,12 @@ def _most(part: float | None) -> str:
     """A share near one to the digits that tell it from one."""
     if part is None:
         return "–"
-    return "> 99.9\u00a0%" if part > 0.999 else f"{typeset(f'{100.0 * part:.3g}')}\u00a0%"
+    return "> 99.9\u00a0%" if part > 0.999 else f"{typeset(f'{100.0 * _not_rounding(part):.3g}')}\u00a0%"
+
+
+def _not_rounding(value: float) -> float:
+    """Zero for what is left of a difference of equal numbers."""
+    return value if abs(value) > ROUNDING else 0.0
 
 
 def gains_section(after: Identification, before: Identification | None) -> Section:
