@@ -11,7 +11,7 @@ const WorkbenchEquations = (() => {
   const {product, times, factorised, solved} = WorkbenchNumbers; // of symmetric matrices, `factorised` reads the lower half
   const REWEIGHTINGS = 3;
   const MOST_STEPS = 50;
-  const CONVERGED = 1e-10; // of the cost: what a further step would gain
+  const CONVERGED = {exact: 1e-13, short: 1e-10}; // of the cost: what a further step would gain
   const DEPENDENT = {exact: 1e-10, short: 1e-7}; // of a column's square: what the others must leave of it
   const TINY = 1e-300;
 
@@ -20,7 +20,7 @@ const WorkbenchEquations = (() => {
     const n = data.motors.length;
     const own = data.own;
     const fitGains = data.fits_gains;
-    const dependent = data.basis ? DEPENDENT.short : DEPENDENT.exact; // numbers of 16 bits tell no finer
+    const digits = data.basis ? "short" : "exact"; // numbers of 16 bits tell no finer
     const foundGains = columns.found.gains;
     const nominal = data.motors.map((motor) => motor.nominal);
     const squares = {
@@ -100,7 +100,7 @@ const WorkbenchEquations = (() => {
         if (gram[i * size + i] > 1e-18 * largest) continue;
         for (let k = 0; k < size; k++) gram[i * size + k] = gram[k * size + i] = 0;
       }
-      const {passed} = factorised(gram, size, dependent);
+      const {passed} = factorised(gram, size, DEPENDENT[digits]);
       for (let i = own + 1; i < size; i++) if (!passed[i]) order.push(i - 1);
       return order;
     }
@@ -197,7 +197,7 @@ const WorkbenchEquations = (() => {
         if (!next) break;
         if (gained > 0) rate = Math.min(1, Math.max((cost - next.cost) / gained, 0));
         gained = cost - next.cost;
-        const settled = gained * rate <= CONVERGED * cost && share === 1; // what the next step would gain
+        const settled = gained * rate <= CONVERGED[digits] * cost && share === 1; // what the next step would gain
         ({d, gains, cost, now} = next);
         if (settled) break;
       }
