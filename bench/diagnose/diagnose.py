@@ -14,7 +14,7 @@ from bench.diagnose.search import Found, search
 from bench.diagnose.split import with_judged_parts
 from bench.diagnose.system import System, build_system, solve_set
 from bench.diagnose.unexplained import unexplained
-from bench.diagnose.verdicts import verdicts
+from bench.diagnose.verdicts import checked_error, verdicts
 from bench.effects import CATALOGUE, Effect, EffectInstance
 from bench.estimate.identify import fit, gains_can_be_fitted
 from bench.estimate.prepare import Prepared, prepare, with_effects
@@ -188,10 +188,10 @@ def _shows(result: Identification, instance: EffectInstance) -> bool:
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:
-    """Relative error of the current for a weighted error of one, so that errors of sets can be told in percent."""
+    """Error of the settled model over that of its set in the system, so that the errors of sets end where it does."""
     judged = relative_error([one for one in after.recordings if one.use == "validate"]) or 0.0
-    weighted = np.sqrt(found.best.fit.checked / max(system.checked.rows, 1))
-    return float(judged / weighted) if weighted > 0 else 0.0
+    here = checked_error(system, found.best.fit)
+    return judged / here if here > 0 else 0.0
 
 
 def _shown_places(

@@ -7,8 +7,9 @@ import numpy as np
 from bench.diagnose.candidates import Proposal
 from bench.diagnose.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnose.search import Found, Scored, close, contains, material, score
-from bench.diagnose.system import System, solve_set
-from bench.effects.names import spoken
+from bench.diagnose.system import SetFit, System, solve_set
+from bench.effects.names import begun, spoken
+from bench.estimate.current_error import squared_errors
 
 DOMINANT = 3.0
 MUCH_LEFT = (
@@ -27,7 +28,7 @@ def verdicts(
 ) -> tuple[EffectVerdict, ...]:
     """Every effect, the found ones first, then by evidence.
 
-    places: joints at which each found effect shows. scale: relative error for a weighted error of one.
+    places: joints at which each found effect shows. scale: error of the settled model over that of its set here.
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
     it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where MUCH_LEFT of the noise floor is left.
     """
@@ -60,8 +61,17 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
 
 
+def checked_error(system: System, fit: SetFit) -> float:
+    """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
+    factors = system.checked.factors
+    size = factors.shape[2]
+    error = squared_errors(factors[:, :, np.append(fit.columns, [size - 2, size - 1])], fit.values, fit.gains)
+    measured = float((factors[:, :, size - 1] ** 2).sum())
+    return float(np.sqrt(error.sum() / measured)) if measured else 0.0
+
+
 def _error(system: System, one: Scored, scale: float) -> float:
-    return float(np.sqrt(one.fit.checked / max(system.checked.rows, 1)) * scale)
+    return scale * checked_error(system, one.fit)
 
 
 def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
@@ -100,7 +110,7 @@ def _found(
     )
     if alternatives:
         why += f"; these data cannot tell it from {listed(alternatives)}"
-    unsure = before < sure * after
+    unsure = without.fit.checked < sure**2 * best.fit.checked
     if unsure:
         why += "; something that no effect of the catalogue explains is left, and may be what this stands for"
     verdict: Verdict = "indistinguishable" if alternatives or unsure else "missing"
@@ -131,7 +141,9 @@ def _other(
     ]
     name = spoken(proposals[i].name)
     if rivals:
-        why = f"{name.capitalize()} would explain the data as well as {listed(rivals)}: these recordings cannot tell."
+        why = (
+            f"{begun(name)} would explain the data as well as {listed(rivals)}: these recordings cannot tell."
+        )
         return EffectVerdict(
             proposals[i].name,
             "indistinguishable",
