@@ -9,6 +9,7 @@ import numpy as np
 from bench.dataset import Dataset
 from bench.diagnose.candidates import Context, Proposal, context_of, propose, shaped
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
+from bench.diagnose.restart import restarted
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
 from bench.diagnose.search import Found, search
 from bench.diagnose.split import with_judged_parts
@@ -114,7 +115,8 @@ def _judged(
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
     _, solution = solved_quickly(model, fit_gains)
     about = with_effects(start, start.effects, present_model(model, solution))
-    own = replace(solved_quickly(about, fit_gains)[1], weights=solution.weights)
+    stack, own = solved_quickly(about, fit_gains)
+    own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
     system = build_system(about, [one.instances for one in proposals], own)
     usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
     return system, search(system, usable)

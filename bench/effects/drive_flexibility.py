@@ -8,6 +8,7 @@ from bench.effects.effect import Effect, EffectParameter
 from bench.effects.play import apparent_inertia, motion_cutoff, own_torque, torque_behind
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
+from bench.errors import BenchError
 
 SMALLEST, LARGEST = 1e-4, 2e-2  # rad or m: deflection that the step of the difference makes
 
@@ -41,10 +42,7 @@ class DriveFlexibility(Effect):
         most = apparent_inertia(torque, acceleration)
         rotor = min(max(self.CIa, 0.0) / self.C, most) if self.C > 0.0 else 0.0
         cutoff = motion_cutoff(robot, joint)
-        if self.C > 0.0:  # the link's torque where the link is, not where the motor is
-            behind = self.C * torque - max(self.CIa, 0.0) * acceleration
-            at = list(robot.joints).index(joint)
-            torque = torque + torque_behind(robot, joint, behind, rotor, cutoff)[:: robot.every, at]
+        torque = torque + self._behind_itself(robot, joint, torque, acceleration, rotor, cutoff)
         columns = []
         for value, signal in (self.C, torque), (self.CIa, -acceleration):
             size = float(np.abs(signal).max())
@@ -57,3 +55,27 @@ class DriveFlexibility(Effect):
 
             columns.append(secant(robot, max(value, 0.0), SMALLEST / size, LARGEST / size, change))
         return np.concatenate(columns, axis=2)
+
+    def _behind_itself(
+        self,
+        robot: RobotSignals,
+        joint: str,
+        torque: np.ndarray,
+        acceleration: np.ndarray,
+        rotor: float,
+        cutoff: float,
+    ) -> np.ndarray:
+        """How much more torque (K,) the spring carries because the link is where it is, and not where the motor is.
+
+        A deflection beyond LARGEST, or out of reach, is one that no fit will keep: it is held to LARGEST, or left out.
+        """
+        behind = max(self.C, 0.0) * torque - max(self.CIa, 0.0) * acceleration
+        largest = float(np.abs(behind).max())
+        if largest == 0.0:
+            return np.zeros_like(torque)
+        behind = behind * min(1.0, LARGEST / largest)
+        try:
+            change = torque_behind(robot, joint, behind, rotor, cutoff)
+        except BenchError:  # out of reach, or singular
+            return np.zeros_like(torque)
+        return change[:: robot.every, list(robot.joints).index(joint)]
