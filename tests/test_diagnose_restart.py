@@ -1,0 +1,47 @@
+"""Sets of effects are found though the model without them fits best with a gain that ran away."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.restart import restarted
+from bench.estimate.current_error import minimised, squared_errors
+from bench.estimate.solution import Solution
+from bench.estimate.stack import Stack, compress
+
+NOMINAL = np.array([3.0, 3.0])
+TRUE = np.array([3.3, 2.8])
+
+
+@pytest.fixture
+def stack():
+    """Two motors whose currents follow three parameters exactly."""
+    random = np.random.default_rng(4)
+    phi, kappa = random.standard_normal((400, 2, 3)), random.standard_normal((400, 2))
+    current = (phi @ [0.5, -1.0, 2.0] + kappa) / TRUE
+    return Stack(phi, kappa, current, np.ones((400, 2), bool), (0,), compress(phi, kappa, current))
+
+
+def _solution(gains):
+    return Solution(np.zeros(3), np.array(gains), np.ones(2), "current", True)
+
+
+@pytest.mark.parametrize("gains", [(-2.0, 2.9), (3e8, 2.9), (0.01, 2.9)])
+def test_steps_lead_to_the_truth_after_the_restart_and_not_before(stack, gains):
+    def left(start):
+        theta, found = minimised(stack.factors, start.theta, start.gains, start.weights, True)
+        return float(squared_errors(stack.factors, theta, found).sum())
+
+    lost = _solution(gains)
+    again = restarted(stack, lost, NOMINAL)
+    np.testing.assert_array_equal(again.gains, [3.0, 2.9])
+    assert left(again) < 1e-12
+    assert gains[0] == 0.01 or left(lost) > 1.0
+
+
+def test_what_did_not_run_away_stays(stack):
+    near = _solution((3.6, 2.0))
+    assert restarted(stack, near, NOMINAL) is near
+    nominal = replace(_solution((-3.0, 2.0)), gains_fitted=False)
+    assert restarted(stack, nominal, NOMINAL) is nominal
