@@ -5,8 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.diagnose.encoder_noise import encoder_error
 from bench.diagnose.unexplained import unexplained
+from bench.estimate.identify import fit
+from bench.estimate.prepare import prepare
+from bench.estimate.settle import settled
 from bench.robot import load_robot
+from bench.scenario import load_scenario
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
 from tests.shown import dataset_of, identification_of
 
 
@@ -16,7 +23,7 @@ def gentle():
     return dataset, identification_of(dataset)
 
 
-def _left(gentle, error):
+def _left(gentle, error, encoders=0.0):
     """The verdict where error(row, random) is left, in times the deviation of the currents' noise in the fit."""
     dataset, result = gentle
     random = np.random.default_rng(3)
@@ -25,7 +32,7 @@ def _left(gentle, error):
         replace(one, modelled=one.measured - noise * error(one, random.standard_normal(one.measured.shape)))
         for one in result.recordings
     )
-    return unexplained(replace(result, recordings=series), dataset.recordings)
+    return unexplained(replace(result, recordings=series), dataset.recordings, lambda: encoders)
 
 
 def test_noise_is_noise(gentle):
@@ -38,7 +45,35 @@ def test_white_errors_beyond_the_currents_noise_are_not_called_the_currents_nois
     left = _left(gentle, lambda row, noise: 3.0 * noise)
     assert not left.significant
     assert left.depends_on == ()
-    assert "varies with nothing, as the noise of encoders" in left.why
+    assert "varies with nothing that was looked at" in left.why
+
+
+def test_what_the_encoders_noise_leaves_is_theirs(gentle):
+    def error(row, noise):
+        return 1.5 * noise + 0.3 * row.velocity / row.velocity.std()
+
+    assert _left(gentle, error).significant
+    left = _left(gentle, error, encoders=2.0 * _left(gentle, error).noise_floor)
+    assert not left.significant
+    assert "that of the encoders" in left.why
+
+
+def test_the_encoders_noise_is_carried_through_the_model():
+    """Nothing hidden, 16-bit encoders and little noise of the current: both together are what is left."""
+    scenario = load_scenario(
+        "five_bar",
+        {
+            "design": {"optimise": False, "duration": 8.0, "ramp": 0.5},
+            "sensors": {"encoder_bits": 16, "current_noise_ratio": 0.002},
+        },
+    )
+    dataset = as_dataset(simulate(scenario, threads=1))
+    prepared = settled(prepare(dataset), True)
+    result = fit(prepared)
+    encoders = encoder_error(prepared, True)
+    floor = unexplained(result, dataset.recordings).noise_floor
+    assert encoders > floor
+    assert result.error.validate == pytest.approx(np.hypot(floor, encoders), rel=0.15)
 
 
 def test_errors_that_follow_the_velocity_are_unexplained(gentle):

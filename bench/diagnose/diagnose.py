@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.dataset import Dataset
 from bench.diagnose.candidates import Context, Proposal, context_of, propose, shaped
+from bench.diagnose.encoder_noise import encoder_error
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
 from bench.diagnose.restart import restarted
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
@@ -62,7 +63,7 @@ def diagnose(
         at = (one.joint,) if one.joint else dataset.robot.joints
         places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
     scale = _relative(after, system, found)
-    left = unexplained(after, dataset.recordings)
+    left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
     ranking = verdicts(system, proposals, found, _shown_places(proposals, found, places), scale, left)
     ranking = tuple(refused(one, barred.get(one.effect)) for one in ranking)
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)

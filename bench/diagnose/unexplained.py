@@ -1,6 +1,6 @@
 """Is anything left that no known effect explains, and what does it vary with?"""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.stats import chi2
@@ -42,11 +42,27 @@ def relative_noise_floor(
     return float(np.sqrt(noise / measured)) if measured else 0.0
 
 
-def unexplained(result: Identification, recordings: Sequence[Recording]) -> Unexplained:
-    """Test the errors of the final model for any dependence, on recordings that were not fitted."""
+def unexplained(
+    result: Identification, recordings: Sequence[Recording], encoders: Callable[[], float] = lambda: 0.0
+) -> Unexplained:
+    """Test the errors of the final model for any dependence, on recordings that were not fitted.
+
+    encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
+    """
     judged = [one for one in result.recordings if one.use == "validate"] or list(result.recordings)
     error = relative_error(judged) or 0.0
     floor = relative_noise_floor(recordings, judged, result.settings)
+    left = f"{100.0 * error:.3g} %"
+    if error <= MATERIAL * floor:
+        why = f"the error left ({left}) is what the noise of the currents leaves ({100.0 * floor:.3g} %)"
+        return Unexplained(False, error, floor, (), why)
+    shaken = encoders()
+    if error <= MATERIAL * np.hypot(floor, shaken):
+        why = (
+            f"the error left ({left}) is what the noise of the currents ({100.0 * floor:.3g} %) and that of the "
+            f"encoders ({100.0 * shaken:.3g} %) leave"
+        )
+        return Unexplained(False, error, floor, (), why)
     found: dict[str, float] = {}
     random = np.random.default_rng(SEED)
     joints = list(result.drive_gains)
@@ -61,13 +77,11 @@ def unexplained(result: Identification, recordings: Sequence[Recording]) -> Unex
     if _lasting(judged):
         found["time"] = max(found.get("time", 0.0), ALMOST)
     depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
-    left = f"{100.0 * error:.3g} %"
     noise = f"the noise of the currents leaves {100.0 * floor:.3g} %"
-    if error <= MATERIAL * floor:
-        why = f"the error left ({left}) is what the noise of the currents leaves ({100.0 * floor:.3g} %)"
-        return Unexplained(False, error, floor, (), why)
+    if shaken > 0.1 * floor:
+        noise += f" and that of the encoders {100.0 * shaken:.3g} %"
     if not depends:
-        why = f"{left} of the current is left where {noise}; it varies with nothing, as the noise of encoders does not"
+        why = f"{left} of the current is left where {noise}; it varies with nothing that was looked at"
         return Unexplained(False, error, floor, (), why)
     why = (
         f"{left} of the current is left where {noise}, and it varies with {', '.join(depends)}: no effect of the "
