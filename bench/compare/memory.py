@@ -36,19 +36,25 @@ def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
 def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:
     """Correlation of values with those some rows later, for 0, 1, 2 ... rows (at most 61,).
 
-    rows: the number of each value among evenly spaced rows, rising, some missing. The mean counts as error.
+    rows: the number of each value among evenly spaced rows, rising, some missing. The mean counts as error; each lag's
+    products are divided by the powers of the values in them, so that no correlation is above one.
     """
     lags = max(min(LONGEST, min(len(one) for one in rows) // 4), 1)
-    sums, counts = np.zeros(lags + 1), np.zeros(lags + 1)
+    sums, powers = np.zeros(lags + 1), np.zeros((2, lags + 1))
     for row, value in zip(rows, values, strict=True):
         length = int(row[-1] - row[0]) + 1
         filled, there = np.zeros(length), np.zeros(length)
         filled[row - row[0]], there[row - row[0]] = value, 1.0
         for lag in range(min(lags, length - 1) + 1):
             sums[lag] += filled[: length - lag] @ filled[lag:]
-            counts[lag] += there[: length - lag] @ there[lag:]
-    mean = sums / np.maximum(counts, 1.0)
-    return np.asarray(mean / mean[0]) if mean[0] > 0 else np.eye(1, lags + 1)[0]
+            powers[0, lag] += filled[: length - lag] ** 2 @ there[lag:]
+            powers[1, lag] += there[: length - lag] @ filled[lag:] ** 2
+    scale = np.sqrt(powers[0] * powers[1])
+    return (
+        np.divide(sums, scale, out=np.zeros(lags + 1), where=scale > 0)
+        if sums[0] > 0
+        else np.eye(1, lags + 1)[0]
+    )
 
 
 def memory(correlation: np.ndarray) -> float:

@@ -63,8 +63,11 @@ def diagnose(
         at = (one.joint,) if one.joint else dataset.robot.joints
         places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
     scale = _relative(after, system, found)
+    without = _errors_without(start, added, before, fit_gains)
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
-    ranking = verdicts(system, proposals, found, _shown_places(proposals, found, places), scale, left)
+    ranking = verdicts(
+        system, proposals, found, _shown_places(proposals, found, places), scale, left, without
+    )
     ranking = tuple(refused(one, barred.get(one.effect)) for one in ranking)
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
     missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
@@ -224,6 +227,19 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
         return {}
     rms = np.sqrt((total**2).mean(axis=0))
     return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}
+
+
+def _errors_without(
+    start: Prepared, added: Sequence[EffectInstance], before: Identification, fit_gains: bool
+) -> dict[str, float]:
+    """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
+    errors = {}
+    for name in dict.fromkeys(one.effect.name for one in added):
+        others = [one for one in added if one.effect.name != name]
+        fewer = with_effects(start, (*start.effects, *others))
+        result = fit(fewer, fit_gains=fit_gains) if others else before
+        errors[name] = result.error.validate or 0.0
+    return errors
 
 
 def _ladder(

@@ -7,11 +7,13 @@ import numpy as np
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.effects.names import spoken
-from bench.estimate.notes import unlike
+from bench.estimate.notes import LOOSE, unlike
 from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
+from bench.estimate.swapped import SWAPPED
 
 TELLING = 0.005  # change of a drive gain that is worth a word
+HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -49,9 +51,16 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
     """What makes the names of the found effects unsure: gains that are only nominal, recordings that do not fit."""
     result = diagnosis.after
     sentences = []
-    strange = unlike(result)
+    swapped = [note for note in result.notes if SWAPPED in note]
+    strange = swapped[0] if swapped else unlike(result)
+    left = diagnosis.unexplained
     if strange:
         sentences.append(f"These names may be false. {strange}")
+    elif left.significant and left.error > HOPELESS * left.noise_floor:
+        times = left.error / left.noise_floor
+        sentences.append(
+            f"These names may be false: what is left is {times:.0f} times the noise. Check columns, signs and payloads."
+        )
     if not result.gains_fitted and len(result.drive_gains) > 1:
         sentences.append(
             "The drive gains are nominal, since no fitted recording carries a payload of known mass: gains a tenth off "
@@ -146,7 +155,7 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
         return None
     changes = {joint: after[joint].value / before[joint].value - 1.0 for joint in after}
     joint = max(changes, key=lambda one: abs(changes[one]))
-    if abs(changes[joint]) < TELLING:
+    if abs(changes[joint]) < TELLING or after[joint].std > LOOSE * abs(after[joint].value):
         return None
     them = "it" if len(diagnosis.missing) == 1 else "them"
     gain = after[joint]

@@ -1,6 +1,6 @@
 """A verdict on every effect of the catalogue, with its reason in a mechanical engineer's words."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -25,10 +25,12 @@ def verdicts(
     places: dict[str, tuple[str, ...]],
     scale: float,
     left: Unexplained,
+    without: Mapping[str, float],
 ) -> tuple[EffectVerdict, ...]:
     """Every effect, the found ones first, then by evidence.
 
     places: joints at which each found effect shows. scale: error of the settled model over that of its set here.
+    without: error of the found model without each of its effects, fitted anew.
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
     it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where MUCH_LEFT of the noise floor is left.
     """
@@ -41,7 +43,8 @@ def verdicts(
         if proposal.absorbed:
             rows.append(_absorbed(proposal, _error(system, best, scale)))
         elif i in chosen:
-            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, sure))
+            error = without.get(proposal.name, 0.0)
+            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, sure, error))
         else:
             rows.append(_other(system, proposals, found, i, scale))
     order: dict[Verdict, int] = {"missing": 0, "indistinguishable": 1, "not supported": 2, "absorbed": 3}
@@ -91,6 +94,7 @@ def _found(
     places: tuple[str, ...],
     scale: float,
     sure: float,
+    before: float,
 ) -> EffectVerdict:
     best, chosen = found.best, found.best.fit.chosen
     others = tuple(k for k in chosen if k != i)
@@ -102,7 +106,7 @@ def _found(
         and not contains(system.candidates[k], system.candidates[i])
         and close(best, score(system, solve_set(system, (*others, k)), found.empty))
     ]
-    before, after = _error(system, without, scale), _error(system, best, scale)
+    after = _error(system, best, scale)
     where = f" at {', '.join(places)}"
     why = (
         f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from {_percent(before)} to "

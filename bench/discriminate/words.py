@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from bench.compare.words import motor_words
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.search import MATERIAL, NEEDED
 from bench.diagnose.summary import and_list, or_list
@@ -24,7 +25,7 @@ def warnings(found: Discrimination) -> list[str]:
     if not found.model_is_wrong:
         return []
     doubt = (
-        f"With either effect, the model's error is {found.error_over_noise:.2g} times the noise of the current: "
+        f"With either effect, the model's error is {_number(found.error_over_noise)} times the noise of the current: "
         "something else is missing. Run bench diagnose first, and name what it finds with --with."
     )
     return [doubt]
@@ -104,7 +105,7 @@ def motion_words(found: Discrimination) -> list[str]:
     said_of = []
     moving = [joint for joint, facts in found.planned.items() if facts.high > facts.low]
     if len(moving) == 1 < len(found.planned):
-        said_of.append(f"motor {moving[0]} moves alone")
+        said_of.append(f"{motor_words(moving[0])} moves alone")
     for joint in moving:
         unit = length_unit(found, joint)
         said_of += _joint_words(joint, unit, found.recorded[joint], found.planned[joint])
@@ -116,21 +117,22 @@ def motion_words(found: Discrimination) -> list[str]:
 
 
 def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> list[str]:
+    motor = motor_words(joint)
     words = []
     room = BEYOND * (old.high - old.low)
     if new.low < old.low - room or new.high > old.high + room:
         words.append(
-            f"motor {joint} works between {new.low:.3g} and {new.high:.3g} {unit}, where {old.low:.3g} to "
+            f"{motor} works between {new.low:.3g} and {new.high:.3g} {unit}, where {old.low:.3g} to "
             f"{old.high:.3g} {unit} was recorded"
         )
     if new.speed * MUCH < old.speed:
         words.append(
-            f"motor {joint} moves slowly, at {new.speed:.2g} {unit}/s at most where {old.speed:.2g} {unit}/s was "
+            f"{motor} moves slowly, at {new.speed:.2g} {unit}/s at most where {old.speed:.2g} {unit}/s was "
             "recorded"
         )
     elif new.speed > MUCH * old.speed:
         words.append(
-            f"motor {joint} moves faster, up to {new.speed:.2g} {unit}/s where {old.speed:.2g} {unit}/s was recorded"
+            f"{motor} moves faster, up to {new.speed:.2g} {unit}/s where {old.speed:.2g} {unit}/s was recorded"
         )
     if new.turning * MUCH < old.turning:
         words.append(f"it reverses slowly at {joint}")
@@ -138,7 +140,7 @@ def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> l
         words.append(f"it reverses hard at {joint}")
     if new.reversals > MUCH * old.reversals:
         words.append(
-            f"motor {joint} reverses {new.reversals:.2g} times a second, {old.reversals:.2g} times in the recordings"
+            f"{motor} reverses {new.reversals:.2g} times a second, {old.reversals:.2g} times in the recordings"
         )
     return words
 

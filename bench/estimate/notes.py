@@ -59,7 +59,7 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
     if loose:
         notes.append(
             f"{loose} of {len(result.parameters)} parameters are poorly determined (deviation above "
-            f"{_percent(LOOSE)} of the value); essential parameters (--essential) leave out what does not matter."
+            f"{_percent(LOOSE)} of the value); `bench identify --essential` leaves out what does not matter."
         )
     return replace(result, notes=tuple(notes))
 
@@ -105,8 +105,8 @@ def _implausible(result: Identification) -> list[str]:
         far = joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
         if result.gains_fitted and thousand is None and far:
             notes.append(
-                f"The drive gain of {joint} came out at {gain.value:.3g} {gain.unit}, far from its nominal "
-                f"{gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as "
+                f"The drive gain of {joint} came out at {gain.value:.3g} {gain.unit.replace('*', '·')}, far from its "
+                f"nominal {gain.nominal:.3g}: a physical effect is missing in the model, or the payload is not as "
                 "declared."
             )
     if result.gains_fitted and len(negative) == len(ratios):

@@ -159,6 +159,9 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
         one for one in summary.targets if one.reached is not None and (one.least, one.most) != (None, None)
     ]
     kept = sum(one.verdict == YES for one in judged)
+    if not judged:
+        third = "No case counts, so nothing is said: longer recordings or more seeds help."
+        return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
     third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
     for verdict, words in ((NO, "not kept"), (TOO_FEW, "too few cases to say")):
         names = [_plain_name(one.name) for one in judged if one.verdict == verdict]
@@ -280,7 +283,9 @@ def _misses_section(summary: TrialSummary) -> Section:
 
 def _coverage_section(summary: TrialSummary) -> Section:
     if not summary.coverage:
-        none: tuple[Part, ...] = (Items("", "", ("No set was found exactly: no interval to judge.",)),)
+        none: tuple[Part, ...] = (
+            Items("", "", ("No set that counts was found exactly: no interval to judge.",)),
+        )
         return Section("coverage", "Intervals of the effects' parameters", "", none, "Intervals")
     columns = (
         Column("effect", "keep"),

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from bench.compare.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.compare.profile import Variable
 from bench.compare.regions import regions
+from bench.compare.words import motor_words
 from bench.files import atomic_path
 from bench.show.colours import ON_WHITE
 from bench.show.comparison_panels import (
@@ -106,7 +107,7 @@ def errors_figure(what: Compared, joint: str) -> Figure:
         figure.legend(handles, names, loc="upper right", ncols=len(names), frameon=False)
         error, noise = relative_error_of(series), relative_noise(series)
         figure.suptitle(
-            f"{what.robot}, motor {joint}: error {percent(error)} of the current, noise {percent(noise)}",
+            f"{what.robot}, {motor_words(joint)}: error {percent(error)} of the current, noise {percent(noise)}",
             x=0.01,
             y=0.99,
             ha="left",
