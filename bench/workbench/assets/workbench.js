@@ -153,7 +153,8 @@
       const said = [];
       const names = (test) => [...new Set(fit.effects.filter(test).map((one) => spoken(one.place.effect)))];
       const list = (words) => (words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}` : words[0]);
-      const near = names((one) => one.place.approximate);
+      const near = names((one) => one.place.approximate && one.place.kind !== "shape");
+      const guessed = names((one) => one.place.approximate && one.place.kind === "shape");
       const whole = [...foundTicks].every((key) => state.ticks.has(key));
       const needed = names((one) => one.place.needed && !whole);
       const short = names((one) => many && one.place.kind === "shape" && !one.place.approximate);
@@ -161,11 +162,16 @@
       const windows = names((one) => one.place.windows && !one.values.some((value) => value.held));
       const held = names((one) => one.values.some((value) => value.held));
       if (near.length) {
-        const several = fit.effects.filter((one) => one.place.approximate).length > 1;
+        const several = fit.effects.filter((one) => one.place.approximate && one.place.kind !== "shape").length > 1;
         said.push(
           `${titled(list(near))}: linearised about the model that was found; bench identify linearises anew, and may differ in the third digit${
             several ? ", at many places at once by some percent" : ""
           }.`,
+        );
+      }
+      if (guessed.length) {
+        said.push(
+          `${titled(list(guessed))}: a first guess, since where it acts follows from the model; bench identify may find other values and an error far smaller.`,
         );
       }
       if (short.length) {
