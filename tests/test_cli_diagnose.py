@@ -202,7 +202,7 @@ def test_alternatives_are_said_to_be_beyond_these_recordings(found):
     (line,) = [one for one in said if "could as well be" in one]
     assert "current delay or quadratic drag" in line
     assert "these recordings cannot tell" in line
-    assert "To tell them apart: move fast and slowly, reverse fast or move as fast as allowed" in line
+    assert "To tell them apart: move fast and slowly; reverse fast; move as fast as allowed." in line
     assert "`bench discriminate DATASET viscous_friction current_delay -o DIR` designs the motion." in line
 
 

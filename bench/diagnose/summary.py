@@ -13,6 +13,7 @@ from bench.estimate.summary import ROBOT
 from bench.estimate.swapped import SWAPPED
 
 TELLING = 0.005  # change of a drive gain that is worth a word
+MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
 
 
@@ -39,7 +40,7 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
         f"to {_percent(after)} of the current, where noise leaves {_percent(floor)}."
     )
     sentences = [verdict, *doubt]
-    sentences += [_cannot_tell(one) for one in found if one.alternatives]
+    sentences += [_cannot_tell(one, found) for one in found if one.alternatives]
     moved = _largest_change(diagnosis)
     if moved is not None:
         sentences.append(moved)
@@ -75,13 +76,14 @@ def _named(diagnosis: Diagnosis, one: EffectVerdict) -> str:
     return f"{spoken(one.effect)}{where(diagnosis, one)}{instead}"
 
 
-def _cannot_tell(one: EffectVerdict) -> str:
+def _cannot_tell(one: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
     """What an effect could be instead, and how to find out."""
-    motions = or_list(telling_motions([one.effect, *one.alternatives]))
+    motions = "; ".join(telling_motions([one.effect, *one.alternatives])[:MOTIONS])
+    beside = "".join(f" --with {other.effect}" for other in found if other is not one)
     return (
         f"Instead of {spoken(one.effect)} it could as well be {or_list([spoken(name) for name in one.alternatives])}: "
-        f"these recordings cannot tell. To tell them apart: {motions}; "
-        f"`bench discriminate DATASET {one.effect} {one.alternatives[0]} -o DIR` designs the motion."
+        f"these recordings cannot tell. To tell them apart: {motions}. "
+        f"`bench discriminate DATASET {one.effect} {one.alternatives[0]}{beside} -o DIR` designs the motion."
     )
 
 
