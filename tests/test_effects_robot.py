@@ -201,8 +201,8 @@ def test_encoder_offset_flexibility_and_backlash_move_the_link(
     ):
         logged, real = link_behind(robot, model, joint, behind)
         if name == "drive_flexibility":  # the spring carries the torque of the link, which lies behind
-            behind = value * rigid_torque(model, present, model.geometry, real)[:, 1]
-            logged, real = link_behind(robot, model, joint, behind)
+            carried = rigid_torque(model, present, model.geometry, real)[:, 1]
+            logged, real = link_behind(robot, model, joint, value * carried)
         expected = rigid_torque(model, present, model.geometry, real)
         expected -= rigid_torque(model, present, model.geometry, logged)
         parameter = CATALOGUE[name].parameters[0].name
