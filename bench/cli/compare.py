@@ -6,12 +6,12 @@ from typing import Any
 import click
 
 from bench.cli.options import (
-    as_folder,
     dataset_argument,
     effect_file_option,
     filter_options,
     given_filters,
     json_option,
+    output_option,
     with_option,
 )
 
@@ -29,14 +29,7 @@ from bench.cli.options import (
 @effect_file_option
 @filter_options
 @json_option
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    callback=as_folder,
-    help="Folder for report and figures: the currents, and a page of errors for every motor.",
-)
+@output_option("Folder for report and figures: the currents, and a page of errors for every motor.")
 def compare(
     dataset: Path,
     model_file: Path | None,

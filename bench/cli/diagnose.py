@@ -6,13 +6,13 @@ from typing import Any
 import click
 
 from bench.cli.options import (
-    as_folder,
     dataset_argument,
     effect_file_option,
     filter_options,
     given_filters,
     in_existing_folder,
     json_option,
+    output_option,
     with_option,
 )
 
@@ -31,14 +31,7 @@ from bench.cli.options import (
     callback=in_existing_folder,
     help="Write the model with what is missing.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    callback=as_folder,
-    help="Folder for report and figures.",
-)
+@output_option("Folder for report and figures.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every effect and every parameter.")
 def diagnose(
     dataset: Path,

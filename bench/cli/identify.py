@@ -7,13 +7,13 @@ import click
 
 from bench.cli.options import (
     METHODS,
-    as_folder,
     dataset_argument,
     effect_file_option,
     filter_options,
     given_filters,
     in_existing_folder,
     json_option,
+    output_option,
     with_option,
 )
 
@@ -50,14 +50,7 @@ from bench.cli.options import (
     callback=in_existing_folder,
     help="Write a Rerun recording.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    callback=as_folder,
-    help="Folder for the report.",
-)
+@output_option("Folder for the report.")
 @click.option("-v", "--verbose", is_flag=True, help="Print groupings in full.")
 def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     dataset: Path,

@@ -49,6 +49,18 @@ def as_folder(_context: click.Context, option: click.Parameter, folder: Path | N
     return folder
 
 
+def output_option(help_text: str) -> Callable[[Command], Command]:
+    """The folder that a command writes into."""
+    return click.option(
+        "-o",
+        "--output",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        callback=as_folder,
+        help=help_text,
+    )
+
+
 json_option = click.option(
     "--json",
     "json_file",

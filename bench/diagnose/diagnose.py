@@ -1,7 +1,8 @@
 """Which effects a model lacks, judged on recordings that were not fitted."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,8 @@ from bench.estimate.summary import ROBOT
 from bench.signals.settings import FilterSettings
 
 ROUNDS = 6  # of searching, each about the model that the last one found
+
+Fits = Callable[[frozenset[str]], Identification]
 
 
 def diagnose(
@@ -53,7 +56,9 @@ def diagnose(
         added = model.effects[len(start.effects) :]
         out = impossible_effects(after, added)
         if not out:
-            ladder = _ladder(start, added, before, after, fit_gains)
+            names = list(dict.fromkeys(one.effect.name for one in added))
+            fits = _fits(start, added, before, after, fit_gains)
+            ladder = _ladder(names, fits)
             out = superfluous_effect(ladder)
         if not out:
             break
@@ -63,7 +68,7 @@ def diagnose(
         at = (one.joint,) if one.joint else dataset.robot.joints
         places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
     scale = _relative(after, system, found)
-    without = _errors_without(start, added, before, fit_gains)
+    without = _errors_without(names, fits)
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
     ranking = verdicts(
         system, proposals, found, _shown_places(proposals, found, places), scale, left, without
@@ -229,38 +234,40 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
     return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}
 
 
-def _errors_without(
-    start: Prepared, added: Sequence[EffectInstance], before: Identification, fit_gains: bool
-) -> dict[str, float]:
-    """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
-    errors = {}
-    for name in dict.fromkeys(one.effect.name for one in added):
-        others = [one for one in added if one.effect.name != name]
-        fewer = with_effects(start, (*start.effects, *others))
-        result = fit(fewer, fit_gains=fit_gains) if others else before
-        errors[name] = result.error.validate or 0.0
-    return errors
-
-
-def _ladder(
+def _fits(
     start: Prepared,
     added: Sequence[EffectInstance],
     before: Identification,
     after: Identification,
     fit_gains: bool,
-) -> tuple[LadderStep, ...]:
+) -> Fits:
+    """The starting model with some of the found effects, by name, each such set fitted once."""
+
+    @cache
+    def fitted(names: frozenset[str]) -> Identification:
+        if not names:
+            return before
+        chosen = [one for one in added if one.effect.name in names]
+        if len(chosen) == len(added):
+            return after
+        return fit(with_effects(start, (*start.effects, *chosen)), fit_gains=fit_gains)
+
+    return fitted
+
+
+def _errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
+    """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
+    return {name: fits(frozenset(names) - {name}).error.validate or 0.0 for name in names}
+
+
+def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """Errors after each added effect, the one that helps most first."""
+    before = fits(frozenset())
     steps = [LadderStep((), before.error.identify, before.error.validate)]
-    left = list(dict.fromkeys(one.effect.name for one in added))
+    left = list(names)
     taken: list[str] = []
     while left:
-        tried = []
-        for name in left:
-            if len(left) == 1:
-                tried.append((after, name))
-                continue
-            instances = [one for one in added if one.effect.name in (*taken, name)]
-            tried.append((fit(with_effects(start, (*start.effects, *instances)), fit_gains=fit_gains), name))
+        tried = [(fits(frozenset((*taken, name))), name) for name in left]
         result, name = min(tried, key=lambda pair: pair[0].error.validate or pair[0].error.identify or 0.0)
         taken.append(name)
         left.remove(name)

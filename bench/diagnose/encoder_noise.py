@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.estimate.column_errors import shaken
 from bench.estimate.effect_columns import robot_signals
 from bench.estimate.measured import measure
 from bench.estimate.observation import effect_rows, observe
@@ -30,14 +31,11 @@ def encoder_error(model: Prepared, fit_gains: bool) -> float:
         if recording.use != "validate":
             continue
         bands = signal_bands([recording.position], [recording.current], recording.rate)
-        noise = np.sqrt(bands.position_noise * recording.rate / 2) * random.normal(
-            size=recording.position.shape
-        )
-        shaken = measure(model.model, replace(recording, position=recording.position + noise), model.settings)
-        signals = robot_signals(model.model, shaken, model.present)
+        moved = measure(model.model, shaken(recording, bands.position_noise, random), model.settings)
+        signals = robot_signals(model.model, moved, model.present)
         effects = effect_rows(signals, model.settings.decimation, model.effects)
         before = modelled_series(model, rows, solution)
-        after = modelled_series(model, replace(observe(model.model, shaken), effects=effects), solution)
+        after = modelled_series(model, replace(observe(model.model, moved), effects=effects), solution)
         moving = before.moving & after.moving
         change += float((((after.error - before.error) * moving) ** 2).sum())
         measured += float(((before.measured * moving) ** 2).sum())

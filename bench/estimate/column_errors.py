@@ -26,9 +26,8 @@ def column_errors(recordings: Sequence[Recording], settings: FilterSettings, col
     for recording in recordings:
         rate = recording.rate
         bands = signal_bands([recording.position], [recording.current], rate)
-        noise = np.sqrt(bands.position_noise * rate / 2) * random.normal(size=recording.position.shape)
         phi, kappa = columns(recording)
-        phi_shaken, kappa_shaken = columns(replace(recording, position=recording.position + noise))
+        phi_shaken, kappa_shaken = columns(shaken(recording, bands.position_noise, random))
         change = np.concatenate((phi_shaken - phi, (kappa_shaken - kappa)[:, :, None]), axis=2)
         samples, n, size = change.shape
         errors = np.zeros((n, size + 1, size + 1))
@@ -37,3 +36,9 @@ def column_errors(recordings: Sequence[Recording], settings: FilterSettings, col
         errors[:, size, size] = samples * variance
         parts.append(errors)
     return np.asarray(np.sum(parts, axis=0))
+
+
+def shaken(recording: Recording, density: np.ndarray, random: np.random.Generator) -> Recording:
+    """The recording with white noise of this density (n,), rad2/Hz or m2/Hz, added to its positions."""
+    noise = np.sqrt(density * recording.rate / 2) * random.normal(size=recording.position.shape)
+    return replace(recording, position=recording.position + noise)
