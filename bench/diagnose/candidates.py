@@ -8,7 +8,8 @@ import numpy as np
 from bench.effects import Effect, EffectInstance, places_in
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared
-from bench.estimate.settle import best_shape, candidate_columns, solved_quickly
+from bench.estimate.quick import candidate_columns, solved_quickly
+from bench.estimate.settle import best_shape
 
 INVISIBLE = 1e-4  # of a column's length: less left beside the model's own columns cannot be told from them
 LINEARISATIONS = 3

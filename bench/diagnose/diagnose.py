@@ -21,8 +21,9 @@ from bench.diagnose.verdicts import checked_error, verdicts
 from bench.effects import CATALOGUE, Effect, EffectInstance
 from bench.estimate.identify import fit, gains_can_be_fitted
 from bench.estimate.prepare import Prepared, prepare, with_effects
+from bench.estimate.quick import solved_quickly
 from bench.estimate.result import Identification, relative_error
-from bench.estimate.settle import present_model, settled, solved_quickly
+from bench.estimate.settle import present_model, settled
 from bench.estimate.summary import ROBOT
 from bench.signals.settings import FilterSettings
 

@@ -9,7 +9,7 @@ from bench.estimate.effect_columns import robot_signals
 from bench.estimate.measured import measure
 from bench.estimate.observation import effect_rows, observe
 from bench.estimate.prepare import Prepared
-from bench.estimate.settle import solved_quickly
+from bench.estimate.quick import solved_quickly
 from bench.estimate.summary import modelled_series
 from bench.signals.settings import signal_bands
 

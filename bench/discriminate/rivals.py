@@ -15,7 +15,8 @@ from bench.estimate.deviations import residual_series
 from bench.estimate.effect_columns import PresentModel, robot_signals
 from bench.estimate.identify import gains_can_be_fitted
 from bench.estimate.prepare import Prepared, prepare
-from bench.estimate.settle import present_model, settled, solved_quickly
+from bench.estimate.quick import solved_quickly
+from bench.estimate.settle import present_model, settled
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack
 from bench.signals.settings import FilterSettings

@@ -102,6 +102,11 @@ class Effect(ABC):
         known = {name: value for name, value in values.items() if name in own}
         return replace(self, **known) if known else self
 
+    def about_values(self) -> dict[str, float]:
+        """The values of its linear parameters about which the effect is linearised; none where it is linear."""
+        names = {parameter.name for parameter in self.parameters}
+        return {field.name: getattr(self, field.name) for field in fields(self) if field.name in names}
+
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         """Where to search a shape parameter at a joint; samples: of every fitted recording, none elsewhere."""
         unit = 1.0

@@ -18,11 +18,12 @@ from bench.estimate.estimators import DEFAULT_METHOD, Request, solve
 from bench.estimate.identifiability import check_gains_identifiable
 from bench.estimate.layout import known_rows, regressor_rows
 from bench.estimate.measured import measure
+from bench.estimate.newton import with_shape_columns
 from bench.estimate.observation import effect_rows, observe
 from bench.estimate.prepare import Prepared as Prepared
 from bench.estimate.prepare import prepare as prepare
 from bench.estimate.result import Identification
-from bench.estimate.settle import settled, with_shape_columns
+from bench.estimate.settle import settled
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack, stack_observations
 from bench.estimate.summary import summarise

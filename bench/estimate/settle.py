@@ -8,31 +8,17 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from bench.effects import EffectInstance, JointSamples, ShapeParameter
-from bench.estimate.absorbed import identifiable_columns
-from bench.estimate.current_error import current_error
 from bench.estimate.effect_columns import PresentModel
-from bench.estimate.essential import reduced, with_zeros
-from bench.estimate.least_squares import weighted_least_squares
-from bench.estimate.observation import effect_rows
+from bench.estimate.newton import stepped
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
+from bench.estimate.quick import candidate_columns, solved_quickly, spread
 from bench.estimate.solution import Solution
-from bench.estimate.stack import Stack, compress, stack_observations
 
-MOST_ROUNDS = 4
+MOST_ROUNDS = 6
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
+AS_GOOD = 3e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
 NEARBY = 0.02  # relative: how far around its present value a shape parameter is searched, beside all else
-SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
-
-
-def solved_quickly(prepared: Prepared, fit_gains: bool) -> tuple[Stack, Solution]:
-    """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
-    stack = stack_observations(prepared.fitted, prepared.layout, prepared.dataset.payloads)
-    kept = identifiable_columns(stack, prepared.layout, fit_gains)
-    smaller = stack if len(kept) == prepared.layout.size else reduced(stack, kept)
-    start = weighted_least_squares(smaller, prepared.dataset.robot.nominal_gains, fit_gains)
-    solution = current_error(smaller, start)
-    return stack, replace(solution, theta=with_zeros(solution.theta, kept, prepared.layout.size))
 
 
 def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
@@ -75,24 +61,54 @@ def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
         return prepared
     plain = with_effects(prepared, [one for one in instances if one not in curved])
     present = present_model(plain, solved_quickly(plain, fit_gains)[1])
-    before = None
+    before: tuple[np.ndarray, ...] | None = None
+    last = instances
     for _ in range(MOST_ROUNDS):
         prepared = with_effects(prepared, instances, present)
-        instances = _shaped(prepared, fit_gains)
-        if instances != prepared.effects:
-            prepared = with_effects(prepared, instances)
-        _, solution = solved_quickly(prepared, fit_gains)
+        together = None if before is None else stepped(prepared, fit_gains)
+        if together is None:
+            prepared = _shaped(prepared, fit_gains)
+            stack, solution = solved_quickly(prepared, fit_gains)
+        else:
+            prepared, stack, solution = together
+        instances = prepared.effects
         present = present_model(prepared, solution)
-        instances = linearised(instances, solution)
-        shapes = [value for one in instances for value in one.effect.shape_values().values()]
-        now = np.array([*solution.gains, *shapes])
-        if before is not None and np.all(np.abs(now - before) <= SETTLED * np.abs(now)):
+        if together is None:
+            instances, last = _eased(last, instances, linearised(instances, solution)), instances
+        curves = [
+            (*one.effect.shape_values().values(), *one.effect.about_values().values()) for one in instances
+        ]
+        now = (solution.gains, np.concatenate(curves), spread(stack, solution))
+        if before is not None and _alike(now, before):
             break
         before = now
     return replace(with_effects(prepared, instances, present), settled=True)
 
 
-def _shaped(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, ...]:
+def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...]) -> bool:
+    """Whether gains, and either shape parameters or what they do to the errors, are as they were a round before."""
+    gains, shapes, errors = (
+        bool(np.all(np.abs(x - y) <= share * np.abs(x)))
+        for x, y, share in zip(now, before, (SETTLED, SETTLED, AS_GOOD), strict=True)
+    )
+    return gains and (shapes or errors)
+
+
+def _eased(
+    earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], found: Sequence[EffectInstance]
+) -> tuple[EffectInstance, ...]:
+    """What is found, but halfway back to the last where it turns back from there: it would swing to and fro."""
+    eased = []
+    for one, two, three in zip(earlier, last, found, strict=True):
+        a, b, c = (each.effect.about_values() for each in (one, two, three))
+        halfway = {
+            name: 0.5 * (b[name] + c[name]) for name in c if (c[name] - b[name]) * (b[name] - a[name]) < 0.0
+        }
+        eased.append(replace(three, effect=three.effect.about(halfway)) if halfway else three)
+    return tuple(eased)
+
+
+def _shaped(prepared: Prepared, fit_gains: bool) -> Prepared:
     """Every shape parameter in turn at its best value, the others held."""
     instances = list(prepared.effects)
     for i, instance in enumerate(instances):
@@ -102,7 +118,7 @@ def _shaped(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, ...]:
         stack, solution = solved_quickly(others, fit_gains)
         partial = partial_regression(stack, solution)
         instances[i] = best_shape(prepared, instance, partial)
-    return tuple(instances)
+    return with_effects(prepared, instances) if tuple(instances) != prepared.effects else prepared
 
 
 def best_shape(
@@ -148,7 +164,7 @@ def _searched(
         return -partial.explained(candidate_columns(prepared, [changed]))[1]
 
     brackets = instance.effect.brackets(parameter, samples)
-    if not parameter.discrete:
+    if not parameter.discrete and any(low < high for low, _, high in brackets):
         present = instance.effect.shape_values()[parameter.name]
         brackets = (*brackets, (present * (1.0 - NEARBY), present, present * (1.0 + NEARBY)))
     costs = [unexplained(value) for _, value, _ in brackets]
@@ -196,52 +212,3 @@ def joint_samples(
         )
         start += len(one.time)
     return tuple(found)
-
-
-def candidate_columns(prepared: Prepared, effects: Sequence[EffectInstance]) -> np.ndarray:
-    """Columns (M, n, k) of effects over all fitted recordings, in the order of the stack."""
-    return np.concatenate(
-        [
-            effect_rows(signals, prepared.settings.decimation, effects)
-            for signals, measured in zip(prepared.signals, prepared.measured, strict=True)
-            if measured.recording.use == "identify"
-        ]
-    )
-
-
-def with_shape_columns(
-    prepared: Prepared, stack: Stack, solution: Solution, kept: np.ndarray
-) -> tuple[Stack, Solution]:
-    """The system with one more column for every continuous shape parameter: the torque's derivative by it.
-
-    Only for deviations: the new parameters are zero, and stand after all others. kept: which of the layout's
-    columns the stack has.
-    """
-    columns = []
-    theta = with_zeros(solution.theta, kept, prepared.layout.size)
-    at = prepared.layout.size - prepared.layout.effects
-    for instance in prepared.effects:
-        size = len(instance.effect.parameters)
-        values = theta[at : at + size]
-        at += size
-        for parameter in instance.effect.shape:
-            if parameter.discrete:
-                continue
-            name, value = parameter.name, instance.effect.shape_values()[parameter.name]
-            step = SHAPE_STEP * (abs(value) or 1.0)
-            ends = [
-                candidate_columns(
-                    prepared,
-                    [replace(instance, effect=replace(instance.effect, **{name: value + sign * step}))],
-                )
-                @ values
-                for sign in (-1.0, 1.0)
-            ]
-            columns.append((ends[1] - ends[0]) / (2.0 * step))
-    if not columns:
-        return stack, solution
-    added = np.stack(columns, axis=2) * stack.moving[:, :, None]
-    phi = np.concatenate((stack.phi, added), axis=2)
-    extended = np.concatenate((solution.theta, np.zeros(len(columns))))
-    factors = compress(phi, stack.kappa, stack.current)
-    return replace(stack, phi=phi, factors=factors), replace(solution, theta=extended)

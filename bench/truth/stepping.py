@@ -61,23 +61,22 @@ class Stepper:
             recordings=self._names,
             joints=machine.robot.joints,
             clock=self._clock,
-            position=self._live(qpos, machine.addresses),
-            velocity=self._live(qvel, machine.dofs),
-            acceleration=self._live(self._qacc, machine.dofs),
-            motor_position=self._position,
+            position=self._position,
+            velocity=self._velocity,
+            acceleration=self._live(self._qacc, machine.motor_dofs),
             current=self._current,
             torque=self._torque,
             all_torques=self._torque,
         )
         self._log, self._flow, self._gain, torque, dry_friction = (
-            joint_laws(machine.hidden, name, self._signals, machine.dofs)
+            joint_laws(machine.hidden, name, self._signals, machine.motor_dofs)
             for name in ("log", "current", "gain", "torque", "dry_friction")
         )
         self._opposing = [
-            (live_columns(self._applied, machine.dofs[law.columns])[0], law.value) for law in torque
+            (live_columns(self._applied, machine.motor_dofs[law.columns])[0], law.value) for law in torque
         ]
         self._dry = dry_friction
-        self._own_friction = np.stack([model.dof_frictionloss[machine.dofs] for model in self._models])
+        self._own_friction = np.stack([model.dof_frictionloss[machine.motor_dofs] for model in self._models])
 
     def advance(self, time: Array, command: Array, every: int) -> States:
         """Take steps at the times (steps,) with command (R, steps, n), and keep one in `every`.
@@ -145,5 +144,5 @@ class Stepper:
                 " it needs a coulomb_friction of at least this size as well"
             )
         for model, values in zip(self._models, size, strict=True):
-            model.dof_frictionloss[self._machine.dofs] = values
+            model.dof_frictionloss[self._machine.motor_dofs] = values
         self._batch.set_models(self._models)

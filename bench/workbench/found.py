@@ -13,8 +13,9 @@ from bench.estimate.effect_columns import PresentModel
 from bench.estimate.identify import gains_can_be_fitted
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, prepare, with_effects
+from bench.estimate.quick import solved_quickly
 from bench.estimate.result import Identification
-from bench.estimate.settle import present_model, solved_quickly
+from bench.estimate.settle import present_model
 from bench.estimate.solution import Solution
 from bench.estimate.summary import ROBOT
 from bench.signals.settings import FilterSettings, choose_settings

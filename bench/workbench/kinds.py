@@ -18,7 +18,8 @@ from bench.effects.body_length import lengths
 from bench.estimate.effect_columns import robot_signals
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
-from bench.estimate.settle import candidate_columns, joint_samples, solved_quickly
+from bench.estimate.quick import candidate_columns, solved_quickly
+from bench.estimate.settle import joint_samples
 from bench.workbench.found import FoundModel
 from bench.workbench.small_changes import small_changes
 from bench.workbench.variants import (

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects import Effect, EffectInstance
 from bench.estimate.layout import known_rows, regressor_rows
-from bench.estimate.settle import candidate_columns
+from bench.estimate.quick import candidate_columns
 from bench.workbench.apart import set_apart
 from bench.workbench.directions import (
     Directions,

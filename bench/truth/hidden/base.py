@@ -48,6 +48,11 @@ class Draft:
         rotor = self.spec.joint(MOTOR_SIDE + joint)
         return self.spec.joint(joint) if rotor is None else rotor
 
+    def motor_inertia(self, joint: str) -> float:
+        """kg·m² or kg that the motor of an actuated joint turns at home: all it feels, or its rotor alone."""
+        rotor = self.spec.joint(MOTOR_SIDE + joint)
+        return self.inertia[joint] if rotor is None else float(rotor.armature)
+
 
 @dataclass(frozen=True)
 class HiddenEffect:
@@ -81,6 +86,10 @@ class HiddenEffect:
 @dataclass(frozen=True)
 class JointEffect(HiddenEffect):
     """An effect in one joint of the machine.
+
+    Where a spring or play stands between a motor and its joint, the joint's friction is that of motor and gear, on
+    the motor's side (Albu-Schäffer, Ott and Hirzinger, "A unified passivity-based control framework for position,
+    torque and impedance control of flexible joint robots", IJRR 26, 2007); so are all laws of this class.
 
     A torque opposes the motion: the motor has to supply it in addition to what the rigid body needs,
     g i = τ_rigid + law. Torques stand for forces where the joint is a slide.
@@ -134,14 +143,14 @@ def hard_friction(draft: Draft, joint: str) -> None:
     than a few times (acceleration that it gives to the joint) · step, some 1e-3 rad/s. With the default of
     0.02 s that would take 0.1 rad/s.
     """
-    changed = draft.spec.joint(joint)
+    changed = draft.motor_side(joint)
     changed.solref_friction = [2 * draft.step, 1.0]
     changed.solimp_friction = [0.9999, 0.99999, 0.001, 0.5, 2.0]
 
 
 def add_damping(draft: Draft, joint: str, linear: float, quadratic: float = 0.0) -> None:
     """Add linear · q̇ + quadratic · q̇ |q̇| to the damping of a joint."""
-    changed = draft.spec.joint(joint)
+    changed = draft.motor_side(joint)
     damping = changed.damping.copy()
     damping[:2] += linear, quadratic
     changed.damping = damping

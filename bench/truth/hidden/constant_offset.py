@@ -19,4 +19,4 @@ class ConstantOffset(JointEffect):
     c: float
 
     def change(self, draft: Draft) -> None:
-        add_affine_actuator(draft, self.name, draft.spec.joint(self.joint), (-self.c, 0.0))
+        add_affine_actuator(draft, self.name, draft.motor_side(self.joint), (-self.c, 0.0))

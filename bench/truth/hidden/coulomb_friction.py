@@ -22,5 +22,5 @@ class CoulombFriction(JointEffect):
     Fc: float
 
     def change(self, draft: Draft) -> None:
-        draft.spec.joint(self.joint).frictionloss += self.Fc
+        draft.motor_side(self.joint).frictionloss += self.Fc
         hard_friction(draft, self.joint)

@@ -26,6 +26,6 @@ class PreslidingHysteresis(JointEffect):
     stiffness: float
 
     def change(self, draft: Draft) -> None:
-        refuse_fast_swing(draft, self, self.stiffness, draft.inertia[self.joint])
+        refuse_fast_swing(draft, self, self.stiffness, draft.motor_inertia(self.joint))
         lugre = [self.stiffness, self.stiffness * draft.step, self.Fc, self.Fc, 1.0]
-        add_dc_motor(draft, self.name, draft.spec.joint(self.joint), lugre=lugre)
+        add_dc_motor(draft, self.name, draft.motor_side(self.joint), lugre=lugre)

@@ -26,8 +26,9 @@ class Clock:
 
 @dataclass(frozen=True, eq=False)
 class Signals:
-    """State of m joints and their motors in R recordings at the present step, (R, m) each.
+    """State of m motors in R recordings at the present step, (R, m) each.
 
+    A motor moves as its joint does unless there is a spring or play between; its encoder tells its own position.
     The arrays are views that change from step to step.
     """
 
@@ -39,13 +40,10 @@ class Signals:
     """(m,) names."""
     clock: Clock
     position: Array
-    """Of the joint, rad or m."""
+    """rad or m."""
     velocity: Array
-    """Of the joint."""
     acceleration: Array
-    """Of the joint, one step ago: that of the present step is not known before its forces are."""
-    motor_position: Array
-    """Of the motor, where the encoder sits; that of the joint unless there is a spring or play between."""
+    """One step ago: that of the present step is not known before its forces are."""
     current: Array
     """What flows, in the drive's unit."""
     torque: Array
@@ -57,7 +55,7 @@ class Signals:
         """The same for some of the joints."""
         views = {
             name: getattr(self, name)[:, columns]
-            for name in ("position", "velocity", "acceleration", "motor_position", "current", "torque")
+            for name in ("position", "velocity", "acceleration", "current", "torque")
         }
         return replace(self, joints=self.joints[columns], **views)
 

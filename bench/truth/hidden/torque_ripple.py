@@ -15,8 +15,6 @@ from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
 class TorqueRipple(JointEffect):
     """τ = g i (1 + a · cos(2π q / period) + b · sin(2π q / period)): windings that are not alike.
 
-    q: of the motor, where a spring or play stands between motor and joint.
-
     a, b: shares of the torque.  period: rad or m.
     """
 
@@ -29,4 +27,4 @@ class TorqueRipple(JointEffect):
     @staticmethod
     def gain(p: Parameters, s: Signals) -> Law:
         wave_number = 2 * np.pi / p["period"]
-        return lambda: 1.0 + harmonic(p, s.motor_position, wave_number)
+        return lambda: 1.0 + harmonic(p, s.position, wave_number)

@@ -1,0 +1,50 @@
+"""An inertia on a spring that a torque deflects."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.linalg import solve_banded
+
+FINER = (
+    4  # samples between two, so that a torque that is straight between them swings the spring as it should
+)
+
+
+def deflection(
+    settled: np.ndarray, interval: float, squared_period: np.ndarray, damping: float
+) -> np.ndarray:
+    """How far a spring gives way (K, m): y + 2 damping T y' + T2 y'' = settled, with T2 = T T.
+
+    settled: (K, m) where the spring would come to rest, `interval` s apart; squared_period: T2 (K,) s2, one over the
+    square of the undamped angular frequency, above zero; damping: ratio, 0 to below 1. The spring starts at rest.
+    Solved exactly for a `settled` that is straight and a T2 that is constant between fine samples.
+    """
+    time = interval * np.arange(len(settled))
+    fine = interval / FINER * np.arange((len(settled) - 1) * FINER + 1)
+    step = interval / FINER
+    aim = CubicSpline(time, settled, axis=0)(fine)
+    slope = np.diff(aim, axis=0) / step
+    period = np.sqrt(np.interp(fine[:-1] + 0.5 * step, time, squared_period))
+    lag = 2.0 * damping * period[:, None] * slope
+    own = (_swing(period, damping, step)).transpose(
+        2, 0, 1
+    )  # (steps, 2, 2): how deviations from a line go on
+    line = np.stack((aim[:-1] - lag, slope), axis=1)
+    after = np.stack((aim[1:] - lag, slope), axis=1)
+    given = after - own @ line
+    size = 2 * len(fine)
+    band = np.zeros((4, size))
+    band[0] = 1.0
+    band[1, 1:-2:2] = -own[:, 0, 1]
+    band[2, :-2:2], band[2, 1:-2:2] = -own[:, 0, 0], -own[:, 1, 1]
+    band[3, :-2:2] = -own[:, 1, 0]
+    right = np.concatenate((np.stack((aim[0], slope[0]))[None], given)).reshape(size, -1)
+    return np.asarray(solve_banded((3, 0), band, right)[:: 2 * FINER])
+
+
+def _swing(period: np.ndarray, damping: float, step: float) -> np.ndarray:
+    """Position and velocity (2, 2, K) after a step of free swinging, by position and velocity before."""
+    omega = 1.0 / period
+    decay, swung = damping * omega, omega * np.sqrt(1.0 - damping**2)
+    cos, sin = np.cos(swung * step), np.sin(swung * step) / swung
+    left = np.exp(-decay * step)
+    return np.asarray(left * np.array([[cos + decay * sin, sin], [-(omega**2) * sin, cos - decay * sin]]))

@@ -1,0 +1,142 @@
+"""What enters a model otherwise than linearly, all at once: derivatives, steps of Gauss and Newton, deviations."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.effects import EffectInstance
+from bench.estimate.absorbed import identifiable_columns
+from bench.estimate.essential import with_zeros
+from bench.estimate.prepare import Prepared, with_effects
+from bench.estimate.quick import candidate_columns, solved_quickly, solved_with, spread
+from bench.estimate.solution import Solution
+from bench.estimate.stack import Stack, compress
+
+NO_WORSE = 1e-9  # relative: squared errors that are the same but for rounding
+STRIDE = 0.5  # relative: the most that a parameter may change at once, with all others
+SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
+
+
+def stepped(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, Stack, Solution] | None:
+    """All that is not linear moved by a step of Gauss and Newton, with all linear unknowns, and solved.
+
+    None where there is nothing to move, or the errors become larger.
+    """
+    stack, solution = solved_quickly(prepared, fit_gains)
+    shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
+    bent, about = _bends(prepared, stack.current.shape)
+    if not shapes and not about.any():
+        return None
+    kept = identifiable_columns(stack, prepared.layout, fit_gains)
+    linear = prepared.layout.size - prepared.layout.effects
+    whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
+    system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
+    added = np.arange(len(shapes)) + prepared.layout.size
+    nominal = prepared.dataset.robot.nominal_gains
+    theta = solved_with(system, np.append(kept, added), nominal, fit_gains).theta
+    moved = with_effects(
+        prepared, _moved(prepared, shapes, theta[added], theta[linear : prepared.layout.size])
+    )
+    after = solved_quickly(moved, fit_gains)
+    gone = spread(*after) / spread(stack, solution)
+    return (moved, *after) if (gone**2).mean() <= 1.0 + NO_WORSE else None
+
+
+def _moved(
+    prepared: Prepared, shapes: list[tuple[int, str]], steps: np.ndarray, values: np.ndarray
+) -> list[EffectInstance]:
+    """The effects with their shapes changed by steps, and linearised about values, as far as one may go."""
+    instances = list(prepared.effects)
+    at = 0
+    for i, one in enumerate(instances):
+        names = [parameter.name for parameter in one.effect.parameters]
+        found = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
+        at += len(names)
+        instances[i] = replace(one, effect=one.effect.about(found))
+    for (i, name), step in zip(shapes, steps, strict=True):
+        value = instances[i].effect.shape_values()[name]
+        most = STRIDE * abs(value)
+        instances[i] = _changed(instances[i], name, value + float(np.clip(step, -most, most)))
+    return instances
+
+
+def _changed(instance: EffectInstance, shape: str, value: float) -> EffectInstance:
+    return replace(instance, effect=replace(instance.effect, **{shape: value}))
+
+
+def with_shape_columns(
+    prepared: Prepared, stack: Stack, solution: Solution, kept: np.ndarray
+) -> tuple[Stack, Solution]:
+    """The system linearised in all: one more column for every continuous shape parameter, and the derivatives by
+    parameters about which an effect is linearised in place of its columns.
+
+    Only for deviations: the new parameters are zero, and stand after all others; errors are as they were. kept:
+    which of the layout's columns the stack has.
+    """
+    size, effects = prepared.layout.size, prepared.layout.effects
+    theta = with_zeros(solution.theta, kept, size)
+    shapes, columns = _shape_derivatives(prepared, theta, stack.current.shape)
+    bent, about = _bends(prepared, stack.current.shape)
+    if not shapes and not about.any():
+        return stack, solution
+    whole = np.concatenate((np.zeros((*bent.shape[:2], size - effects)), bent), axis=2)[:, :, kept]
+    system = _linearised(stack, whole, solution.theta, columns)
+    return system, replace(solution, theta=np.append(solution.theta, np.zeros(len(shapes))))
+
+
+def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.ndarray) -> Stack:
+    """The system with `bent` (M, n, p) added to phi, what is modelled at theta = about (p,) as it was, and further
+    columns (M, n, k).
+    """
+    moving = stack.moving[:, :, None]
+    phi = np.concatenate((stack.phi + bent * moving, columns * moving), axis=2)
+    kappa = stack.kappa - (bent * moving) @ about
+    return replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
+
+
+def _bends(prepared: Prepared, rows: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """How the effects' torque goes on changing with the values about which the columns are linearised.
+
+    (M, n, E): the columns' derivatives by these values, times the values (E,), which come second; zero for effects
+    that are linear, or linearised about nothing.
+    """
+    about, bent = [np.zeros(0)], [np.zeros((*rows, 0))]
+    for instance in prepared.effects:
+        known = instance.effect.about_values()
+        values = np.array([known.get(parameter.name, 0.0) for parameter in instance.effect.parameters])
+        about.append(values)
+        here = candidate_columns(prepared, [instance])
+        own = np.zeros_like(here)
+        for k, parameter in enumerate(instance.effect.parameters):
+            if values[k]:
+                value = values[k] * (1.0 + SHAPE_STEP)
+                there = replace(instance, effect=instance.effect.about(known | {parameter.name: value}))
+                own[:, :, k] = (candidate_columns(prepared, [there]) - here) @ values / (value - values[k])
+        bent.append(own)
+    return np.concatenate(bent, axis=2), np.concatenate(about)
+
+
+def _shape_derivatives(
+    prepared: Prepared, theta: np.ndarray, rows: tuple[int, ...]
+) -> tuple[list[tuple[int, str]], np.ndarray]:
+    """Every continuous shape parameter as (which effect, name), and the torque's derivatives (M, n, k) by them.
+
+    theta: all the layout's unknowns; the effects' parameters are the last of them. rows: (M, n).
+    """
+    shapes, columns = [], []
+    at = prepared.layout.size - prepared.layout.effects
+    for i, instance in enumerate(prepared.effects):
+        values = theta[at : at + len(instance.effect.parameters)]
+        at += len(values)
+        for parameter in instance.effect.shape:
+            if parameter.discrete:
+                continue
+            value = instance.effect.shape_values()[parameter.name]
+            step = SHAPE_STEP * (abs(value) or 1.0)
+            ends = [
+                candidate_columns(prepared, [_changed(instance, parameter.name, x)]) @ values
+                for x in (value - step, value + step)
+            ]
+            shapes.append((i, parameter.name))
+            columns.append((ends[1] - ends[0]) / (2.0 * step))
+    return shapes, np.stack(columns, axis=2) if columns else np.zeros((*rows, 0))
