@@ -1,18 +1,22 @@
 """What enters a model otherwise than linearly, all at once: derivatives, steps of Gauss and Newton, deviations."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from bench.effects import EffectInstance
+from bench.effects import Bracket, EffectInstance
 from bench.estimate.absorbed import identifiable_columns
 from bench.estimate.essential import with_zeros
+from bench.estimate.joint_samples import joint_samples
+from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
 from bench.estimate.quick import candidate_columns, solved_quickly, solved_with, spread
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack, compress
 
 NO_WORSE = 1e-9  # relative: squared errors that are the same but for rounding
+NEARBY = 0.02  # relative: how far around its present value a shape parameter may go, beside all else
 STRIDE = 0.5  # relative: the most that a parameter may change at once, with all others
 SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
 
@@ -34,18 +38,23 @@ def stepped(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, Stack, Solut
     added = np.arange(len(shapes)) + prepared.layout.size
     nominal = prepared.dataset.robot.nominal_gains
     theta = solved_with(system, np.append(kept, added), nominal, fit_gains).theta
-    moved = with_effects(
-        prepared, _moved(prepared, shapes, theta[added], theta[linear : prepared.layout.size])
-    )
+    left = partial_regression(stack, solution)
+    reaches = [_reach(prepared, left, i, name) for i, name in shapes]
+    values = theta[linear : prepared.layout.size]
+    moved = with_effects(prepared, _moved(prepared, shapes, theta[added], reaches, values))
     after = solved_quickly(moved, fit_gains)
     gone = spread(*after) / spread(stack, solution)
     return (moved, *after) if (gone**2).mean() <= 1.0 + NO_WORSE else None
 
 
 def _moved(
-    prepared: Prepared, shapes: list[tuple[int, str]], steps: np.ndarray, values: np.ndarray
+    prepared: Prepared,
+    shapes: list[tuple[int, str]],
+    steps: np.ndarray,
+    reaches: list[tuple[float, float]],
+    values: np.ndarray,
 ) -> list[EffectInstance]:
-    """The effects with their shapes changed by steps, and linearised about values, as far as one may go."""
+    """The effects with their shapes changed by steps within their reaches, and linearised about values."""
     instances = list(prepared.effects)
     at = 0
     for i, one in enumerate(instances):
@@ -53,11 +62,30 @@ def _moved(
         found = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
         at += len(names)
         instances[i] = replace(one, effect=one.effect.about(found))
-    for (i, name), step in zip(shapes, steps, strict=True):
+    for (i, name), step, (low, high) in zip(shapes, steps, reaches, strict=True):
         value = instances[i].effect.shape_values()[name]
         most = STRIDE * abs(value)
-        instances[i] = _changed(instances[i], name, value + float(np.clip(step, -most, most)))
+        stepped_to = value + float(np.clip(step, -most, most))
+        instances[i] = _changed(instances[i], name, min(max(stepped_to, low), high))
     return instances
+
+
+def _reach(prepared: Prepared, left: PartialRegression, i: int, name: str) -> tuple[float, float]:
+    """Between which values a shape parameter may lie: where it is searched, and near its present value."""
+    instance = prepared.effects[i]
+    parameter = next(one for one in instance.effect.shape if one.name == name)
+    value = instance.effect.shape_values()[name]
+    brackets = instance.effect.brackets(parameter, joint_samples(prepared, instance, left))
+    return within_reach(value, brackets)
+
+
+def within_reach(value: float, brackets: Sequence[Bracket]) -> tuple[float, float]:
+    """From where to where a shape parameter may go: as far as it is searched, or a little where it is beyond."""
+    low, high = min(one[0] for one in brackets), max(one[2] for one in brackets)
+    if low <= value <= high:
+        return low, high
+    ends = (value * (1.0 - NEARBY), value * (1.0 + NEARBY))
+    return min(ends), max(ends)
 
 
 def _changed(instance: EffectInstance, shape: str, value: float) -> EffectInstance:

@@ -9,7 +9,8 @@ from scipy.optimize import minimize_scalar
 
 from bench.effects import EffectInstance, JointSamples, ShapeParameter
 from bench.estimate.effect_columns import PresentModel
-from bench.estimate.newton import stepped
+from bench.estimate.joint_samples import joint_samples
+from bench.estimate.newton import NEARBY, stepped, within_reach
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
 from bench.estimate.quick import candidate_columns, solved_quickly, spread
@@ -17,8 +18,7 @@ from bench.estimate.solution import Solution
 
 MOST_ROUNDS = 6
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
-AS_GOOD = 3e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
-NEARBY = 0.02  # relative: how far around its present value a shape parameter is searched, beside all else
+AS_GOOD = 1e-7  # relative change of the RMS errors between rounds: far less than chance makes of them
 
 
 def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
@@ -166,7 +166,9 @@ def _searched(
     brackets = instance.effect.brackets(parameter, samples)
     if not parameter.discrete and any(low < high for low, _, high in brackets):
         present = instance.effect.shape_values()[parameter.name]
-        brackets = (*brackets, (present * (1.0 - NEARBY), present, present * (1.0 + NEARBY)))
+        low, high = within_reach(present, brackets)
+        near = (max(present * (1.0 - NEARBY), low), present, min(present * (1.0 + NEARBY), high))
+        brackets = (*brackets, near)
     costs = [unexplained(value) for _, value, _ in brackets]
     best = int(np.argmin(costs))
     (low, found, high), cost = brackets[best], costs[best]
@@ -182,33 +184,3 @@ def _searched(
 
 def _changed(instance: EffectInstance, values: Mapping[str, float]) -> EffectInstance:
     return replace(instance, effect=replace(instance.effect, **values))
-
-
-def joint_samples(
-    prepared: Prepared, instance: EffectInstance, partial: PartialRegression
-) -> tuple[JointSamples, ...]:
-    """What an effect at an actuated joint may look at when it looks for its shape; nothing for the others."""
-    names = list(prepared.dataset.robot.joints)
-    if instance.joint not in names:
-        return ()
-    j, n = names.index(instance.joint), len(names)
-    error = -partial.remainder.reshape(-1, n)[:, j] / partial.weights[j]
-    travel = np.ptp(np.concatenate([one.position[:, j] for one in prepared.fitted]))
-    found, start = [], 0
-    for one in prepared.fitted:
-        own = next(seen for seen in prepared.measured if seen.recording.name == one.name)
-        found.append(
-            JointSamples(
-                position=one.position[:, j],
-                velocity=one.velocity[:, j],
-                motor_torque=one.current[:, j] * prepared.present.gains[j],
-                error=error[start : start + len(one.time)] * one.moving[:, j],
-                duration=float(own.time[-1] - own.time[0]),
-                speed=float(prepared.present.speeds[j]),
-                travel=float(travel),
-                band=prepared.settings.band(own.recording.rate),
-                rotates=prepared.signals[0].joints[instance.joint].rotates,
-            )
-        )
-        start += len(one.time)
-    return tuple(found)

@@ -73,7 +73,10 @@ Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_
 """
 
 
-WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {"backlash": frozenset({"r"})}
+WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {
+    "backlash": frozenset({"r"}),
+    "drive_flexibility": frozenset({"zeta"}),
+}
 """Parameters of the model that stand for no parameter of the hidden effect."""
 
 

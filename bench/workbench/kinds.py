@@ -16,10 +16,10 @@ from bench.effects import (
 )
 from bench.effects.body_length import lengths
 from bench.estimate.effect_columns import robot_signals
+from bench.estimate.joint_samples import joint_samples
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
 from bench.estimate.quick import candidate_columns, solved_quickly
-from bench.estimate.settle import joint_samples
 from bench.workbench.found import FoundModel
 from bench.workbench.small_changes import small_changes
 from bench.workbench.variants import (
@@ -31,6 +31,7 @@ from bench.workbench.variants import (
     scale_of,
     searchable,
     shape_order,
+    shape_stays,
     shaped,
     timed,
     valued,
@@ -79,7 +80,7 @@ class Kinds:
         effect = instance.effect
         if effect.before_torque and isinstance(effect, ActuatorEffect) and not effect.shape:
             return self._before_torque(instance)
-        if effect.depends_on_model and not isinstance(effect, ActuatorEffect) and not effect.shape:
+        if effect.depends_on_model and not isinstance(effect, ActuatorEffect) and shape_stays(effect):
             return self._through_loops(instance)
         scale = scale_of(instance, *self._scaled)
         approximate = not scale

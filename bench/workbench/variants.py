@@ -7,7 +7,8 @@ from itertools import product
 import numpy as np
 
 from bench.effects import ActuatorEffect, Bracket, Effect, EffectInstance, RobotSignals, ShapeParameter
-from bench.estimate.settle import MOST_ROUNDS, NEARBY
+from bench.estimate.newton import NEARBY
+from bench.estimate.settle import MOST_ROUNDS
 
 NODES, FEW_NODES = (
     26,
@@ -105,6 +106,15 @@ def searchable(effect: Effect) -> bool:
     return bool(effect.shape) and (
         len(effect.shape) == 1 or sum(not one.discrete for one in effect.shape) == 1
     )
+
+
+def shape_stays(effect: Effect) -> bool:
+    """Whether the page leaves the shape as it is: where there is none, or none to search for an effect of size zero."""
+    if not effect.shape:
+        return True
+    nothing = effect.about({parameter.name: 0.0 for parameter in effect.parameters})
+    brackets = [nothing.brackets(one, ()) for one in effect.shape]
+    return all(len(one) == 1 and one[0][0] == one[0][2] for one in brackets)
 
 
 def linear(instance: EffectInstance, scale: str, approximate: bool, follows: str = "") -> Variants:

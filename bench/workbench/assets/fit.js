@@ -1,9 +1,16 @@
 "use strict";
-/* The model with any effects: shapes found, columns linearised about the present model, as bench/estimate/settle.py does. */
+/*
+The model with any effects: shapes found, columns linearised about the present model, as bench/estimate/settle.py and
+newton.py do.
+*/
 const WorkbenchFit = (() => {
   const {floats, doubles, times, factorised, solved, smallest} = WorkbenchNumbers;
-  const MOST_ROUNDS = 4;
+  const MOST_ROUNDS = 6;
   const SETTLED = 1e-4;
+  const AS_GOOD = 1e-7; // relative change of the RMS errors between rounds: far less than chance makes of them
+  const NO_WORSE = 1e-9; // relative: squared errors that are the same but for rounding
+  const STRIDE = 0.5; // of a shape's value: the most that it may change at once with all others
+  const SHAPE_STEP = 1e-3; // likewise, for the derivative by it
   const NEARBY = 0.02; // of a shape's present value: how far around it the shape is searched, beside all else
 
   function create(data) {
@@ -82,6 +89,60 @@ const WorkbenchFit = (() => {
       return {system, solution, present: {gains: solution.gains, difference: differenceOf(system, solution)}};
     }
 
+    const moves = ({place, held, branch}) =>
+      place.kind === "shape" && !held && place.brackets[branch].some(([low, , high]) => low < high);
+
+    /* The torque's derivative by a term's shape, as a combination of the page's columns; theta: of its effect. */
+    function derivative(term, theta, present) {
+      const {count, size, start} = term.place;
+      const step = SHAPE_STEP * (Math.abs(term.value) || 1);
+      const [before, after] = [-step, step].map((by) => coefficients({...term, value: term.value + by}, present));
+      const value = new Array(size).fill(0);
+      for (let k = 0; k < count; k++) {
+        for (let i = 0; i < size; i++) value[i] += (theta[k] * (after[k * size + i] - before[k * size + i])) / (2 * step);
+      }
+      return {index: Array.from({length: size}, (_, i) => start + i), value};
+    }
+
+    const spread = ({system, solution}) => errors(system.fitted, system.K, solution.d, solution.gains);
+
+    /* All shapes moved at once by a step of Gauss and Newton, with all linear unknowns, and solved; null if that is worse. */
+    function stepped(terms, present) {
+      if (!terms.some(moves)) return null;
+      const now = solveWith(terms, present);
+      const {system, solution} = now;
+      const added = [];
+      let at = own;
+      for (const term of terms) {
+        if (term.fixed) continue;
+        const theta = solution.theta.subarray(at, at + term.place.count);
+        if (moves(term)) added.push(derivative(term, theta, present));
+        at += term.place.count;
+      }
+      const p = system.p + added.length;
+      const columns = [...system.columns.slice(0, system.p), ...added, ...system.columns.slice(system.p)];
+      const start = new Float64Array(p);
+      start.set(system.start);
+      const fitted = motors.map((one) => combined(one, one.fitted, columns));
+      const steps = solve({columns, p, K: p + 3, start, fitted}).d.subarray(system.p);
+      let next = 0;
+      const moved = terms.map((term) => {
+        if (!moves(term)) return term;
+        const most = STRIDE * Math.abs(term.value);
+        const value = term.value + Math.min(Math.max(steps[next++], -most), most);
+        const {nodes} = within(term.place, value, term.branch).piece;
+        return {...term, value: Math.min(Math.max(value, nodes[0]), nodes[nodes.length - 1])};
+      });
+      const reached = solveWith(moved, present);
+      const before = spread(now);
+      const ratio = spread(reached).reduce((sum, one, j) => sum + one / before[j], 0) / before.length;
+      if (!(ratio <= 1 + NO_WORSE)) return null;
+      terms.forEach((term, i) => (term.value = moved[i].value));
+      return reached;
+    }
+
+    const alike = (now, before, share) => now.every((value, i) => Math.abs(value - before[i]) <= share * Math.abs(value));
+
     /*
     Shapes found and columns linearised, in a few rounds, as bench/estimate/settle.py does it: the present model. It
     pauses after every part of the work, so that the page can stay awake.
@@ -91,19 +152,24 @@ const WorkbenchFit = (() => {
       let {present} = solveWith(terms.filter((term) => !term.place.curved), found);
       let before = null;
       for (let round = 0; round < MOST_ROUNDS; round++) {
-        for (const term of terms) {
-          if (term.place.kind !== "shape" || (term.held && term.place.brackets.length < 2)) continue;
-          const others = solveWith(terms.filter((other) => other !== term), present);
-          Object.assign(term, chosen(bestShape(term, besides(others.system, others.solution, term.place), present)));
-          yield;
+        let reached = before && stepped(terms, present);
+        if (!reached) {
+          for (const term of terms) {
+            if (term.place.kind !== "shape" || (term.held && term.place.brackets.length < 2)) continue;
+            const others = solveWith(terms.filter((other) => other !== term), present);
+            Object.assign(term, chosen(bestShape(term, besides(others.system, others.solution, term.place), present)));
+            yield;
+          }
+          reached = solveWith(terms, present);
         }
-        const reached = solveWith(terms, present);
         present = reached.present;
         yield;
         about(terms, reached.solution.theta);
-        const now = [...present.gains, ...terms.filter((term) => term.place.kind === "shape").map((term) => term.value)];
-        const still = before && now.every((value, i) => Math.abs(value - before[i]) <= SETTLED * Math.abs(value));
-        if (still) break;
+        const curves = terms.filter((term) => term.place.kind !== "linear").map((term) => term.value);
+        const now = {gains: present.gains, curves, errors: spread(reached).map(Math.sqrt)};
+        if (before && alike(now.gains, before.gains, SETTLED)) {
+          if (alike(curves, before.curves, SETTLED) || alike(now.errors, before.errors, AS_GOOD)) break;
+        }
         before = now;
       }
       return present;
