@@ -10,10 +10,11 @@ import numpy as np
 from bench.dataset import Dataset
 from bench.diagnose.candidates import Context, Proposal, context_of, propose, shaped
 from bench.diagnose.encoder_noise import encoder_error
+from bench.diagnose.partner import beside, partners
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
 from bench.diagnose.restart import restarted
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
-from bench.diagnose.search import Found, search
+from bench.diagnose.search import NEEDED, Found, search
 from bench.diagnose.split import with_judged_parts
 from bench.diagnose.system import System, build_system, solve_set
 from bench.diagnose.unexplained import unexplained
@@ -96,23 +97,65 @@ def _searched(
 
     barred: effects that may not be found: of an impossible sign, or superfluous.
     """
-    model = start
     proposals = propose(context_of(start, fit_gains), catalogue)
     system, found = _judged(start, start, proposals, fit_gains, barred)
+    for _ in range(ROUNDS):
+        model, proposals, system, found = _again(start, proposals, system, found, fit_gains, barred)
+        better = _with_partner(start, model, proposals, found, fit_gains, barred)
+        if better is None:
+            break
+        proposals, system, found = better
+    return model, proposals, system, found
+
+
+def _again(
+    start: Prepared,
+    proposals: list[Proposal],
+    system: System,
+    found: Found,
+    fit_gains: bool,
+    barred: Collection[str],
+) -> tuple[Prepared, list[Proposal], System, Found]:
+    """Linearise about what was found, and search again, until the same is found: the settled model with it."""
     seen: list[set[str]] = []
     for _ in range(ROUNDS - 1):
         chosen = [proposals[i] for i in found.best.fit.chosen]
         if not chosen or {one.name for one in chosen} in seen[:-1]:
             break
         seen.append({one.name for one in chosen})
-        instances = [one for proposal in chosen for one in proposal.instances]
-        model = settled(with_effects(start, (*start.effects, *instances)), fit_gains)
+        model = _with(start, proposals, found.best.fit.chosen, fit_gains)
         proposals = _reshaped(start, model, proposals, system, found, fit_gains)
         system, found = _judged(start, model, proposals, fit_gains, barred)
         if {proposals[i].name for i in found.best.fit.chosen} == {one.name for one in chosen}:
             break
-    instances = [one for i in found.best.fit.chosen for one in proposals[i].instances]
-    return settled(with_effects(start, (*start.effects, *instances)), fit_gains), proposals, system, found
+    return _with(start, proposals, found.best.fit.chosen, fit_gains), proposals, system, found
+
+
+def _with(start: Prepared, proposals: Sequence[Proposal], chosen: Sequence[int], fit_gains: bool) -> Prepared:
+    """The starting model with some of the proposals, settled."""
+    instances = [one for i in chosen for one in proposals[i].instances]
+    return settled(with_effects(start, (*start.effects, *instances)), fit_gains)
+
+
+def _with_partner(
+    start: Prepared,
+    model: Prepared,
+    proposals: Sequence[Proposal],
+    found: Found,
+    fit_gains: bool,
+    barred: Collection[str],
+) -> tuple[list[Proposal], System, Found] | None:
+    """What is found when an effect joins the model and all shapes are settled anew; None if nothing better is."""
+    chosen = found.best.fit.chosen
+    for i in partners(model, proposals, chosen, fit_gains):
+        if proposals[i].name in barred:
+            continue
+        joined = _with(start, proposals, (*chosen, i), fit_gains)
+        reshaped = beside(proposals, joined, len(start.effects))
+        system, wider = _judged(start, joined, reshaped, fit_gains, barred)
+        if wider.best.total > found.best.total + NEEDED:
+            return reshaped, system, wider
+    return None
 
 
 def _judged(

@@ -16,7 +16,8 @@ SLIDE = 0.1
 class EncoderOffset(Effect):
     """A joint that stands at q - offset where q was logged: tau = tau(q - offset) - tau(q), loops closed.
 
-    offset: rad or m, of either sign, constant. The column is a difference quotient of the present model's torque.
+    offset: rad or m, of either sign, constant. The column is a difference quotient of the present model's torque,
+    with the joints before this one, in actuator order, where the present model has them: offsets add up to their sum.
     Valid for small offsets; that of the last joint of an open chain turns a body about its joint, which the
     body's own parameters take up. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
     2002, chapter 11 (geometric calibration).
@@ -30,10 +31,14 @@ class EncoderOffset(Effect):
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         unit = 1.0 if robot.joints[joint].rotates else SLIDE
+        joints = list(robot.joints)
         shift = np.zeros((3, *robot.coarse.position.shape))
+        for k, other in enumerate(joints[: joints.index(joint)]):
+            shift[0, :, k] = -robot.offsets.get(other, 0.0)
+        before = robot.torque_change(shift) if shift.any() else 0.0
 
         def change(offset: float) -> np.ndarray:
-            shift[0, :, list(robot.joints).index(joint)] = -offset
-            return robot.torque_change(shift)
+            shift[0, :, joints.index(joint)] = -offset
+            return robot.torque_change(shift) - before
 
         return secant(robot, self.offset, SMALLEST * unit, LARGEST * unit, change)

@@ -96,12 +96,13 @@ class Coarse:
 class RobotSignals:
     """One recording of a whole robot before decimation: N samples, n motors.
 
-    joints: the actuated ones by name, in actuator order. tree: the motion of all joints of the opened tree.
-    payload: the name of what it carries, None without; payload_mass kg, as declared, zero where unknown;
-    `carried` computes `payload_torque`. torque: the rigid-body torque of the present model. An effect that
-    depends on it is linearised about the present model, and the fit repeats until it is settled. gaps: stretches
-    of samples in which each joint stands still. lasting: rows of effects that do not depend on the present model,
-    kept as long as the recording; passing: those that do.
+    joints: the actuated ones by name, in actuator order. tree: the motion of all joints of the opened tree, where
+    the encoders of the present model have their zero. payload: the name of what it carries, None without;
+    payload_mass kg, as declared, zero where unknown; `carried` computes `payload_torque`. torque: the rigid-body
+    torque of the present model. An effect that depends on it is linearised about the present model, and the fit
+    repeats until it is settled. gaps: stretches of samples in which each joint stands still. offsets: of the present
+    model's encoders by joint, rad or m. lasting: rows of effects that do not depend on the present model, kept as
+    long as the recording; passing: those that do.
     """
 
     joints: Mapping[str, JointSignals]
@@ -112,6 +113,7 @@ class RobotSignals:
     carried: Callable[[], np.ndarray]
     torque: TorqueModel
     gaps: tuple[np.ndarray, ...]
+    offsets: Mapping[str, float] = field(default_factory=dict)
     lasting: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     passing: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 

@@ -7,12 +7,15 @@ from functools import cache, partial
 import numpy as np
 
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
+from bench.effects.encoder_offset import EncoderOffset
+from bench.effects.kept import KeptRows
+from bench.errors import BenchError
 from bench.estimate.measured import Measured
 from bench.estimate.payload_parameters import payload_columns
 from bench.estimate.perturbed import perturbed_rows
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import Motion
+from bench.model.motion import Motion, motion_of
 from bench.model.regressor import payload_transform, projected_regressor
 from bench.payload import Payload
 
@@ -97,18 +100,44 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         return total
 
     mass = 0.0 if payload is None else float(present.declared[payload][0])
+    offsets = {
+        one.joint: float(values[0])
+        for one, values in present.effects
+        if one.effect.name == EncoderOffset.name
+    }
+    tree = _moved(model, measured, offsets)
     signals = RobotSignals(
         joints,
         model.geometry,
-        measured.tree,
+        tree,
         payload,
         mass,
         carried,
         torque,
         measured.gaps,
-        lasting=measured.kept,
+        offsets=offsets,
+        lasting=measured.kept if tree is measured.tree else KeptRows(),
     )
     return signals
+
+
+def _moved(model: IdentificationModel, measured: Measured, offsets: Mapping[str, float]) -> Motion:
+    """The motion where the encoders have these offsets; as measured where the loops cannot be closed there."""
+    shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
+    if not shift.any():
+        return measured.tree
+    position = measured.position - shift
+    try:
+        return motion_of(
+            model.geometry,
+            measured.time,
+            position,
+            measured.velocity,
+            measured.acceleration,
+            near=measured.tree,
+        )
+    except BenchError:  # out of reach, or singular: an offset that no fit will keep
+        return measured.tree
 
 
 def _carried(
