@@ -92,3 +92,16 @@ def test_the_shadow_of_an_unknown_effect_is_not_taken_for_a_known_one() -> None:
     assert found.unexplained.significant
     named = {one.effect: one.verdict for one in found.ranking if one.effect in found.missing}
     assert "missing" not in named.values(), named
+
+
+def test_a_friction_shows_beside_a_drift_that_has_taken_its_part() -> None:
+    """A drift of long time constant stands for a friction that stays and one that fades, until both may move."""
+    hidden = (
+        {"effect": "thermal_friction_drift", "Fv": 0.1, "T": 2.4},
+        {"effect": "viscous_friction", "Fv": 0.06},
+    )
+    found = diagnose(measured(*hidden))
+    assert set(found.missing) == {one["effect"] for one in hidden}
+    assert left_over_floor(found) < NOISE_LEFT
+    for place in found.after.effect_parameters["thermal_friction_drift"].values():
+        assert place["T"].value == pytest.approx(2.4, rel=0.05)
