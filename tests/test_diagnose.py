@@ -104,4 +104,4 @@ def test_a_friction_shows_beside_a_drift_that_has_taken_its_part() -> None:
     assert set(found.missing) == {one["effect"] for one in hidden}
     assert left_over_floor(found) < NOISE_LEFT
     for place in found.after.effect_parameters["thermal_friction_drift"].values():
-        assert place["T"].value == pytest.approx(2.4, rel=0.05)
+        assert place["T"].value == pytest.approx(2.4, rel=0.15)

@@ -7,12 +7,19 @@ import numpy as np
 
 from bench.effects.effect import Bracket, Effect, EffectParameter, ShapeParameter
 from bench.effects.on_spring import deflection
-from bench.effects.play import apparent_inertia, motion_cutoff, own_torque, torque_behind
+from bench.effects.play import (
+    apparent_inertia,
+    motion_cutoff,
+    own_torque,
+    rates_behind,
+    slopes,
+    torque_behind,
+)
 from bench.effects.samples import JointSamples
-from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
+from bench.errors import BenchError
 
-SMALLEST, LARGEST = 1e-4, 2e-2  # rad or m: deflection that the step of the difference makes
+LARGEST = 0.05  # rad or m: deflection up to which the torque is computed as it is, and not in proportion
 MOST_DAMPED = 0.9  # more does not swing
 LEAST = 1e-6  # of the largest squared period: one that is always above zero
 
@@ -48,37 +55,52 @@ class DriveFlexibility(Effect):
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         torque, acceleration = own_torque(robot, joint)
-        most = apparent_inertia(torque, acceleration)
-        rotor = min(max(self.CIa, 0.0) / self.C, most) if self.C > 0.0 else 0.0
-        cutoff = motion_cutoff(robot, joint)
+        at = list(robot.joints).index(joint)
+        by_motion = slopes(robot, joint)
         parts = np.stack((torque, -acceleration), axis=1)
-        if self.C > 0.0:
-            squared = self.C * (_inertia(robot, joint) - rotor)
+        compliance, rotor = max(self.C, 0.0), 0.0
+        if compliance > 0.0:
+            rotor = min(max(self.CIa, 0.0) / compliance, apparent_inertia(torque, acceleration))
+            squared = compliance * (by_motion[2, :, at] - rotor)
             squared = np.maximum(squared, LEAST * np.abs(squared).max())
-            parts = deflection(parts, robot.coarse.interval, squared, min(max(self.zeta, 0.0), MOST_DAMPED))
-        columns = []
-        for value, signal in (self.C, parts[:, 0]), (self.CIa, parts[:, 1]):
-            size = float(np.abs(signal).max())
-            if size == 0.0:
-                columns.append(np.zeros((len(robot.time), len(robot.joints), 1)))
-                continue
+            damping = min(max(self.zeta, 0.0), MOST_DAMPED)
+            parts = deflection(parts, robot.coarse.interval, squared, damping)
+        cutoff = motion_cutoff(robot, joint)
+        small = []
+        for part in parts.T:
+            rates = rates_behind(robot, part, cutoff)
+            change = -np.einsum("okn,ok->kn", by_motion, rates)
+            change[:, at] += rotor * rates[2]
+            small.append(robot.refined(change))
+        columns = np.stack(small, axis=2)
+        if compliance > 0.0:
+            key = ("bent", joint)
+            if key not in robot.noted:  # small, and the same for all that is tried about the present model
+                robot.noted[key] = self._bent(robot, joint, parts, rotor, cutoff, columns)
+            columns[:, :, 0] += robot.noted[key] / compliance
+        return columns
 
-            def change(step: float, signal: np.ndarray = signal) -> np.ndarray:
-                return torque_behind(robot, joint, step * signal, rotor, cutoff)
+    def _bent(
+        self,
+        robot: RobotSignals,
+        joint: str,
+        parts: np.ndarray,
+        rotor: float,
+        cutoff: float,
+        columns: np.ndarray,
+    ) -> np.ndarray:
+        """What the torque changes more than in proportion to the deflection (N, n)."""
+        values = np.array([max(self.C, 0.0), max(self.CIa, 0.0)])
+        behind = parts @ values
+        if np.abs(behind).max() > LARGEST:  # a deflection that no fit will keep
+            return np.zeros(columns.shape[:2])
+        try:
+            change = torque_behind(robot, joint, behind, rotor, cutoff)
+        except BenchError:  # out of reach, or singular
+            return np.zeros(columns.shape[:2])
+        return np.asarray(change - columns @ values)
 
-            columns.append(secant(robot, max(value, 0.0), SMALLEST / size, LARGEST / size, change))
-        return np.concatenate(columns, axis=2)
-
-    def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
-        """The damping ratio is not searched where nothing swings."""
-        if self.C > 0.0:
-            return super().brackets(parameter, samples)
-        return ((self.zeta, self.zeta, self.zeta),)
-
-
-def _inertia(robot: RobotSignals, joint: str) -> np.ndarray:
-    """Inertia (K,) of the present model at a joint, the other motors held, at the coarse samples."""
-    at = list(robot.joints).index(joint)
-    shift = np.zeros((3, *robot.coarse.position.shape))
-    shift[2, :, at] = 1.0
-    return robot.torque_change(shift)[:: robot.every, at]
+    def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:  # noqa: ARG002
+        """A few damping ratios, from which the fit goes on; none other where nothing swings."""
+        values = {self.zeta, *parameter.candidates} if self.C > 0.0 else {self.zeta}
+        return tuple((value, value, value) for value in sorted(values))

@@ -11,6 +11,8 @@ ORDER = 4  # of the low-pass and, twice that, of the differences
 HELD = 0.9999  # of the acceleration's power inside the fit's band
 MARGIN = 4.0
 SHORTEST = 40  # coarse samples that filter and differences need
+TURN, SLIDE = 1e-4, 1e-5  # rad, m: shift of a joint for a derivative
+SHARE = 1e-3  # of the RMS speed, likewise
 
 
 def own_torque(robot: RobotSignals, joint: str) -> tuple[np.ndarray, np.ndarray]:
@@ -50,17 +52,38 @@ def torque_behind(
     At the coarse samples; what lies above the cutoff (Hz; twice the fit's band if left out) is taken off before it
     is differentiated. rotor: the part of the model's inertia at the joint, kg*m2 or kg, that stays with the motor.
     """
-    coarse = robot.coarse
-    position = behind
-    if robot.every > 1 and len(behind) >= SHORTEST:
-        highest = WIDER / OVERSAMPLING / coarse.interval if cutoff is None else cutoff
-        position = low_pass(behind, 1.0 / coarse.interval, highest, ORDER)
-    velocity = central_difference(position, coarse.interval, 2 * ORDER)
-    acceleration = central_difference(velocity, coarse.interval, 2 * ORDER)
-    shift = np.zeros((3, *coarse.position.shape))
+    rates = rates_behind(robot, behind, cutoff)
+    shift = np.zeros((3, *robot.coarse.position.shape))
     at = list(robot.joints).index(joint)
-    shift[:, :, at] = -np.stack((position, velocity, acceleration))
+    shift[:, :, at] = -rates
     change = robot.torque_change(shift)
     if rotor:
-        change[:, at] += rotor * robot.refined(acceleration)
+        change[:, at] += rotor * robot.refined(rates[2])
     return change
+
+
+def rates_behind(robot: RobotSignals, behind: np.ndarray, cutoff: float | None = None) -> np.ndarray:
+    """How far a link lies behind its motor (K,), without what is above the cutoff, and its two rates: (3, K)."""
+    interval = robot.coarse.interval
+    position = behind
+    if robot.every > 1 and len(behind) >= SHORTEST:
+        highest = WIDER / OVERSAMPLING / interval if cutoff is None else cutoff
+        position = low_pass(behind, 1.0 / interval, highest, ORDER)
+    velocity = central_difference(position, interval, 2 * ORDER)
+    return np.stack((position, velocity, central_difference(velocity, interval, 2 * ORDER)))
+
+
+def slopes(robot: RobotSignals, joint: str) -> np.ndarray:
+    """Derivatives (3, K, n) of the present model's torque by position, velocity and acceleration of one joint."""
+    key = ("slopes", joint)
+    if key not in robot.noted:
+        coarse, at = robot.coarse, list(robot.joints).index(joint)
+        speed = float(np.sqrt((coarse.velocity[:, at] ** 2).mean()))
+        steps = (TURN if robot.joints[joint].rotates else SLIDE, SHARE * speed or SHARE, 1.0)
+        found = np.zeros((3, *coarse.torque.shape))
+        for order, step in enumerate(steps):
+            shift = np.zeros_like(found)
+            shift[order, :, at] = step
+            found[order] = robot.torque_change(shift)[:: robot.every] / step
+        robot.noted[key] = found
+    return robot.noted[key]

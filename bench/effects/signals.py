@@ -1,6 +1,6 @@
 """What an effect may know of a recording and of the model as it is at present."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
@@ -96,18 +96,18 @@ class Coarse:
 class RobotSignals:
     """One recording of a whole robot before decimation: N samples, n motors.
 
-    joints: the actuated ones by name, in actuator order. tree: the motion of all joints of the opened tree, where
-    the encoders of the present model have their zero. payload: the name of what it carries, None without;
-    payload_mass kg, as declared, zero where unknown; `carried` computes `payload_torque`. torque: the rigid-body
-    torque of the present model. An effect that depends on it is linearised about the present model, and the fit
-    repeats until it is settled. gaps: stretches of samples in which each joint stands still. offsets: of the present
-    model's encoders by joint, rad or m. lasting: rows of effects that do not depend on the present model, kept as
-    long as the recording; passing: those that do.
+    joints: the actuated ones by name, in actuator order. `moved` computes `tree`. payload: the name of what it
+    carries, None without; payload_mass kg, as declared, zero where unknown; `carried` computes `payload_torque`.
+    torque: the rigid-body torque of the present model. An effect that depends on it is linearised about the present
+    model, and the fit repeats until it is settled. gaps: stretches of samples in which each joint stands still.
+    offsets: of the present model's encoders by joint, rad or m. lasting: rows of effects that do not depend on the
+    present model, kept as long as the recording; passing: those that do. noted: what else effects have computed of
+    the present model.
     """
 
     joints: Mapping[str, JointSignals]
     geometry: Geometry
-    tree: Motion
+    moved: Callable[[], Motion]
     payload: str | None
     payload_mass: float
     carried: Callable[[], np.ndarray]
@@ -116,6 +116,17 @@ class RobotSignals:
     offsets: Mapping[str, float] = field(default_factory=dict)
     lasting: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     passing: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+    noted: dict[Hashable, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def tree(self) -> Motion:
+        """The motion of all joints of the opened tree, where the encoders of the present model have their zero."""
+        return self.moved()
+
+    @property
+    def as_measured(self) -> bool:
+        """Whether that is where the encoders say: rows that follow from it then last as long as the recording."""
+        return not any(self.offsets.values())
 
     @cached_property
     def payload_torque(self) -> np.ndarray:

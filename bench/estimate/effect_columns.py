@@ -8,7 +8,6 @@ import numpy as np
 
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
 from bench.effects.encoder_offset import EncoderOffset
-from bench.effects.kept import KeptRows
 from bench.errors import BenchError
 from bench.estimate.measured import Measured
 from bench.estimate.payload_parameters import payload_columns
@@ -105,18 +104,17 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         for one, values in present.effects
         if one.effect.name == EncoderOffset.name
     }
-    tree = _moved(model, measured, offsets)
     signals = RobotSignals(
         joints,
         model.geometry,
-        tree,
+        lambda: _moved(model, measured, offsets),
         payload,
         mass,
         carried,
         torque,
         measured.gaps,
         offsets=offsets,
-        lasting=measured.kept if tree is measured.tree else KeptRows(),
+        lasting=measured.kept,
     )
     return signals
 

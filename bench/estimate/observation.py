@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.effects import EffectInstance, RobotSignals, effect_columns
+from bench.effects import ActuatorEffect, EffectInstance, RobotSignals, effect_columns
 from bench.estimate.measured import Measured
 from bench.estimate.standstill import bridged, moving_rows
 from bench.model.model import IdentificationModel
@@ -87,7 +87,9 @@ def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[Effect
 
 def _rows_of(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray:
     """The rows (M, n, k) of one effect, computed only where they are not known yet."""
-    kept = signals.passing if instance.effect.depends_on_model else signals.lasting
+    alone = isinstance(instance.effect, ActuatorEffect)  # which sees its own motor, and no other joint move
+    passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
+    kept = signals.passing if passing else signals.lasting
     key = instance.effect, instance.joint, decimation
     try:
         rows = kept.get(key)

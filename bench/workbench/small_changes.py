@@ -72,5 +72,9 @@ class SmallChanges(RobotSignals):
 
 def small_changes(signals: RobotSignals) -> SmallChanges:
     """The same recording, seen so."""
-    given = {one.name: getattr(signals, one.name) for one in fields(RobotSignals) if one.name != "passing"}
+    given = {
+        one.name: getattr(signals, one.name)
+        for one in fields(RobotSignals)
+        if one.name not in ("passing", "noted")
+    }
     return SmallChanges(**given)
