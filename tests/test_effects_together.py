@@ -61,11 +61,11 @@ def test_a_model_that_was_told_leaves_nothing(hidden: Sequence[Hidden], left: fl
     assert result.error.validate < left
 
 
-def test_a_compliance_is_found_beside_friction_that_swings_the_link() -> None:
-    hidden = (SOFT, {"effect": "coulomb_friction", "Fc": 0.1})
+def test_a_compliance_and_its_rotor_are_found_beside_a_friction() -> None:
+    hidden = (SOFT, {"effect": "viscous_friction", "Fv": 0.1})
     found = told(without_noise(*hidden), hidden).effect_parameters["drive_flexibility"]["left"]
-    assert found["C"].value == pytest.approx(1 / 300.0, rel=0.1)
-    assert found["CIa"].value == pytest.approx(0.015 / 300.0, rel=0.1)
+    assert found["C"].value == pytest.approx(1 / 300.0, rel=0.01)
+    assert found["CIa"].value == pytest.approx(0.003 / 300.0, rel=0.1)
 
 
 def test_deviations_of_a_shape_are_those_that_noise_makes() -> None:
