@@ -48,6 +48,7 @@ class DriveFlexibility(Effect):
     )
     shape = (ShapeParameter("zeta", "1", (0.02, 0.06, 0.2, 0.6)),)
     depends_on_model = True
+    bends = True
 
     C: float = 0.0
     CIa: float = 0.0

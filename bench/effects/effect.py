@@ -74,7 +74,8 @@ class Effect(ABC):
     present model's torque or gain. before_torque: it stands between the current reference and the torque.
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
-    columns times parameter is then exact where the parameter has that value.
+    columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
+    so that the fit goes by derivatives.
     """
 
     name: ClassVar[str]
@@ -84,6 +85,7 @@ class Effect(ABC):
     contains: ClassVar[tuple[str, ...]] = ()
     depends_on_model: ClassVar[bool] = False
     before_torque: ClassVar[bool] = False
+    bends: ClassVar[bool] = False
 
     @abstractmethod
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:

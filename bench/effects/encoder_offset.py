@@ -32,13 +32,22 @@ class EncoderOffset(Effect):
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         unit = 1.0 if robot.joints[joint].rotates else SLIDE
         joints = list(robot.joints)
-        shift = np.zeros((3, *robot.coarse.position.shape))
-        for k, other in enumerate(joints[: joints.index(joint)]):
-            shift[0, :, k] = -robot.offsets.get(other, 0.0)
-        before = robot.torque_change(shift) if shift.any() else 0.0
+        own = joints.index(joint)
+        before = tuple(robot.offsets.get(other, 0.0) for other in joints[:own])
 
         def change(offset: float) -> np.ndarray:
-            shift[0, :, joints.index(joint)] = -offset
-            return robot.torque_change(shift) - before
+            return _torque_at(robot, (*before, offset)) - _torque_at(robot, before)
 
         return secant(robot, self.offset, SMALLEST * unit, LARGEST * unit, change)
+
+
+def _torque_at(robot: RobotSignals, offsets: tuple[float, ...]) -> np.ndarray:
+    """How the torque (N, n) changes where the first joints have these offsets."""
+    key = ("offsets", *offsets)
+    if not any(offsets):
+        return np.zeros((len(robot.time), len(robot.joints)))
+    if key not in robot.noted:
+        shift = np.zeros((3, *robot.coarse.position.shape))
+        shift[0, :, : len(offsets)] = -np.array(offsets)
+        robot.noted[key] = robot.torque_change(shift)
+    return robot.noted[key]

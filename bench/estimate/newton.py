@@ -28,7 +28,7 @@ def stepped(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, Stack, Solut
     """
     stack, solution = solved_quickly(prepared, fit_gains)
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
-    bent, about = _bends(prepared, stack.current.shape)
+    bent, about = _bends(prepared, stack.current.shape, every=False)
     if not shapes and not about.any():
         return None
     kept = identifiable_columns(stack, prepared.layout, fit_gains)
@@ -61,7 +61,8 @@ def _moved(
         names = [parameter.name for parameter in one.effect.parameters]
         found = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
         at += len(names)
-        instances[i] = replace(one, effect=one.effect.about(found))
+        if one.effect.bends:
+            instances[i] = replace(one, effect=one.effect.about(found))
     for (i, name), step, (low, high) in zip(shapes, steps, reaches, strict=True):
         value = instances[i].effect.shape_values()[name]
         most = STRIDE * abs(value)
@@ -104,7 +105,7 @@ def with_shape_columns(
     size, effects = prepared.layout.size, prepared.layout.effects
     theta = with_zeros(solution.theta, kept, size)
     shapes, columns = _shape_derivatives(prepared, theta, stack.current.shape)
-    bent, about = _bends(prepared, stack.current.shape)
+    bent, about = _bends(prepared, stack.current.shape, every=True)
     if not shapes and not about.any():
         return stack, solution
     whole = np.concatenate((np.zeros((*bent.shape[:2], size - effects)), bent), axis=2)[:, :, kept]
@@ -122,19 +123,19 @@ def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.n
     return replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
 
 
-def _bends(prepared: Prepared, rows: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[np.ndarray, np.ndarray]:
     """How the effects' torque goes on changing with the values about which the columns are linearised.
 
     (M, n, E): the columns' derivatives by these values, times the values (E,), which come second; zero for effects
-    that are linear, or linearised about nothing.
+    that are linear, or linearised about nothing. every: of those too that hardly bend.
     """
     about, bent = [np.zeros(0)], [np.zeros((*rows, 0))]
     for instance in prepared.effects:
-        known = instance.effect.about_values()
+        known = instance.effect.about_values() if every or instance.effect.bends else {}
         values = np.array([known.get(parameter.name, 0.0) for parameter in instance.effect.parameters])
         about.append(values)
-        here = candidate_columns(prepared, [instance])
-        own = np.zeros_like(here)
+        own = np.zeros((*rows, len(values)))
+        here = candidate_columns(prepared, [instance]) if values.any() else own
         for k, parameter in enumerate(instance.effect.parameters):
             if values[k]:
                 value = values[k] * (1.0 + SHAPE_STEP)

@@ -18,7 +18,7 @@ from bench.estimate.solution import Solution
 
 MOST_ROUNDS = 6
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
-AS_GOOD = 1e-7  # relative change of the RMS errors between rounds: far less than chance makes of them
+AS_GOOD = 1e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
 
 
 def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
@@ -73,16 +73,23 @@ def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
             prepared, stack, solution = together
         instances = prepared.effects
         present = present_model(prepared, solution)
+        about = linearised(instances, solution)
         if together is None:
-            instances, last = _eased(last, instances, linearised(instances, solution)), instances
-        curves = [
-            (*one.effect.shape_values().values(), *one.effect.about_values().values()) for one in instances
-        ]
+            instances, last = _eased(last, instances, about), instances
+        else:
+            instances = tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
+        curves = [_curved_values(one) for one in instances]
         now = (solution.gains, np.concatenate(curves), spread(stack, solution))
         if before is not None and _alike(now, before):
             break
         before = now
     return replace(with_effects(prepared, instances, present), settled=True)
+
+
+def _curved_values(instance: EffectInstance) -> tuple[float, ...]:
+    effect = instance.effect
+    about = effect.about_values().values() if effect.bends else ()
+    return (*effect.shape_values().values(), *about)
 
 
 def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...]) -> bool:

@@ -7,7 +7,7 @@ const WorkbenchFit = (() => {
   const {floats, doubles, times, factorised, solved, smallest} = WorkbenchNumbers;
   const MOST_ROUNDS = 6;
   const SETTLED = 1e-4;
-  const AS_GOOD = 1e-7; // relative change of the RMS errors between rounds: far less than chance makes of them
+  const AS_GOOD = 1e-6; // relative change of the RMS errors between rounds: far less than chance makes of them
   const NO_WORSE = 1e-9; // relative: squared errors that are the same but for rounding
   const STRIDE = 0.5; // of a shape's value: the most that it may change at once with all others
   const SHAPE_STEP = 1e-3; // likewise, for the derivative by it
@@ -165,7 +165,7 @@ const WorkbenchFit = (() => {
         present = reached.present;
         yield;
         about(terms, reached.solution.theta);
-        const curves = terms.filter((term) => term.place.kind !== "linear").map((term) => term.value);
+        const curves = terms.filter((term) => term.place.kind === "shape").map((term) => term.value);
         const now = {gains: present.gains, curves, errors: spread(reached).map(Math.sqrt)};
         if (before && alike(now.gains, before.gains, SETTLED)) {
           if (alike(curves, before.curves, SETTLED) || alike(now.errors, before.errors, AS_GOOD)) break;
