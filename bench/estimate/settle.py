@@ -54,7 +54,11 @@ def linearised(instances: Sequence[EffectInstance], solution: Solution) -> tuple
 
 
 def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
-    """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without."""
+    """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
+
+    At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
+    as the errors become smaller by them (see newton.py), and are searched again where they do not.
+    """
     instances = prepared.effects
     curved = [one for one in instances if one.effect.shape or one.effect.depends_on_model]
     if prepared.settled or not curved:
