@@ -99,10 +99,12 @@ def _searched(
     """
     proposals = propose(context_of(start, fit_gains), catalogue)
     system, found = _judged(start, start, proposals, fit_gains, barred)
+    tried: list[frozenset[int]] = []
     for _ in range(ROUNDS):
         model, proposals, system, found = _again(start, proposals, system, found, fit_gains, barred)
+        tried.append(frozenset(found.best.fit.chosen))
         better = _with_partner(start, model, proposals, found, fit_gains, barred)
-        if better is None:
+        if better is None or frozenset(better[2].best.fit.chosen) in tried:
             break
         proposals, system, found = better
     return model, proposals, system, found
