@@ -36,7 +36,8 @@ class EncoderOffset(Effect):
         before = tuple(robot.offsets.get(other, 0.0) for other in joints[:own])
 
         def change(offset: float) -> np.ndarray:
-            return _torque_at(robot, (*before, offset)) - _torque_at(robot, before)
+            after = _torque_at(robot, (*before, offset))
+            return after - _torque_at(robot, before) if any(before) else after
 
         return secant(robot, self.offset, SMALLEST * unit, LARGEST * unit, change)
 
@@ -44,8 +45,6 @@ class EncoderOffset(Effect):
 def _torque_at(robot: RobotSignals, offsets: tuple[float, ...]) -> np.ndarray:
     """How the torque (N, n) changes where the first joints have these offsets."""
     key = ("offsets", *offsets)
-    if not any(offsets):
-        return np.zeros((len(robot.time), len(robot.joints)))
     if key not in robot.noted:
         shift = np.zeros((3, *robot.coarse.position.shape))
         shift[0, :, : len(offsets)] = -np.array(offsets)

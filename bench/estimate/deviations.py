@@ -59,14 +59,16 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     "autocorrelated": the residual's autocovariance, of every motor and within every recording, is carried
     through the linearised estimator (Newey and West 1987, with Bartlett's window), so that neighbouring
     samples do not count as independent. "independent": the field's customary formula (Gautier 1997), with
-    the deviation of the residual about its mean; too optimistic where errors are coloured.
+    the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
+    nothing, such as the damping of a drive without a compliance, are left out, with variances of zero.
     """
     jacobian = jacobian_series(stack, solution) * solution.weights[:, None]
     residual = residual_series(stack, solution) * solution.weights
-    samples, n, size = jacobian.shape
-    lengths = np.linalg.norm(jacobian.reshape(-1, size), axis=0)
-    lengths[lengths == 0.0] = 1.0
-    jacobian = jacobian / lengths
+    samples, n, every = jacobian.shape
+    lengths = np.linalg.norm(jacobian.reshape(-1, every), axis=0)
+    seen = np.flatnonzero(lengths)
+    size, lengths = len(seen), lengths[seen]
+    jacobian = jacobian[:, :, seen] / lengths
     singular = np.linalg.svd(np.linalg.qr(jacobian.reshape(-1, size), mode="r"), compute_uv=False)
     rank = int((singular > 1e-10 * singular[0]).sum())
     inverse = np.linalg.pinv(np.einsum("kjp,kjq->pq", jacobian, jacobian), rcond=1e-18, hermitian=True)
@@ -86,7 +88,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         freedom = equations / max(equations - size, 1)
         middle = inverse @ score @ inverse * freedom
     covariance = np.zeros((stack.phi.shape[2] + n,) * 2)
-    covariance[:size, :size] = middle / np.outer(lengths, lengths)
+    covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
     raw = np.linalg.svd(np.linalg.qr((jacobian * lengths).reshape(-1, size), mode="r"), compute_uv=False)
     return Uncertainty(
         covariance,
