@@ -1,14 +1,14 @@
 """The effects that a model might lack, each with the shape that suits the data best."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from bench.effects import Effect, EffectInstance, places_in
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared
-from bench.estimate.quick import candidate_columns, solved_quickly
+from bench.estimate.quick import candidate_columns, linearised, solved_quickly
 from bench.estimate.settle import best_shape
 
 INVISIBLE = 1e-4  # of a column's length: less left beside the model's own columns cannot be told from them
@@ -81,13 +81,7 @@ def _about_their_values(
     if first.about({parameter.name: 0.0 for parameter in first.parameters}) is first:
         return instances  # linear: there is nothing to be linearised about
     values, _ = context.left.explained(candidate_columns(context.prepared, instances))
-    found, at = [], 0
-    for one in instances:
-        names = [parameter.name for parameter in one.effect.parameters]
-        own = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
-        found.append(replace(one, effect=one.effect.about(own)))
-        at += len(names)
-    return tuple(found)
+    return linearised(instances, values)
 
 
 def _visible(context: Context, instance: EffectInstance) -> bool:

@@ -4,9 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.linalg import solve_banded
 
-FINER = (
-    4  # samples between two, so that a torque that is straight between them swings the spring as it should
-)
+FINER = 4  # samples for each given one: a torque is then nearly straight between two
 
 
 def deflection(
@@ -25,9 +23,7 @@ def deflection(
     slope = np.diff(aim, axis=0) / step
     period = np.sqrt(np.interp(fine[:-1] + 0.5 * step, time, squared_period))
     lag = 2.0 * damping * period[:, None] * slope
-    own = (_swing(period, damping, step)).transpose(
-        2, 0, 1
-    )  # (steps, 2, 2): how deviations from a line go on
+    own = np.moveaxis(_swing(period, damping, step), 2, 0)  # how deviations from a line go on
     line = np.stack((aim[:-1] - lag, slope), axis=1)
     after = np.stack((aim[1:] - lag, slope), axis=1)
     given = after - own @ line

@@ -11,7 +11,7 @@ from bench.estimate.essential import with_zeros
 from bench.estimate.joint_samples import joint_samples
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
-from bench.estimate.quick import candidate_columns, solved_quickly, solved_with, spread
+from bench.estimate.quick import candidate_columns, linearised, reshaped, solved_quickly, solved_with, spread
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack, compress
 
@@ -55,19 +55,13 @@ def _moved(
     values: np.ndarray,
 ) -> list[EffectInstance]:
     """The effects with their shapes changed by steps within their reaches, and linearised about values."""
-    instances = list(prepared.effects)
-    at = 0
-    for i, one in enumerate(instances):
-        names = [parameter.name for parameter in one.effect.parameters]
-        found = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
-        at += len(names)
-        if one.effect.bends:
-            instances[i] = replace(one, effect=one.effect.about(found))
+    about = linearised(prepared.effects, values)
+    instances = [b if a.effect.bends else a for a, b in zip(prepared.effects, about, strict=True)]
     for (i, name), step, (low, high) in zip(shapes, steps, reaches, strict=True):
         value = instances[i].effect.shape_values()[name]
         most = STRIDE * abs(value)
         stepped_to = value + float(np.clip(step, -most, most))
-        instances[i] = _changed(instances[i], name, min(max(stepped_to, low), high))
+        instances[i] = reshaped(instances[i], {name: min(max(stepped_to, low), high)})
     return instances
 
 
@@ -87,10 +81,6 @@ def within_reach(value: float, brackets: Sequence[Bracket]) -> tuple[float, floa
         return low, high
     ends = (value * (1.0 - NEARBY), value * (1.0 + NEARBY))
     return min(ends), max(ends)
-
-
-def _changed(instance: EffectInstance, shape: str, value: float) -> EffectInstance:
-    return replace(instance, effect=replace(instance.effect, **{shape: value}))
 
 
 def with_shape_columns(
@@ -163,7 +153,7 @@ def _shape_derivatives(
             value = instance.effect.shape_values()[parameter.name]
             step = SHAPE_STEP * (abs(value) or 1.0)
             ends = [
-                candidate_columns(prepared, [_changed(instance, parameter.name, x)]) @ values
+                candidate_columns(prepared, [reshaped(instance, {parameter.name: x})]) @ values
                 for x in (value - step, value + step)
             ]
             shapes.append((i, parameter.name))

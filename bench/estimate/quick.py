@@ -1,6 +1,6 @@
 """Prepared equations solved without deviations, and columns of effects that they do not have."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,6 +35,22 @@ def spread(stack: Stack, solution: Solution) -> np.ndarray:
     """RMS of each motor's error (n,), in drive units."""
     error = stack.current - (stack.phi @ solution.theta + stack.kappa) / solution.gains
     return np.sqrt((error**2 * stack.moving).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
+
+
+def linearised(instances: Sequence[EffectInstance], values: np.ndarray) -> tuple[EffectInstance, ...]:
+    """The effects linearised about these values (k,) of their parameters, one after the other."""
+    found, at = [], 0
+    for one in instances:
+        names = [parameter.name for parameter in one.effect.parameters]
+        own = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
+        found.append(replace(one, effect=one.effect.about(own)))
+        at += len(names)
+    return tuple(found)
+
+
+def reshaped(instance: EffectInstance, values: Mapping[str, float]) -> EffectInstance:
+    """The effect with other values of its shape parameters."""
+    return replace(instance, effect=replace(instance.effect, **values))
 
 
 def candidate_columns(prepared: Prepared, effects: Sequence[EffectInstance]) -> np.ndarray:

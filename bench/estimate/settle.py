@@ -1,6 +1,6 @@
 """Effects that are not linear: find their shape parameters, and linearise them about the model they belong to."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -13,7 +13,7 @@ from bench.estimate.joint_samples import joint_samples
 from bench.estimate.newton import NEARBY, stepped, within_reach
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared, with_effects
-from bench.estimate.quick import candidate_columns, solved_quickly, spread
+from bench.estimate.quick import candidate_columns, linearised, reshaped, solved_quickly, spread
 from bench.estimate.solution import Solution
 
 MOST_ROUNDS = 6
@@ -41,18 +41,6 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
     )
 
 
-def linearised(instances: Sequence[EffectInstance], solution: Solution) -> tuple[EffectInstance, ...]:
-    """The effects linearised about their parameters in the solution, where these stand last in theta."""
-    at = len(solution.theta) - sum(len(one.effect.parameters) for one in instances)
-    found = []
-    for one in instances:
-        names = [parameter.name for parameter in one.effect.parameters]
-        values = dict(zip(names, solution.theta[at : at + len(names)].tolist(), strict=True))
-        found.append(replace(one, effect=one.effect.about(values)))
-        at += len(names)
-    return tuple(found)
-
-
 def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
@@ -77,7 +65,7 @@ def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
             prepared, stack, solution = together
         instances = prepared.effects
         present = present_model(prepared, solution)
-        about = linearised(instances, solution)
+        about = linearised(instances, solution.theta[prepared.layout.size - prepared.layout.effects :])
         if together is None:
             instances, last = _eased(last, instances, about), instances
         else:
@@ -148,7 +136,7 @@ def best_shape(
     best, least = instance, np.inf
     for chosen in product(*choices):
         names = [one.name for one in shape if one not in free]
-        tried = _changed(instance, dict(zip(names, chosen, strict=True)))
+        tried = reshaped(instance, dict(zip(names, chosen, strict=True)))
         for parameter in free:
             tried, cost = _searched(prepared, tried, parameter, samples, partial, refine=refine)
         if cost < least:
@@ -171,7 +159,7 @@ def _searched(
     """
 
     def unexplained(value: float) -> float:
-        changed = _changed(instance, {parameter.name: float(value)})
+        changed = reshaped(instance, {parameter.name: float(value)})
         return -partial.explained(candidate_columns(prepared, [changed]))[1]
 
     brackets = instance.effect.brackets(parameter, samples)
@@ -190,8 +178,4 @@ def _searched(
         )
         if result.fun < cost:
             found, cost = float(result.x), float(result.fun)
-    return _changed(instance, {parameter.name: found}), cost
-
-
-def _changed(instance: EffectInstance, values: Mapping[str, float]) -> EffectInstance:
-    return replace(instance, effect=replace(instance.effect, **values))
+    return reshaped(instance, {parameter.name: found}), cost
