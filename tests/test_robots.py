@@ -11,8 +11,24 @@ from bench.catalogue import built_in_robots
 from bench.robot import load_robot
 
 ROBOTS = tuple(built_in_robots())
-LOOPS = {"delta": 6, "emps": 0, "five_bar": 1, "orthoglide": 6, "two_link": 0}
-TREE_DOF = {"delta": 21, "emps": 1, "five_bar": 4, "orthoglide": 21, "two_link": 2}
+LOOPS = {
+    "delta": 6,
+    "emps": 0,
+    "five_bar": 1,
+    "orthoglide": 6,
+    "stewart": 6,
+    "three_rrr": 2,
+    "two_link": 0,
+}
+TREE_DOF = {
+    "delta": 21,
+    "emps": 1,
+    "five_bar": 4,
+    "orthoglide": 21,
+    "stewart": 24,
+    "three_rrr": 7,
+    "two_link": 2,
+}
 
 
 def compiled(name: str) -> mujoco.MjModel:
@@ -144,6 +160,34 @@ def test_delta_has_the_dimensions_of_an_rl5_1450() -> None:
     assert platform.parentid[0] == 0
     assert model.joint("platform").type[0] == mujoco.mjtJoint.mjJNT_FREE
     assert -0.85 <= data.body("platform").xpos[2] <= -0.75
+
+
+def test_stewart_has_the_dimensions_of_its_description() -> None:
+    model = compiled("stewart")
+    data = at_home(model)
+    platform = data.body("platform").xpos
+    assert platform == pytest.approx([0, 0, 0.65], abs=1e-12)
+    for leg in range(1, 7):
+        foot, ball = data.body(f"leg_{leg}").xpos, data.site(f"socket_{leg}").xpos
+        assert np.linalg.norm(foot) == pytest.approx(0.40, abs=1e-12)
+        assert np.linalg.norm(ball - platform) == pytest.approx(0.22, abs=1e-12)
+        along = data.joint(f"axis_{leg}").xaxis
+        assert along == pytest.approx((ball - foot) / np.linalg.norm(ball - foot), abs=1e-12)
+        assert model.joint(f"axis_{leg}").armature[0] == 12
+
+
+def test_three_rrr_has_the_dimensions_of_its_description() -> None:
+    model = compiled("three_rrr")
+    data = at_home(model)
+    middle = data.site("tool").xpos[:2]
+    assert middle == pytest.approx([0, 0], abs=1e-12)
+    ends = [data.body("platform").xpos, data.site("socket_2").xpos, data.site("socket_3").xpos]
+    for leg, end in enumerate(ends, start=1):
+        assert np.linalg.norm(data.body(f"crank_{leg}").xpos) == pytest.approx(0.30, abs=1e-12)
+        assert distance(data, f"crank_{leg}", f"rod_{leg}") == pytest.approx(0.18, abs=1e-12)
+        assert np.linalg.norm(end - data.body(f"rod_{leg}").xpos) == pytest.approx(0.25, abs=1e-12)
+        assert np.linalg.norm(end[:2]) == pytest.approx(0.12, abs=1e-12)
+    assert (data.xaxis == [0, 0, 1]).all(), "gravity acts along the hinges"
 
 
 def test_emps_has_the_published_gain() -> None:

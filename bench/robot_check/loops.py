@@ -15,7 +15,9 @@ from bench.robot_check.machine import Machine, body_label, rotation_matrix, set_
 from bench.robot_check.report import Check
 
 TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
-MOMENT = 1e-4  # s: before and after, of the differences that stand for rates
+MOMENT = 1e-4  # s: between the five residuals whose differences stand for rates
+FIRST = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0  # differences of fourth order
+SECOND = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12.0
 MOTION_TOLERANCE = 1e-5  # what these differences leave at a moment of that length
 
 
@@ -58,16 +60,18 @@ def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
 
 
 def check_closed_motion(machine: Machine, motion: Motion) -> Check:
-    """Velocities and accelerations keep MuJoCo's loops closed: its residuals a moment before and after."""
+    """Velocities and accelerations keep MuJoCo's loops closed: its residuals some moments before and after."""
     worst = np.zeros(2)
     for q, v, a in zip(motion.q, motion.v, motion.a, strict=True):
-        before, now, after = (
-            _mujoco_residual(machine, pin.integrate(machine.model, q, v * t + 0.5 * a * t * t))
-            for t in (-MOMENT, 0.0, MOMENT)
+        residuals = np.array(
+            [
+                _mujoco_residual(machine, pin.integrate(machine.model, q, v * t + 0.5 * a * t * t))
+                for t in MOMENT * np.arange(-2, 3)
+            ]
         )
         speed = float(np.abs(v).max())
-        opening = (after - before) / (2 * MOMENT) / max(1.0, speed)
-        bending = (after - 2 * now + before) / MOMENT**2 / max(1.0, speed**2, float(np.abs(a).max()))
+        opening = FIRST @ residuals / MOMENT / max(1.0, speed)
+        bending = SECOND @ residuals / MOMENT**2 / max(1.0, speed**2, float(np.abs(a).max()))
         worst = np.maximum(worst, (np.abs(opening).max(), np.abs(bending).max()))
     name = "closed motion"
     told = f"velocities open the loops by {worst[0]:.0e}, accelerations by {worst[1]:.0e} of themselves"
