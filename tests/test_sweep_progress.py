@@ -51,6 +51,27 @@ def test_on_a_terminal_a_bar_says_the_same():
     assert "left" in text
 
 
+@pytest.mark.parametrize(("finished", "said"), [(2, True), (3, False)])
+def test_until_the_first_run_the_bar_says_what_goes_on(finished, said):
+    console = Console(file=StringIO(), width=120, force_terminal=True)
+    with shown_progress(console, 10) as report:
+        report(Counts(2))  # kept from an earlier start
+        report(Counts(finished))
+        report.phase("designing trajectories")
+    last = console.file.getvalue().rpartition("2K")[2]  # where the last drawing of the bar begins
+    assert ("designing trajectories" in last) == said
+    assert ("runs" in last) != said
+
+
+def test_a_quiet_console_shows_nothing():
+    for terminal in (True, False):
+        console = Console(file=StringIO(), force_terminal=terminal, quiet=True)
+        with shown_progress(console, 10) as report:
+            report.phase("starting workers")
+            report(Counts(7, {3}))
+        assert console.file.getvalue() == ""
+
+
 @pytest.mark.parametrize(
     ("seconds", "text"), [(0.4, "0 s"), (99, "99 s"), (600, "10 min"), (5999, "100 min"), (7200, "2.0 h")]
 )

@@ -12,6 +12,7 @@ from bench.cli.options import (
     given_filters,
     with_option,
 )
+from bench.cli.progress import quiet_option, shown_progress
 
 POSITIVE = click.FloatRange(min=0.0, min_open=True)
 
@@ -51,6 +52,7 @@ POSITIVE = click.FloatRange(min=0.0, min_open=True)
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the search.")
 @filter_options
+@quiet_option
 def discriminate(
     dataset: Path,
     effect_a: str,
@@ -59,6 +61,7 @@ def discriminate(
     effects: tuple[str, ...],
     effect_files: tuple[Path, ...],
     rate: float,
+    quiet: bool,
     **options: Any,
 ) -> None:
     """Design the motion that tells two effects apart.
@@ -68,30 +71,35 @@ def discriminate(
     speeds, accelerations and currents of the recordings, and writes it for a controller. If no motion of the
     robot can tell them apart, it says so.
     """
+    duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
+    with shown_progress(quiet) as progress:
+        from bench.dataset import load_dataset
+        from bench.discriminate.discriminate import discriminate as run
+        from bench.discriminate.files import check_folder, write_discrimination
+        from bench.effects import catalogue_for
+        from bench.show.discrimination_figure import write_discrimination_figure
+
+        check_folder(output)
+        progress.phase("reading the recordings")
+        data = load_dataset(dataset)
+        found = run(
+            data,
+            (effect_a, effect_b),
+            effects,
+            duration=duration,
+            widen=widen,
+            seed=seed,
+            filters=given_filters(**options),
+            catalogue=catalogue_for(data.effect_files, effect_files),
+            progress=progress,
+        )
+        progress.phase("writing the motion and its picture")
+        paths = write_discrimination(output, found, write_discrimination_figure, rate=rate)
     from rich.console import Console
     from rich.text import Text
 
-    from bench.dataset import load_dataset
-    from bench.discriminate.discriminate import discriminate as run
-    from bench.discriminate.files import check_folder, write_discrimination
     from bench.discriminate.words import next_step, sentences, warnings
-    from bench.effects import catalogue_for
-    from bench.show.discrimination_figure import write_discrimination_figure
 
-    duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
-    check_folder(output)
-    data = load_dataset(dataset)
-    found = run(
-        data,
-        (effect_a, effect_b),
-        effects,
-        duration=duration,
-        widen=widen,
-        seed=seed,
-        filters=given_filters(**options),
-        catalogue=catalogue_for(data.effect_files, effect_files),
-    )
-    paths = write_discrimination(output, found, write_discrimination_figure, rate=rate)
     console = Console()
     doubts = warnings(found)
     for sentence in sentences(found):

@@ -12,6 +12,8 @@ from bench.cli.options import (
     in_existing_folder,
     with_option,
 )
+from bench.cli.progress import quiet_option, shown_progress
+from bench.progress import Progress
 
 
 @click.command("report")
@@ -35,12 +37,14 @@ from bench.cli.options import (
 @with_option
 @effect_file_option
 @filter_options
+@quiet_option
 def report(
     source: Path,
     output: Path,
     data: Path | None,
     effects: tuple[str, ...],
     effect_files: tuple[Path, ...],
+    quiet: bool,
     **filters: Any,
 ) -> None:
     """Write one page, in one file, that shows what a run found.
@@ -48,32 +52,51 @@ def report(
     DIR_OR_MODEL is a dataset folder, which is diagnosed; or a folder that `bench diagnose -o`, `identify -o`,
     `compare -o`, `sweep -o` or `trial -o` wrote; or a model file. The page opens in any browser, offline.
     """
+    given = given_filters(**filters)
+    with shown_progress(quiet) as progress:
+        from bench.report.write import REPORT_FILE
+
+        output = output / REPORT_FILE if output.is_dir() else output
+        _written(source, data, effects, effect_files, given, output, progress)
+    click.echo(f"Report: {output}")
+
+
+def _written(
+    source: Path,
+    data: Path | None,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    given: dict[str, Any],
+    output: Path,
+    progress: Progress,
+) -> None:
+    """Write the page of what the source turns out to be."""
     from bench.errors import BenchError
     from bench.report.folder import RUN_FILE, read_run
-    from bench.report.write import REPORT_FILE, write_kept, write_sweep_report
+    from bench.report.write import write_kept, write_sweep_report
     from bench.sweep.again import is_sweep_folder
 
-    given = given_filters(**filters)
-    output = output / REPORT_FILE if output.is_dir() else output
     models = {"--data": data, "--with": effects, "--effect-file": effect_files, "filters": given}
     if (source / "dataset.toml").is_file() or source.name == "dataset.toml":
         _refuse({"--data": data}, "a dataset, which is diagnosed")
-        _of_dataset(source, effects, effect_files, given, output)
+        _of_dataset(source, effects, effect_files, given, output, progress)
     elif (source / RUN_FILE).is_file():
         _refuse(models, "a result")
-        write_kept(output, read_run(source), source)
+        progress.phase("reading the result")
+        write_kept(output, read_run(source), source, progress)
     elif is_sweep_folder(source):
         _refuse(models, "a sweep")
+        progress.phase("drawing the page of a sweep")
         write_sweep_report(source, output)
     elif source.is_dir() or source.suffix == ".parquet":
         _refuse(models, "a trial")
+        progress.phase("drawing the page of a trial")
         _of_trial(source, output)
     elif source.is_file():
         _refuse({"--with": effects, "filters": given}, "a model file")
-        _of_model(source, data, effect_files, output)
+        _of_model(source, data, effect_files, output, progress)
     else:
         raise BenchError(f"{source}: no such file or folder")
-    click.echo(f"Report: {output}")
 
 
 def _refuse(options: dict[str, Any], what: str) -> None:
@@ -106,6 +129,7 @@ def _of_dataset(
     effect_files: tuple[Path, ...],
     given: dict[str, Any],
     output: Path,
+    progress: Progress,
 ) -> None:
     from bench.dataset import load_dataset
     from bench.diagnose.find import find_missing_effects
@@ -113,14 +137,19 @@ def _of_dataset(
     from bench.report.folder import Kept
     from bench.report.write import write_kept
 
+    progress.phase("reading the recordings")
     dataset = load_dataset(source)
-    diagnosis = find_missing_effects(dataset, effects, filters=given, effect_files=effect_files)
+    diagnosis = find_missing_effects(
+        dataset, effects, filters=given, effect_files=effect_files, progress=progress
+    )
     files = tuple(map(str, effect_files))
     run = Run("report", str(source), tuple(effects), files, given, str(output))
-    write_kept(output, Kept(run, dataset, diagnosis.after, diagnosis, ""))
+    write_kept(output, Kept(run, dataset, diagnosis.after, diagnosis, ""), progress=progress)
 
 
-def _of_model(source: Path, data: Path | None, effect_files: tuple[Path, ...], output: Path) -> None:
+def _of_model(
+    source: Path, data: Path | None, effect_files: tuple[Path, ...], output: Path, progress: Progress
+) -> None:
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
     from bench.errors import BenchError
@@ -133,8 +162,9 @@ def _of_model(source: Path, data: Path | None, effect_files: tuple[Path, ...], o
     data = data or saved.dataset
     if data is None:
         raise BenchError(f"{source}: a model file without the path of its recordings: name them with --data")
+    progress.phase("reading the recordings")
     dataset = load_dataset(data)
     result = read_identification(source, dataset, catalogue_for(dataset.effect_files, effect_files))
     files = tuple(map(str, effect_files))
     run = Run("report", str(source), effect_files=files, options={"data": str(data)}, output=str(output))
-    write_kept(output, Kept(run, dataset, result, None, str(source)))
+    write_kept(output, Kept(run, dataset, result, None, str(source)), progress=progress)

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.progress import quiet_option, shown_progress
+
 
 @click.command("simulate")
 @click.argument("scenario")
@@ -16,20 +18,26 @@ import click
     help="Dataset folder to write.",
 )
 @click.option("--seed", type=int, help="Another seed for gains and noise than the scenario's.")
-def simulate(scenario: str, output: Path, seed: int | None) -> None:
+@quiet_option
+def simulate(scenario: str, output: Path, seed: int | None, quiet: bool) -> None:
     """Simulate a scenario and write its measurements as a dataset.
 
     SCENARIO is a built-in name or the path of a scenario file. The truth goes to DIR.truth.json, beside the
     dataset and out of reach of what reads it.
     """
-    from bench.excite.scenario import designer
-    from bench.scenario import load_scenario, resolve_trajectories
-    from bench.truth.dataset import write_simulation
-    from bench.truth.simulate import simulate as run
+    with shown_progress(quiet) as progress:
+        from functools import partial
 
-    loaded = load_scenario(scenario, {} if seed is None else {"seed": seed})
-    simulation = run(loaded, resolve_trajectories(loaded, designer))
-    truth = write_simulation(simulation, output)
+        from bench.excite.scenario import designer
+        from bench.scenario import load_scenario, resolve_trajectories
+        from bench.truth.dataset import write_simulation
+        from bench.truth.simulate import simulate as run
+
+        loaded = load_scenario(scenario, {} if seed is None else {"seed": seed})
+        trajectories = resolve_trajectories(loaded, partial(designer, progress=progress))
+        simulation = run(loaded, trajectories, progress=progress)
+        progress.phase("writing the recordings")
+        truth = write_simulation(simulation, output)
     click.echo(
         f"Dataset: {output} ({len(simulation.recordings)} recordings, loop gap {simulation.loop_gap:.1e} m)"
     )

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.progress import quiet_option, shown_progress
+
 
 @click.command("sweep")
 @click.argument("sweep_file", metavar="FILE")
@@ -21,6 +23,7 @@ import click
 )
 @click.option("--retry-failed", is_flag=True, help="Run again what failed before.")
 @click.option("--dry-run", is_flag=True, help="Check the file, say how much work it is, and stop.")
+@quiet_option
 def sweep(
     sweep_file: str,
     output: Path | None,
@@ -28,6 +31,7 @@ def sweep(
     scheduler: str | None,
     retry_failed: bool,
     dry_run: bool,
+    quiet: bool,
 ) -> int:
     """Run a sweep of scenarios: noise, gains, payloads, estimators.
 
@@ -39,13 +43,22 @@ def sweep(
     if output is None and not dry_run:
         raise BenchError("sweep: name the folder of the results with -o DIR")
 
-    from bench.sweep.command import run_command
+    with shown_progress(quiet):
+        from bench.sweep.command import run_command
+        from bench.sweep.workers import Workers
 
     code = run_command(
-        sweep_file, output, workers=workers, scheduler=scheduler, retry_failed=retry_failed, dry_run=dry_run
+        sweep_file,
+        output,
+        workers=Workers(workers, scheduler),
+        retry_failed=retry_failed,
+        dry_run=dry_run,
+        quiet=quiet,
     )
     if output is not None and not dry_run:
-        from bench.report.write import REPORT_FILE, write_sweep_report
+        with shown_progress(quiet, "drawing the page"):
+            from bench.report.write import REPORT_FILE, write_sweep_report
 
-        click.echo(f"Report: {write_sweep_report(output, output / REPORT_FILE)}")
+            page = write_sweep_report(output, output / REPORT_FILE)
+        click.echo(f"Report: {page}")
     return code

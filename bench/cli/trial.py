@@ -1,10 +1,12 @@
 """`bench trial`: how far a diagnosis of a robot can be trusted."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from bench.cli.options import as_folder
+from bench.cli.progress import quiet_option, shown_progress
 
 
 @click.command("trial")
@@ -48,6 +50,7 @@ from bench.cli.options import as_folder
     metavar="ADDRESS",
     help="A Dask scheduler, such as tcp://HOST:8786, instead of processes here.",
 )
+@quiet_option
 def trial(
     robot: str,
     effects: str,
@@ -56,8 +59,7 @@ def trial(
     scenario: str | None,
     duration: float | None,
     output: Path,
-    workers: int | None,
-    scheduler: str | None,
+    **running: Any,
 ) -> int:
     """Diagnose simulated machines whose hidden effects are known.
 
@@ -65,7 +67,9 @@ def trial(
     to the truth. Finished ones are kept in DIR: stopped and started again, or started with more seeds, the trial
     goes on. The answer does not depend on the number of workers.
     """
-    from bench.trial.command import run_command
+    with shown_progress(running["quiet"]):
+        from bench.sweep.workers import Workers
+        from bench.trial.command import run_command
 
     code = run_command(
         robot,
@@ -75,14 +79,16 @@ def trial(
         seeds=seeds,
         scenario=scenario,
         duration=duration,
-        workers=workers,
-        scheduler=scheduler,
+        workers=Workers(running["workers"], running["scheduler"]),
+        quiet=running["quiet"],
     )
-    from bench.report.write import write_trial_report
-    from bench.robot import load_robot
+    with shown_progress(running["quiet"], "drawing the page"):
+        from bench.report.write import write_trial_report
+        from bench.robot import load_robot
 
-    table = output / f"{load_robot(robot).name}.parquet"
-    click.echo(f"Report: {write_trial_report(table, table.with_suffix('.html'))}")
+        table = output / f"{load_robot(robot).name}.parquet"
+        page = write_trial_report(table, table.with_suffix(".html"))
+    click.echo(f"Report: {page}")
     return code
 
 

@@ -10,6 +10,7 @@ from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared
 from bench.estimate.quick import candidate_columns, linearised, solved_quickly
 from bench.estimate.settle import best_shape
+from bench.progress import SILENT, Progress
 
 INVISIBLE = 1e-4  # of a column's length: less left beside the model's own columns cannot be told from them
 LINEARISATIONS = 3
@@ -41,7 +42,7 @@ def context_of(prepared: Prepared, fit_gains: bool) -> Context:
     return Context(prepared, partial_regression(*solved_quickly(prepared, fit_gains)))
 
 
-def propose(start: Context, catalogue: Mapping[str, Effect]) -> list[Proposal]:
+def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> list[Proposal]:
     """Every effect of the catalogue that the starting model does not have, wherever it can sit."""
     prepared = start.prepared
     weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
@@ -49,6 +50,7 @@ def propose(start: Context, catalogue: Mapping[str, Effect]) -> list[Proposal]:
     present = {(one.effect.name, one.joint) for one in prepared.effects}
     proposals = []
     for name, effect in catalogue.items():
+        progress.advance()
         at = [joint for joint in places.of(effect.place) if (name, joint) not in present]
         if not at:
             continue

@@ -26,6 +26,7 @@ from bench.estimate.quick import solved_quickly
 from bench.estimate.result import Identification, relative_error
 from bench.estimate.settle import present_model, settled
 from bench.estimate.summary import ROBOT
+from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
 
 ROUNDS = 6  # of searching, each about the model that the last one found
@@ -39,6 +40,7 @@ def diagnose(
     *,
     filters: FilterSettings | Mapping[str, Any] | None = None,
     catalogue: Mapping[str, Effect] = CATALOGUE,
+    progress: Progress = SILENT,
 ) -> Diagnosis:
     """Compare the model that has these effects with the data, and find the effects that it lacks.
 
@@ -46,14 +48,17 @@ def diagnose(
     part of each), with as many samples as are independent of each other. All sets of up to three effects
     compete; each must earn its place.
     """
+    progress.phase("preparing the recordings")
     dataset, split = with_judged_parts(dataset)
     start = prepare(dataset, effects, filters, catalogue=catalogue)
     fit_gains = gains_can_be_fitted(start, None)
+    progress.phase("fitting the model as it is")
     start = settled(start, fit_gains)
     before = fit(start, fit_gains=fit_gains)
     barred: dict[str, str] = {}
     while True:
-        model, proposals, system, found = _searched(start, catalogue, fit_gains, barred)
+        model, proposals, system, found = _searched(start, catalogue, fit_gains, barred, progress)
+        progress.phase("fitting what was found")
         model, after = _where_it_shows(start, model, fit_gains)
         added = model.effects[len(start.effects) :]
         out = impossible_effects(after, added)
@@ -65,6 +70,7 @@ def diagnose(
         if not out:
             break
         barred |= out
+    progress.phase("judging every effect")
     places: dict[str, tuple[str, ...]] = {}
     for one in added:
         at = (one.joint,) if one.joint else dataset.robot.joints
@@ -91,18 +97,24 @@ def diagnose(
 
 
 def _searched(
-    start: Prepared, catalogue: Mapping[str, Effect], fit_gains: bool, barred: Collection[str]
+    start: Prepared,
+    catalogue: Mapping[str, Effect],
+    fit_gains: bool,
+    barred: Collection[str],
+    progress: Progress,
 ) -> tuple[Prepared, list[Proposal], System, Found]:
     """Search, linearise about what was found, and search again until the same is found.
 
     barred: effects that may not be found: of an impossible sign, or superfluous.
     """
-    proposals = propose(context_of(start, fit_gains), catalogue)
+    progress.phase("searching, round 1", len(catalogue))
+    proposals = propose(context_of(start, fit_gains), catalogue, progress)
     system, found = _judged(start, start, proposals, fit_gains, barred)
     tried: list[frozenset[int]] = []
     for _ in range(ROUNDS):
-        model, proposals, system, found = _again(start, proposals, system, found, fit_gains, barred)
+        model, proposals, system, found = _again(start, proposals, system, found, fit_gains, barred, progress)
         tried.append(frozenset(found.best.fit.chosen))
+        progress.phase("searching for partners")
         better = _with_partner(start, model, proposals, found, fit_gains, barred)
         if better is None or frozenset(better[2].best.fit.chosen) in tried:
             break
@@ -117,6 +129,7 @@ def _again(
     found: Found,
     fit_gains: bool,
     barred: Collection[str],
+    progress: Progress,
 ) -> tuple[Prepared, list[Proposal], System, Found]:
     """Linearise about what was found, and search again, until the same is found: the settled model with it."""
     seen: list[set[str]] = []
@@ -125,8 +138,9 @@ def _again(
         if not chosen or {one.name for one in chosen} in seen[:-1]:
             break
         seen.append({one.name for one in chosen})
+        progress.phase(f"searching, round {len(seen) + 1}", len(proposals))
         model = _with(start, proposals, found.best.fit.chosen, fit_gains)
-        proposals = _reshaped(start, model, proposals, system, found, fit_gains)
+        proposals = _reshaped(start, model, proposals, system, found, fit_gains, progress)
         system, found = _judged(start, model, proposals, fit_gains, barred)
         if {proposals[i].name for i in found.best.fit.chosen} == {one.name for one in chosen}:
             break
@@ -184,6 +198,7 @@ def _reshaped(
     system: System,
     found: Found,
     fit_gains: bool,
+    progress: Progress,
 ) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
@@ -195,6 +210,7 @@ def _reshaped(
     contexts: dict[int | None, Context] = {None: context_of(model, fit_gains)}
     result = []
     for i, proposal in enumerate(proposals):
+        progress.advance()
         if i in found.best.fit.chosen:
             instances = tuple(one for one in added if one.effect.name == proposal.name)
             result.append(replace(proposal, instances=instances))

@@ -8,6 +8,7 @@ from bench.dataset import Dataset
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.result import Diagnosis
 from bench.effects import catalogue_for
+from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
 
 
@@ -17,12 +18,14 @@ def find_missing_effects(
     *,
     filters: FilterSettings | Mapping[str, Any] | None = None,
     effect_files: Iterable[str | Path] = (),
+    progress: Progress = SILENT,
 ) -> Diagnosis:
     """Which physical effects the model lacks, judged on recordings that were not fitted.
 
     effects: those that the model has already, each as EFFECT or EFFECT:JOINT. filters: settings by name, the
     others chosen from the data. effect_files: Python files with effects of your own, which compete as well as
-    those that the dataset names. Raises BenchError naming what in dataset, robot or files cannot be used.
+    those that the dataset names. progress: told how far the search is. Raises BenchError naming what in
+    dataset, robot or files cannot be used.
     """
     catalogue = catalogue_for(dataset.effect_files, [Path(file) for file in effect_files])
-    return diagnose(dataset, effects, filters=filters, catalogue=catalogue)
+    return diagnose(dataset, effects, filters=filters, catalogue=catalogue, progress=progress)

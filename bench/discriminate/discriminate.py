@@ -22,6 +22,7 @@ from bench.effects.names import begun
 from bench.errors import BenchError
 from bench.excite.limits import feasible_motion
 from bench.payload import Payload
+from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
 
 LONGEST, SHORTEST = 30.0, 5.0  # s: of a motion whose duration is not given
@@ -44,6 +45,7 @@ def discriminate(
     seed: int = 0,
     filters: FilterSettings | Mapping[str, Any] | None = None,
     catalogue: Mapping[str, Effect] | None = None,
+    progress: Progress = SILENT,
 ) -> Discrimination:
     """The motion on which models with the one or the other effect differ most, inside the robot's limits.
 
@@ -59,6 +61,7 @@ def discriminate(
     if not widen > 0.0:
         raise BenchError(f"the factor on the limits must be positive, not {widen:g}")
     known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
+    progress.phase("fitting both models")
     rivals = fit_rivals(_with_second_payload(dataset), requests, effects, filters, known)
     first = rivals[0]
     noise, around = noise_of(rivals), envelope(first, widen)
@@ -69,9 +72,10 @@ def discriminate(
     asked: tuple[Question, ...] = (question(*rivals, noise), question(*rivals[::-1], noise))
     asked = () if absorbed else asked
     loads = list(dict.fromkeys([None, *(one.recording.payload for one in measured)]))
+    progress.phase("testing whether one effect can do what the other does")
     imitated = _imitated(asked, around, loads, duration, seed)
     asked = tuple(one for one in asked if one.truth.request not in imitated)
-    motion = best_motion(asked, around, loads, duration, seed) if asked else None
+    motion = best_motion(asked, around, loads, duration, seed, progress) if asked else None
     shown = {one.request: 0.0 if one.absorbed else shown_nats(one) for one in rivals}
     nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < NEEDED
     motion = None if nothing else motion
@@ -98,7 +102,7 @@ def discriminate(
     if motion is None or found.tells:
         return found
     heavier = _heavier(asked, around, motion, first)
-    far = best_motion(asked, envelope(first, WIDER * widen), loads, duration, seed)
+    far = best_motion(asked, envelope(first, WIDER * widen), loads, duration, seed, progress)
     return replace(found, second=heavier, wider=None if far is None else (WIDER * widen, far.nats))
 
 

@@ -12,6 +12,7 @@ from bench.discriminate.separation import Question, Separation, separation
 from bench.errors import BenchError
 from bench.excite.design import Movement, changed, drawn, feasible
 from bench.excite.limits import feasible_motion
+from bench.progress import SILENT, Progress
 from bench.trajectory import FourierTrajectory
 
 STARTS, STEPS = 40, 80  # random motions, the best of which is improved
@@ -46,19 +47,24 @@ def best_motion(
     loads: Sequence[str | None],
     duration: float,
     seed: int,
+    progress: Progress = SILENT,
 ) -> Design | None:
     """The motion of `duration` s with the largest evidence, the smaller of all answers; None without any."""
     random = np.random.default_rng(seed)
     rivals = tuple({one.truth.request: one.truth for one in questions}.values())
     best: tuple[Movement, Design] | None = None
+    progress.phase("trying random motions", STARTS)
     for i, (movement, trajectory) in enumerate(starts(rivals[0], envelope, duration, random)):
+        progress.advance()
         found = judged(questions, envelope, [loads[i % len(loads)]], trajectory)
         if found is not None and (best is None or found.nats > best[1].nats):
             best = movement, found
     if best is None:
         return None
     movement, design = best
+    progress.phase("improving the best motion", STEPS)
     for step in range(STEPS):
+        progress.advance()
         spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
         near, other = _varied(envelope, movement, design.trajectory, spread, random)
         found = judged(questions, envelope, [design.payload], other)

@@ -13,6 +13,7 @@ from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.payload import Payload
+from bench.progress import SILENT, Progress
 from bench.robot import Robot
 from bench.trajectory import FourierTrajectory, random_trajectory
 
@@ -52,7 +53,7 @@ class Designed:
     condition: float
 
 
-def design_trajectories(robot: Robot, movements: Sequence[Movement]) -> Designed:
+def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: Progress = SILENT) -> Designed:
     """Trajectories inside all limits; those of fitted recordings make the condition number small.
 
     The criterion is the condition number of the observation matrix with columns of unit length, drive gain
@@ -66,7 +67,9 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement]) -> Designed
     fitted = [movement for movement in movements if movement.fitted]
     best: dict[str, FourierTrajectory] = {}
     lowest = np.inf
+    progress.phase("designing trajectories", STARTS + STEPS)
     for _ in range(STARTS):
+        progress.advance()
         trajectories = {m.name: feasible(model, limits, m, drawn(m, random)) for m in fitted}
         value = _condition(model, limits, fitted, trajectories)
         if value < lowest:
@@ -74,6 +77,7 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement]) -> Designed
     if fitted and not best:
         raise BenchError(f"robot {robot.name}: no exciting trajectory found inside the limits")
     for step in range(STEPS if fitted else 0):
+        progress.advance()
         spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
         movement = fitted[step % len(fitted)]
         other = {**best, movement.name: within(movement, changed(best[movement.name], spread, random))}

@@ -1,22 +1,25 @@
 """The movements of a scenario, designed."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 
 from bench.excite.design import Designed, Movement, design_trajectories
+from bench.progress import SILENT, Progress
 from bench.robot import Robot
 from bench.scenario import Scenario, design_center, payload_declared, per_joint
 from bench.scenario_tables import RecordingTable
 from bench.trajectory import FourierTrajectory
 
 
-def designer(scenario: Scenario, recordings: Sequence[RecordingTable]) -> dict[str, FourierTrajectory]:
+def designer(
+    scenario: Scenario, recordings: Sequence[RecordingTable], progress: Progress = SILENT
+) -> dict[str, FourierTrajectory]:
     """Trajectories for the recordings of a scenario that ask for an optimised one, by recording name."""
-    robot = scenario.robot
     movements = tuple(_movement(scenario, recording) for recording in recordings)
-    return dict(_designed(robot, _Key(movements)).trajectories)
+    return dict(_designed(_Request(scenario.robot, _Key(movements), progress)).trajectories)
 
 
 class _Key(tuple[Movement, ...]):
@@ -29,9 +32,18 @@ class _Key(tuple[Movement, ...]):
         return repr(self) == repr(other)
 
 
+@dataclass(frozen=True)
+class _Request:
+    """What is designed; requests of which only the progress differs are the same."""
+
+    robot: Robot
+    movements: _Key
+    progress: Progress = field(compare=False)
+
+
 @lru_cache(maxsize=64)
-def _designed(robot: Robot, movements: _Key) -> Designed:
-    return design_trajectories(robot, movements)
+def _designed(request: _Request) -> Designed:
+    return design_trajectories(request.robot, request.movements, request.progress)
 
 
 def _movement(scenario: Scenario, recording: RecordingTable) -> Movement:

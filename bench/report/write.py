@@ -8,6 +8,7 @@ from bench.effects import catalogue_for
 from bench.estimate.model_file import Comparison
 from bench.estimate.result import Identification
 from bench.files import write_text_atomically
+from bench.progress import SILENT, Progress
 from bench.report.content import comparison_page, diagnosis_page, identification_page
 from bench.report.content_run import Run, quoted
 from bench.report.content_sweep import read_sweep, sweep_page
@@ -28,10 +29,14 @@ def write_page(path: Path, page: Page, workbench: Workbench | None = None) -> Pa
     return path
 
 
-def write_diagnosis_report(folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: Run) -> Path:
+def write_diagnosis_report(
+    folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: Run, progress: Progress = SILENT
+) -> Path:
     """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
     keep_run(folder, run, dataset, diagnosis.after, diagnosis)
-    return write_kept(folder / REPORT_FILE, Kept(run, dataset, diagnosis.after, diagnosis, ""), folder)
+    return write_kept(
+        folder / REPORT_FILE, Kept(run, dataset, diagnosis.after, diagnosis, ""), folder, progress
+    )
 
 
 def write_identification_report(
@@ -42,15 +47,17 @@ def write_identification_report(
     return write_kept(folder / REPORT_FILE, Kept(run, dataset, result, None, model), folder)
 
 
-def write_kept(path: Path, kept: Kept, folder: Path | None = None) -> Path:
+def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Progress = SILENT) -> Path:
     """Write the page of a run, made just now or read from its folder."""
     again = [kept.run.line()]
     if folder is not None:
         again.append(f"bench report {quoted(folder)} -o {quoted(path)}")
     after, workbench = kept.after, None
+    progress.phase("drawing the page")
     if kept.diagnosis is not None:
         catalogue = catalogue_for(kept.dataset.effect_files, [Path(one) for one in kept.run.effect_files])
         page = diagnosis_page(kept.diagnosis, kept.dataset, again, catalogue)
+        progress.phase("preparing the workbench of the page")
         workbench = Workbench(page_data(kept.dataset, kept.diagnosis, catalogue), script(), style())
     elif kept.model:
         comparison = Comparison(after.robot, kept.model, after.recordings, after.error)

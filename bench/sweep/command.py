@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from pathlib import Path
 
@@ -12,15 +11,15 @@ from rich.markup import escape
 from bench.sweep.console import table_console
 from bench.sweep.extent import Extent, extent
 from bench.sweep.plan import Plan, make_plan
-from bench.sweep.pool import LocalPool, Pool, start_server
 from bench.sweep.preflight import check_plan
 from bench.sweep.print_summary import print_summary
-from bench.sweep.progress import duration_text, shown_progress
+from bench.sweep.progress import duration_text, progress_console, shown_progress
 from bench.sweep.results import SUMMARY, write_plots, write_summary
 from bench.sweep.run_sweep import Finished, run_sweep, written
 from bench.sweep.sweep_file import load_sweep
 from bench.sweep.table import read_table
 from bench.sweep.work import FAILED, IdentificationWork
+from bench.sweep.workers import ON_ALL_CORES, Workers
 
 MOST_REASONS = 5
 
@@ -29,36 +28,30 @@ def run_command(
     sweep_file: str,
     folder: Path | None,
     *,
-    workers: int | None = None,
-    scheduler: str | None = None,
+    workers: Workers = ON_ALL_CORES,
     retry_failed: bool = False,
     dry_run: bool = False,
+    quiet: bool = False,
 ) -> int:
     """Run a sweep and write table, summary and figures into `folder`; returns the exit code."""
     console = table_console()
-    count = workers or len(os.sched_getaffinity(0))
-    if not dry_run and scheduler is None:
-        start_server()
+    if not dry_run:
+        workers.warm_up()
     plan = make_plan(load_sweep(sweep_file))
     check_plan(plan)
     name, description = escape(plan.sweep.name), escape(plan.sweep.table.description)
     console.print(f"[bold]{name}[/]  {description}", highlight=False)
-    console.print(_extent_text(plan, extent(plan), count, scheduler), highlight=False, markup=False)
+    console.print(_extent_text(plan, extent(plan), workers), highlight=False, markup=False)
     if dry_run or folder is None:
         return 0
 
-    def make_pool() -> Pool:
-        if scheduler is None:
-            return LocalPool(count)
-        from bench.sweep.dask_pool import DaskPool  # noqa: PLC0415 - an optional extra
-
-        return DaskPool(scheduler)
-
     start = time.monotonic()
-    with shown_progress(console, plan.size) as report:
+    with shown_progress(progress_console(quiet), plan.size) as report:
         work = IdentificationWork(plan.sweep.table.record)
         try:
-            finished = run_sweep(plan, folder, make_pool, work, report, retry_failed=retry_failed)
+            finished = run_sweep(
+                plan, folder, workers.pool, work, report, retry_failed=retry_failed, phase=report.phase
+            )
         except KeyboardInterrupt:
             console.print("Stopped. Finished runs are kept: the same command goes on with the others.")
             raise
@@ -66,18 +59,18 @@ def run_command(
         return _show(console, plan, finished, time.monotonic() - start)
 
 
-def _extent_text(plan: Plan, work: Extent, workers: int, scheduler: str | None) -> str:
+def _extent_text(plan: Plan, work: Extent, workers: Workers) -> str:
     axes = [f"{len(axis.points)} × {axis.name}" for axis in plan.sweep.grid]
     drawn = [name for name in plan.axis_names if name not in {axis.name for axis in plan.sweep.grid}]
     counts = ", ".join([*axes, _counted(len(plan.sweep.seeds), "seed"), *(f"{name} drawn" for name in drawn)])
     text = f"{_counted(work.runs, 'run')} ({counts}), {_counted(work.motions, 'simulation')}"
     if work.designs:
         text += f", {_counted(work.designs, 'design')} of trajectories"
-    if scheduler is not None:
-        return f"{text}, on {scheduler}"
-    seconds = work.seconds(workers)
+    if workers.scheduler is not None:
+        return f"{text}, on {workers.scheduler}"
+    seconds = work.seconds(workers.count)
     about = "" if seconds is None else f", about {duration_text(seconds)}"
-    return f"{text}{about} with {_counted(workers, 'worker')}"
+    return f"{text}{about} with {_counted(workers.count, 'worker')}"
 
 
 def _counted(count: int, noun: str) -> str:

@@ -17,6 +17,12 @@ FEWEST_AHEAD = 8
 
 Report = Callable[[Journal], None]
 """Told whenever runs are finished."""
+Phase = Callable[[str], None]
+"""Told what goes on before any run is finished."""
+
+
+def silent(_: str) -> None:
+    """Tell nobody of the phase."""
 
 
 class Planned(Protocol):
@@ -112,7 +118,7 @@ class Driver:
         self._jobs: dict[int, _CommonJob | _RunJob] = {}
         self._next = 0
 
-    def run(self, report: Report) -> None:
+    def run(self, report: Report, phase: Phase = silent) -> None:
         """Work until nothing is left."""
         while True:
             while len(self._window) < self._limit and (following := next(self._sets, None)) is not None:
@@ -126,6 +132,7 @@ class Driver:
                 for name in known.keys() - needed:
                     del known[name]
             self._window = [one for one in self._window if not self._hand_out(one)]
+            phase(self._doing())
             if self._jobs:
                 for outcome in self._pool.outcomes():
                     self._take(outcome)
@@ -156,6 +163,13 @@ class Driver:
             return False
         self._submit_runs(_RunJob(one.runs, design.value, motion))
         return True
+
+    def _doing(self) -> str:
+        """What the runs that come next are waiting for."""
+        common = [job.found for job in self._jobs.values() if isinstance(job, _CommonJob)]
+        if any(found is self._designs for found in common):
+            return "designing trajectories"
+        return "simulating shared motions" if common and len(common) == len(self._jobs) else "runs"
 
     def _ask(self, job: _CommonJob, task: Callable[[], Task]) -> None:
         if not any(isinstance(other, _CommonJob) and other.name == job.name for other in self._jobs.values()):

@@ -5,12 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Protocol
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    Task,
+    TextColumn,
+)
 from rich.text import Text
 
-from bench.sweep.drive import Report
 from bench.sweep.journal import Journal
 
 SAY_EVERY = 30.0  # s between lines where there is no terminal to draw a bar on
@@ -37,13 +45,24 @@ class _Failures(ProgressColumn):
         return Text(f"{failed} failed" if failed else "", "red")
 
 
+class ShownProgress(Protocol):
+    """Where finished runs are reported, and what goes on before there are any."""
+
+    def __call__(self, journal: Journal) -> None:
+        """Show how many runs are finished."""
+
+    def phase(self, name: str) -> None:
+        """Show what goes on."""
+
+
 @contextmanager
-def shown_progress(console: Console, total: int) -> Iterator[Report]:
-    """A bar on a terminal, a line every half minute elsewhere."""
+def shown_progress(console: Console, total: int) -> Iterator[ShownProgress]:
+    """A bar on a terminal, a line every half minute elsewhere; nothing on a console that is quiet."""
     if not console.is_terminal:
-        yield _spoken(console, total)
+        yield _Spoken(console, total)
         return
     columns = (
+        SpinnerColumn(),
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
@@ -51,34 +70,62 @@ def shown_progress(console: Console, total: int) -> Iterator[Report]:
         _Left(),
         _Failures(),
     )
-    with Progress(*columns, console=console) as progress:
-        task = progress.add_task("runs", total=total, before=None, failed=0)
-
-        def report(journal: Journal) -> None:
-            if progress.tasks[0].fields["before"] is None:
-                progress.update(task, before=journal.count)
-            progress.update(task, completed=journal.count, failed=len(journal.failed))
-
-        yield report
+    with Progress(*columns, console=console, disable=console.quiet) as progress:
+        yield _Bar(progress, total)
 
 
-def _spoken(console: Console, total: int) -> Report:
-    start, said, before = time.monotonic(), time.monotonic(), -1
+def progress_console(quiet: bool) -> Console:
+    """The standard error, where bars are drawn; quiet: nothing is."""
+    return Console(stderr=True, quiet=quiet)
 
-    def report(journal: Journal) -> None:
-        nonlocal said, before
+
+class _Bar:
+    """Runs that are finished of all, or the phase that comes before."""
+
+    def __init__(self, progress: Progress, total: int) -> None:
+        self._progress = progress
+        self._task = progress.add_task("runs", total=total, before=None, failed=0)
+        self._phase = "runs"
+
+    def __call__(self, journal: Journal) -> None:
+        task = self._progress.tasks[0]
+        before = journal.count if task.fields["before"] is None else task.fields["before"]
+        name = self._phase if journal.count == before else "runs"
+        self._progress.update(
+            self._task, description=name, completed=journal.count, failed=len(journal.failed), before=before
+        )
+
+    def phase(self, name: str) -> None:
+        self._phase = name
+        task = self._progress.tasks[0]
+        if task.completed == (task.fields["before"] or 0):
+            self._progress.update(self._task, description=name)
+
+
+class _Spoken:
+    """Lines, where there is no terminal to draw a bar on."""
+
+    def __init__(self, console: Console, total: int) -> None:
+        self._console, self._total = console, total
+        self._start = self._said = time.monotonic()
+        self._before = -1
+
+    def __call__(self, journal: Journal) -> None:
         now = time.monotonic()
-        if before < 0:
-            before = journal.count
-        if now - said < SAY_EVERY:
+        if self._before < 0:
+            self._before = journal.count
+        if now - self._said < SAY_EVERY:
             return
-        said = now
-        rate = _rate(journal.count - before, now - start)
-        left = f", {duration_text((total - journal.count) / rate)} left" if rate else ""
+        self._said = now
+        rate = _rate(journal.count - self._before, now - self._start)
+        left = f", {duration_text((self._total - journal.count) / rate)} left" if rate else ""
         failed = f", {len(journal.failed)} failed" if journal.failed else ""
-        console.print(f"{journal.count} of {total} runs, {rate_text(rate)}{left}{failed}", highlight=False)
+        self._console.print(
+            f"{journal.count} of {self._total} runs, {rate_text(rate)}{left}{failed}", highlight=False
+        )
 
-    return report
+    def phase(self, name: str) -> None:
+        """A log is told of finished runs alone."""
 
 
 def rate_text(rate: float) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from bench.errors import BenchError
 from bench.files import write_json_atomically, write_text_atomically
-from bench.sweep.drive import Driver, Report, Work
+from bench.sweep.drive import Driver, Phase, Report, Work, silent
 from bench.sweep.journal import Journal
 from bench.sweep.plan import Plan, digest
 from bench.sweep.pool import Pool
@@ -40,14 +40,17 @@ def run_sweep(
     *,
     retry_failed: bool = False,
     designs: Path | None = None,
+    phase: Phase = silent,
 ) -> Finished:
     """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's own by default.
+
+    report: told whenever runs are finished; phase: what goes on until then.
 
     Started again on the same folder after whatever end it goes on, and the table is the same to the last bit.
     Raises BenchError if the folder belongs to another sweep, or cannot be written.
     """
     with written(folder):
-        return _run(plan, folder, make_pool, work, report, retry_failed, designs or folder / DESIGNS)
+        return _run(plan, folder, make_pool, work, report, retry_failed, designs or folder / DESIGNS, phase)
 
 
 @contextmanager
@@ -68,6 +71,7 @@ def _run(
     report: Report,
     retry_failed: bool,
     designs: Path,
+    phase: Phase,
 ) -> Finished:
     _claim(plan, folder)
     journal = Journal(folder / JOURNAL, plan.size)
@@ -75,9 +79,10 @@ def _run(
         report(journal)
         kept = journal.count - (len(journal.failed) if retry_failed else 0)
         if journal.count < plan.size or (retry_failed and journal.failed):
+            phase("starting workers")
             pool = make_pool()
             try:
-                Driver(plan, journal, pool, work, designs, retry_failed=retry_failed).run(report)
+                Driver(plan, journal, pool, work, designs, retry_failed=retry_failed).run(report, phase)
             finally:
                 pool.close()
         metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}

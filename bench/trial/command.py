@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -22,8 +21,8 @@ from bench.files import atomic_path, write_text_atomically
 from bench.sweep.console import table_console
 from bench.sweep.drive import Report
 from bench.sweep.journal import Row
-from bench.sweep.pool import LocalPool, Pool, start_server
-from bench.sweep.progress import duration_text, shown_progress
+from bench.sweep.progress import ShownProgress, duration_text, progress_console, shown_progress
+from bench.sweep.workers import ON_ALL_CORES, Workers
 from bench.trial.cases import KINDS, Kind, chosen_effects
 from bench.trial.figures import write_figures
 from bench.trial.markdown import parts, trial_markdown
@@ -44,14 +43,12 @@ def run_command(
     seeds: int = 3,
     scenario: str | None = None,
     duration: float | None = None,
-    workers: int | None = None,
-    scheduler: str | None = None,
+    workers: Workers = ON_ALL_CORES,
+    quiet: bool = False,
 ) -> int:
     """Run a trial; table, page and figures go to `folder` under the robot's name. Returns the exit code."""
     console = table_console()
-    count = workers or len(os.sched_getaffinity(0))
-    if scheduler is None:
-        start_server()
+    workers.warm_up()
     setup = make_setup(robot, scenario, duration)
     asked = {"robot": robot, "scenario": scenario, "duration": duration}
     given = {name: value for name, value in asked.items() if value is not None}
@@ -59,22 +56,22 @@ def run_command(
     _check(setup, request)
     start = time.monotonic()
 
-    def make_pool() -> Pool:
-        if scheduler is None:
-            return LocalPool(count)
-        from bench.sweep.dask_pool import DaskPool  # noqa: PLC0415 - an optional extra
-
-        return DaskPool(scheduler)
-
+    bars = progress_console(quiet)
+    bars.quiet = quiet or not bars.is_terminal  # a log is told of finished kinds alone
+    shown: list[ShownProgress] = []
     with ExitStack() as stack:
 
         def progress(plan: TrialPlan) -> Report:
-            console.print(f"[bold]{setup.name}[/], {plan.kind}: {plan.size} datasets", highlight=False)
             stack.close()  # the bar of the kind before
-            return stack.enter_context(shown_progress(console, plan.size))
+            console.print(f"[bold]{setup.name}[/], {plan.kind}: {plan.size} datasets", highlight=False)
+            shown.append(stack.enter_context(shown_progress(bars, plan.size)))
+            return shown[-1]
+
+        def phase(name: str) -> None:
+            shown[-1].phase(name)
 
         try:
-            rows = run_trial(request, folder / setup.name, make_pool, progress)
+            rows = run_trial(request, folder / setup.name, workers.pool, progress, phase)
         except KeyboardInterrupt:
             console.print("Stopped. Finished datasets are kept: the same command goes on with the others.")
             raise

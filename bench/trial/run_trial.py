@@ -9,7 +9,7 @@ from pathlib import Path
 
 from bench.errors import BenchError
 from bench.files import write_json_atomically
-from bench.sweep.drive import Driver, Report
+from bench.sweep.drive import Driver, Phase, Report, silent
 from bench.sweep.journal import Journal, Row
 from bench.sweep.plan import digest
 from bench.sweep.pool import Pool
@@ -46,6 +46,7 @@ def run_trial(
     folder: Path,
     make_pool: Callable[[], Pool],
     progress: Callable[[TrialPlan], Report],
+    phase: Phase = silent,
 ) -> list[Row]:
     """Work off all cases that are not in `folder` yet; returns all rows of this robot that are there.
 
@@ -62,8 +63,10 @@ def run_trial(
             )
             try:
                 if any(number not in journal for number in range(plan.size)):
+                    report = progress(plan)
+                    phase("starting workers")
                     pool = pool or make_pool()
-                    Driver(plan, journal, pool, TrialWork(plan), folder / DESIGNS).run(progress(plan))
+                    Driver(plan, journal, pool, TrialWork(plan), folder / DESIGNS).run(report, phase)
             finally:
                 journal.close()
     finally:

@@ -11,6 +11,7 @@ from mujoco.batch import Batch, SimulationError
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.progress import SILENT, Progress
 from bench.toml_input import one_line
 from bench.trajectory import FourierTrajectory
 from bench.truth.assembly import assembled, holding_torque
@@ -66,7 +67,11 @@ class Motion:
 
 
 def simulate_motion(
-    machine: Machine, runs: Sequence[Run], timing: Timing, threads: int = 2
+    machine: Machine,
+    runs: Sequence[Run],
+    timing: Timing,
+    threads: int = 2,
+    progress: Progress = SILENT,
 ) -> tuple[Motion, ...]:
     """The motion of every run, all of them side by side; the number of threads changes nothing but the time.
 
@@ -83,6 +88,7 @@ def simulate_motion(
     total = timing.settle + max(run.samples for run in runs)
     size = max(1, CHUNK // timing.log_every)
     chunks = []
+    progress.phase("simulating", -(-total // size))
     for first in range(0, total, size):
         steps = np.arange(first * timing.log_every, min(first + size, total) * timing.log_every)
         time = timing.step * (steps - timing.settle * timing.log_every).astype(np.float64)
@@ -101,6 +107,7 @@ def simulate_motion(
                     f" {time[-1]:.3g} s; a smaller step or a softer controller may help"
                 )
         chunks.append(states)
+        progress.advance()
     return tuple(_motion(i, run, timing, chunks) for i, run in enumerate(runs))
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.progress import SILENT, Progress
 from bench.robot import Robot
 from bench.scenario import Scenario, per_joint, resolve_trajectories
 from bench.scenario_tables import RecordingTable
@@ -71,12 +72,15 @@ class Simulation:
 
 
 def simulate(
-    scenario: Scenario, trajectories: Mapping[str, FourierTrajectory] | None = None, threads: int = 2
+    scenario: Scenario,
+    trajectories: Mapping[str, FourierTrajectory] | None = None,
+    threads: int = 2,
+    progress: Progress = SILENT,
 ) -> Simulation:
     """Simulate all recordings of a scenario; the same scenario gives the same numbers to the last bit.
 
     trajectories: by recording name; without them those of `resolve_trajectories`.
-    threads: of the computation; the result does not depend on it.
+    threads: of the computation; the result does not depend on it. progress: told of every part that is done.
     Raises BenchError if the machine cannot be built, the simulation diverges, a loop opens by more than the
     tolerance `loop_gap` of the scenario (1e-4 m if it has none), the robot is lost by its controller or a
     joint reaches its end stop.
@@ -91,7 +95,7 @@ def simulate(
     ]
     start = time.perf_counter()
     try:
-        motions = simulate_motion(machine, runs, timing, threads)
+        motions = simulate_motion(machine, runs, timing, threads, progress)
     except BenchError as error:
         raise BenchError(f"scenario {scenario.name}: {error}") from error
     seconds = time.perf_counter() - start

@@ -1,0 +1,71 @@
+"""A line at the foot of the terminal: phase, bar, steps, time so far and time left."""
+
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    Task,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+
+class _Steps(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        """Steps done of all, where it is known how many there are."""
+        return Text("" if task.total is None else f"{task.completed:g}/{task.total:g}", "dim")
+
+
+class _Left(TimeRemainingColumn):
+    def render(self, task: Task) -> Text:
+        """Time left of the phase, once its steps tell."""
+        if task.time_remaining is None:
+            return Text("")
+        return super().render(task).append(" left")
+
+
+class ProgressBar:
+    """Shows the phase that runs, on standard error, while it is entered; leaves nothing behind."""
+
+    def __init__(self, phase: str) -> None:
+        self._bars = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            _Steps(),
+            TimeElapsedColumn(),
+            _Left(compact=True),
+            console=Console(stderr=True),
+            transient=True,
+            redirect_stdout=False,
+            redirect_stderr=False,
+        )
+        self._task = self._bars.add_task(phase, total=None)
+
+    def __enter__(self) -> Self:
+        self._bars.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._bars.stop()
+
+    def phase(self, name: str, total: int | None = None) -> None:
+        """Show another phase from its beginning."""
+        self._bars.remove_task(self._task)
+        self._task = self._bars.add_task(name, total=total)
+
+    def advance(self, steps: int = 1) -> None:
+        """Move the bar."""
+        self._bars.advance(self._task, steps)

@@ -1,0 +1,96 @@
+"""Long work says what it is doing on a terminal, and nothing elsewhere."""
+
+import os
+import pty
+import select
+import subprocess
+import sys
+import time
+
+import pytest
+
+from bench.cli import main
+
+PATIENCE = 60.0  # s: a machine that does other work as well is slow to start a process
+FIRST = {
+    "simulate": ["simulate", "tutorial", "-o", "{folder}/out"],
+    "diagnose": ["diagnose", "{data}"],
+    "report": ["report", "{data}", "-o", "{folder}/page.html"],
+    "discriminate": [
+        "discriminate",
+        "{data}",
+        "coulomb_friction",
+        "viscous_friction",
+        "-o",
+        "{folder}/motion",
+    ],
+    "trial": ["trial", "five_bar", "--kinds", "nothing", "--seeds", "1", "-o", "{folder}/trial"],
+    "sweep": ["sweep", "five_bar_seeds", "-o", "{folder}/sweep", "--workers", "1"],
+}
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("simulated") / "data"
+    assert main(["simulate", "tutorial", "-o", str(folder)]) == 0
+    return folder
+
+
+def shown(arguments, until):
+    """What a command writes to a terminal on its standard error, until that has every one of the words."""
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "bench", *arguments]
+    text, end = "", time.monotonic() + PATIENCE
+    environment = {**os.environ, "TERM": "xterm", "COLUMNS": "160"}
+    with subprocess.Popen(command, stderr=theirs, stdout=subprocess.DEVNULL, env=environment) as process:
+        os.close(theirs)
+        while not all(word in text for word in until) and time.monotonic() < end:
+            if select.select([ours], [], [], 1.0)[0]:
+                try:
+                    text += os.read(ours, 65536).decode(errors="replace")
+                except OSError:  # the command has ended
+                    break
+        process.terminate()
+    os.close(ours)
+    return text
+
+
+def arguments(name, folder, data):
+    return [word.format(folder=folder, data=data) for word in FIRST[name]]
+
+
+@pytest.mark.parametrize(
+    ("name", "phases"),
+    [
+        ("simulate", ["starting", "designing trajectories", "simulating"]),
+        ("diagnose", ["starting", "reading the recordings", "searching, round 1"]),
+        ("report", ["starting", "reading the recordings"]),
+        ("discriminate", ["starting", "fitting both models"]),
+        ("trial", ["starting", "designing trajectories"]),
+        ("sweep", ["starting", "designing trajectories"]),
+    ],
+)
+def test_a_terminal_shows_the_phases_from_the_beginning(name, phases, tmp_path, data):
+    text = shown(arguments(name, tmp_path, data), phases)
+    places = [text.find(phase) for phase in phases]
+    assert -1 not in places, text
+    assert places == sorted(places)
+
+
+def test_steps_and_time_left_are_shown(tmp_path, data):
+    assert "left" in shown(arguments("simulate", tmp_path, data), ["/132", "left"])
+
+
+def test_nothing_is_shown_when_piped(tmp_path, data, capfd):
+    assert main(arguments("simulate", tmp_path, data)) == 0
+    assert capfd.readouterr().err == ""
+
+
+def test_nothing_is_shown_when_quiet(tmp_path, data):
+    assert shown([*arguments("simulate", tmp_path, data), "--quiet"], ["never"]) == ""
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_long_commands_can_be_quiet(name, capsys):
+    assert main([name, "--help"]) == 0
+    assert "--quiet" in capsys.readouterr().out
