@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.estimate.absorbed import DEPENDENT
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack
 
@@ -28,10 +29,15 @@ class PartialRegression:
         return np.asarray(rows - self.basis @ (self.basis.T @ rows))
 
     def explained(self, columns: np.ndarray) -> tuple[np.ndarray, float]:
-        """Least-squares coefficients (k,) of further columns, and the sum of squares that they explain."""
+        """Least-squares coefficients (k,) of further columns, and the sum of squares that they explain.
+
+        A column that the basis takes up explains nothing: what rounding leaves of it would, by chance.
+        """
         rows = self.left(columns)
         norms = np.linalg.norm(rows, axis=0)
-        norms[norms == 0.0] = 1.0
+        sizes = np.linalg.norm(columns * (self.moving * self.weights)[:, :, None], axis=(0, 1))
+        dependent = norms <= DEPENDENT * sizes
+        rows[:, dependent], norms[dependent] = 0.0, 1.0
         values = np.linalg.lstsq(rows / norms, -self.remainder, rcond=1e-9)[0] / norms
         fitted = rows @ values
         return values, float(-self.remainder @ fitted)
