@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bench.dataset import load_dataset
-from bench.estimate.identify import identify
-from bench.estimate.swapped import LARGE, swapped_notes
+from bench.estimate.identify import identify, prepare
+from bench.estimate.notes import notes_on
+from bench.estimate.swapped import LARGE, LIKELY, swapped_notes
 from tests.workbench_kit import FRICTION, write_dataset
 
 
@@ -54,3 +56,45 @@ def test_nothing_is_suspected_of_good_data_or_of_a_missing_effect(five_bar, lack
     result = identify(lacking)
     assert result.error.identify > LARGE
     assert swapped_notes(lacking, result) == []
+
+
+def test_the_error_told_is_that_of_a_fit_with_the_columns_exchanged(five_bar):
+    wrong = replace(five_bar, recordings=tuple(_exchanged(one, 0, 1) for one in five_bar.recordings))
+    result = identify(wrong)
+    (note,) = swapped_notes(wrong, result)
+    told = float(note.partition("falls to ")[2].partition(" %")[0]) / 100.0
+    right = identify(five_bar, LIKELY, filters=result.settings)
+    assert told == pytest.approx(right.error.identify, rel=0.02)
+    assert swapped_notes(wrong, result, prepare(wrong, (), result.settings)) == [note]
+
+
+def test_currents_that_no_exchange_explains_are_no_swap(five_bar):
+    wrong = replace(
+        five_bar,
+        recordings=tuple(
+            replace(one, current=np.roll(one.current, len(one.time) // 3, axis=0))
+            for one in five_bar.recordings
+        ),
+    )
+    result = identify(wrong)
+    assert result.error.identify > 2.0 * LARGE
+    assert swapped_notes(wrong, result) == []
+
+
+def test_a_swap_must_better_the_very_result_that_it_comments(five_bar):
+    wrong = replace(five_bar, recordings=tuple(_exchanged(one, 0, 1) for one in five_bar.recordings))
+    result, well = identify(wrong), identify(five_bar)
+    assert result.error.identify > 2.0 * LARGE
+    assert swapped_notes(wrong, replace(result, error=well.error)) == []
+
+
+def test_a_reversed_sign_is_told_only_where_the_other_sign_explains_the_current(five_bar):
+    turned = tuple(replace(one, current=one.current * [-1.0, 1.0]) for one in five_bar.recordings)
+    result = identify(replace(five_bar, recordings=turned))
+    (told,) = [note for note in result.notes if "came out negative" in note]
+    assert "the sign of current.left, or of position.left, is probably reversed" in told
+    gain = result.drive_gains["left"]
+    weak = replace(result, drive_gains={**result.drive_gains, "left": replace(gain, value=0.3 * gain.value)})
+    (told,) = [note for note in notes_on(weak, ()).notes if "came out negative" in note]
+    assert "probably reversed" not in told
+    assert "mounted another way" in told

@@ -79,7 +79,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.compare.next_step import left_over, next_step
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
-    from bench.estimate.identify import identify as run
+    from bench.estimate.identify import fit, prepare
     from bench.estimate.model_file import save_model
     from bench.estimate.swapped import swapped_notes
     from bench.show.tables import identification_report
@@ -87,17 +87,15 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
-    result = run(
-        data,
-        effects,
+    prepared = prepare(data, effects, given, catalogue=catalogue_for(data.effect_files, effect_files))
+    result = fit(
+        prepared,
         method,
-        filters=given,
         deviations=deviations,
         fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
         essential=essential,
-        catalogue=catalogue_for(data.effect_files, effect_files),
     )
-    short, swapped = shortness_notes(data.recordings, result.settings), swapped_notes(data, result)
+    short, swapped = shortness_notes(data.recordings, result.settings), swapped_notes(data, result, prepared)
     result = replace(result, notes=(*swapped, *result.notes, *short))
     identification_report(result, Console(), verbose=verbose)
     what = compared(data.robot, data.recordings, result.recordings, result.settings)

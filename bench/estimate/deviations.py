@@ -4,11 +4,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack
 
 FEWEST_LAGS = 6  # of the autocovariance; what the low-pass of the fit makes of white noise dies out sooner
+MOST_LAGS = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the movement
 ALIKE = 3.0  # deviations of a correlation that is none
 
 Deviations = Literal["autocorrelated", "independent"]
@@ -62,34 +64,29 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
     nothing, such as the damping of a drive without a compliance, are left out, with variances of zero.
     """
-    jacobian = jacobian_series(stack, solution) * solution.weights[:, None]
-    residual = residual_series(stack, solution) * solution.weights
-    samples, n, every = jacobian.shape
-    lengths = np.linalg.norm(jacobian.reshape(-1, every), axis=0)
+    triangle = np.concatenate(
+        [
+            weight * _by_unknowns(factor, solution, j)
+            for j, (factor, weight) in enumerate(zip(stack.factors, solution.weights, strict=True))
+        ]
+    )
+    lengths = np.linalg.norm(triangle, axis=0)
     seen = np.flatnonzero(lengths)
     size, lengths = len(seen), lengths[seen]
-    jacobian = jacobian[:, :, seen] / lengths
-    singular = np.linalg.svd(np.linalg.qr(jacobian.reshape(-1, size), mode="r"), compute_uv=False)
+    unit = triangle[:, seen] / lengths
+    singular = np.linalg.svd(np.linalg.qr(unit, mode="r"), compute_uv=False)
     rank = int((singular > 1e-10 * singular[0]).sum())
-    inverse = np.linalg.pinv(np.einsum("kjp,kjq->pq", jacobian, jacobian), rcond=1e-18, hermitian=True)
+    inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-18, hermitian=True)
+    residual = residual_series(stack, solution) * solution.weights
     if deviations == "independent":
         middle = inverse * float(residual[stack.moving].var(ddof=1))
     else:
-        score = sum(
-            _autocorrelated(
-                jacobian[a:b, j],
-                residual[a:b, j],
-                _covariances(residual[:, j], stack.moving[:, j], stack.starts),
-            )
-            for j in range(n)
-            for a, b in zip(stack.starts, (*stack.starts[1:], samples), strict=True)
-        )
         equations = int(stack.moving.sum())
         freedom = equations / max(equations - size, 1)
-        middle = inverse @ score @ inverse * freedom
-    covariance = np.zeros((stack.phi.shape[2] + n,) * 2)
+        middle = inverse @ _score(stack, solution, residual, seen, lengths) @ inverse * freedom
+    covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
     covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
-    raw = np.linalg.svd(np.linalg.qr((jacobian * lengths).reshape(-1, size), mode="r"), compute_uv=False)
+    raw = np.linalg.svd(np.linalg.qr(triangle[:, seen], mode="r"), compute_uv=False)
     return Uncertainty(
         covariance,
         rank,
@@ -97,6 +94,34 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         float(raw[0] / max(raw[-1], np.finfo(float).tiny)),
         float(singular[0] / max(singular[-1], np.finfo(float).tiny)),
     )
+
+
+def _by_unknowns(rows: np.ndarray, solution: Solution, motor: int) -> np.ndarray:
+    """A motor's rows (K, p + 2) of [phi, kappa, current] as derivatives (K, P) of its modelled side."""
+    p, gain = len(solution.theta), solution.gains[motor]
+    columns = np.zeros((len(rows), p + (len(solution.gains) if solution.gains_fitted else 0)))
+    columns[:, :p] = rows[:, :p] if solution.domain == "torque" else rows[:, :p] / gain
+    if solution.gains_fitted and solution.domain == "torque":
+        columns[:, p + motor] = -rows[:, p + 1]
+    elif solution.gains_fitted:
+        columns[:, p + motor] = -(rows[:, :p] @ solution.theta + rows[:, p]) / gain**2
+    return columns
+
+
+def _score(
+    stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
+) -> np.ndarray:
+    """J' Sigma J (P, P) of the weighted derivatives by the unknowns seen, each divided by its length."""
+    ends = (*stack.starts[1:], len(residual))
+    total = np.zeros((len(seen),) * 2)
+    for j, weight in enumerate(solution.weights):
+        covariances = _covariances(residual[:, j], stack.moving[:, j], stack.starts)
+        for a, b in zip(stack.starts, ends, strict=True):
+            rows = np.column_stack((stack.phi[a:b, j], stack.kappa[a:b, j], stack.current[a:b, j]))
+            jacobian = weight * _by_unknowns(rows, solution, j)[:, seen] / lengths
+            own = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
+            total[np.ix_(own, own)] += _autocorrelated(jacobian[:, own], covariances)
+    return total
 
 
 def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
@@ -107,13 +132,14 @@ def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ..
     """
     ends = (*starts[1:], len(residual))
     shortest = min(b - a for a, b in zip(starts, ends, strict=True))
-    most = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), shortest - 1)
+    most = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), MOST_LAGS, shortest - 1)
     values, counts = np.zeros(most + 1), np.ones(most + 1)
+    counted = moving.astype(float)
     for lag in range(most + 1):
         pairs = count = 0.0
         for a, b in zip(starts, ends, strict=True):
             pairs += float(residual[a : b - lag] @ residual[a + lag : b])
-            count += float(moving[a : b - lag] @ moving[a + lag : b].astype(float))
+            count += float(counted[a : b - lag] @ counted[a + lag : b])
         values[lag], counts[lag] = pairs / max(count, 1.0), max(count, 1.0)
     alike = np.abs(values) > ALIKE * values[0] / np.sqrt(counts)
     lags = min(FEWEST_LAGS, most)
@@ -122,10 +148,20 @@ def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ..
     return values[: lags + 1] * (1.0 - np.arange(lags + 1) / (lags + 1.0))
 
 
-def _autocorrelated(jacobian: np.ndarray, residual: np.ndarray, covariances: np.ndarray) -> np.ndarray:
-    """J' Sigma J for a stationary residual with these autocovariances, (P, P)."""
-    total = covariances[0] * (jacobian.T @ jacobian)
-    for lag in range(1, min(len(covariances), len(residual))):
-        product = jacobian[:-lag].T @ jacobian[lag:]
-        total += covariances[lag] * (product + product.T)
-    return np.asarray(total)
+def _autocorrelated(jacobian: np.ndarray, covariances: np.ndarray) -> np.ndarray:
+    """J' Sigma J (P, P) for derivatives J (M, P) and a stationary residual with these autocovariances.
+
+    Sigma J goes by blocks of rows: the same band of Sigma times the rows in its reach.
+    """
+    samples, size = jacobian.shape
+    lags = len(covariances) - 1
+    block = max(2 * lags, 32)
+    count = -(-samples // block)
+    reached = np.zeros((count * block + 2 * lags, size))
+    reached[lags : lags + samples] = jacobian
+    apart = np.abs(np.arange(block + 2 * lags) - lags - np.arange(block)[:, None])
+    band = np.append(covariances, 0.0)[np.minimum(apart, lags + 1)]
+    windows = sliding_window_view(reached, block + 2 * lags, axis=0)[::block].swapaxes(1, 2)
+    spread = (band @ windows).reshape(-1, size)[:samples]
+    total = jacobian.T @ spread
+    return np.asarray(0.5 * (total + total.T))

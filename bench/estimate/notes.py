@@ -10,6 +10,7 @@ LOOSE = 0.3  # relative deviation above which a parameter says little
 ILL_CONDITIONED = 1e3
 UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
 NEAR = 3.0  # times a thousand, or a thousandth: a gain as far off has a wrong unit behind it
+BETTER = 0.5  # relative error of a current with its sign reversed, from which on that is likely
 SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
 
 
@@ -95,12 +96,7 @@ def _implausible(result: Identification) -> list[str]:
         )
     negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0]
     if result.gains_fitted and len(negative) < len(ratios):
-        notes += [
-            f"The drive gain of {joint} came out negative, which cannot be: the sign of current.{joint}, or of "
-            f"position.{joint}, is probably reversed (`bench import ... --scale current.{joint}=-1`), or its column "
-            "is that of another motor."
-            for joint in negative
-        ]
+        notes += [_negative(result, joint) for joint in negative]
     for joint, gain in result.drive_gains.items():
         far = joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
         if result.gains_fitted and thousand is None and far:
@@ -116,6 +112,34 @@ def _implausible(result: Identification) -> list[str]:
         )
     strange = unlike(result)
     return notes if strange is None else [*notes, strange]
+
+
+def _negative(result: Identification, joint: str) -> str:
+    """What a negative drive gain of one joint means: a sign, where all is well with the other sign."""
+    told = f"The drive gain of {joint} came out negative, which cannot be: "
+    if _error_turned(result, joint) < BETTER:
+        return (
+            f"{told}the sign of current.{joint}, or of position.{joint}, is probably reversed (`bench import ... "
+            f"--scale current.{joint}=-1`), or its column is that of another motor."
+        )
+    return (
+        f"{told}with the sign of current.{joint} reversed its current is not explained either. The payload is probably "
+        "not as declared or mounted another way, an effect is missing, or its column is that of another motor."
+    )
+
+
+def _error_turned(result: Identification, joint: str) -> float:
+    """Relative error of a joint's current with its sign reversed and the nominal drive gain."""
+    j, gain = list(result.drive_gains).index(joint), result.drive_gains[joint]
+    left = all_squares = 0.0
+    for one in result.recordings:
+        if one.use != "identify":
+            continue
+        moving = one.moving[:, j]
+        measured, modelled = -one.measured[moving, j], one.modelled[moving, j] * gain.value / gain.nominal
+        left += float(((measured - modelled) ** 2).sum())
+        all_squares += float(measured @ measured)
+    return float(np.sqrt(left / all_squares)) if all_squares else float("inf")
 
 
 def _a_thousand(ratios: list[float]) -> str | None:

@@ -7,7 +7,10 @@ import numpy as np
 
 from bench.estimate.layout import ParameterLayout, known_rows, regressor_rows
 from bench.estimate.observation import Observation
+from bench.model.motion import blocks_of
 from bench.payload import Payload
+
+BLOCK = 65536  # rows that are compressed together, at most
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,6 @@ def stack_observations(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> Stack:
     """Put the equations of several recordings under each other."""
-    """Stack the recordings; see `Stack`."""
     moving = np.concatenate([one.moving for one in observations])
     phi = np.concatenate([regressor_rows(one, layout) for one in observations]) * moving[:, :, None]
     kappa = np.concatenate([known_rows(one, payloads) for one in observations]) * moving
@@ -49,7 +51,18 @@ def stack_observations(
 
 def compress(phi: np.ndarray, kappa: np.ndarray, current: np.ndarray) -> np.ndarray:
     """Triangular factors (n, p + 2, p + 2) of [phi, kappa, current], motor by motor."""
-    columns = np.concatenate((phi, kappa[:, :, None], current[:, :, None]), axis=2)
+    samples, n, p = phi.shape
+    factors = np.zeros((n, p + 2, p + 2))
+    for rows in blocks_of(samples, BLOCK):
+        part = np.concatenate((phi[rows], kappa[rows, :, None], current[rows, :, None]), axis=2)
+        if rows.start:
+            part = np.concatenate((factors.swapaxes(0, 1), part))
+        factors = triangular_factors(part)
+    return factors
+
+
+def triangular_factors(columns: np.ndarray) -> np.ndarray:
+    """Triangular factors (n, k, k) of columns (M, n, k), motor by motor."""
     size = columns.shape[2]
     factors = np.zeros((columns.shape[1], size, size))
     for j in range(columns.shape[1]):

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.estimate.identify import fit
-from bench.estimate.observation import Observation
-from bench.estimate.prepare import Prepared, prepare
+from bench.effects import places_in, select_effects
+from bench.estimate.current_error import minimised, squared_errors
+from bench.estimate.layout import known_rows, regressor_rows
+from bench.estimate.prepare import Prepared, prepare, with_effects
 from bench.estimate.result import Identification
+from bench.estimate.solution import scaled_lstsq, torque_system
+from bench.estimate.stack import triangular_factors
+from bench.estimate.standstill import bridged
+from bench.signals.decimation import decimate
 
 LIKELY = ("coulomb_friction", "viscous_friction")  # what nearly every machine has, lest it hide the swap
 LARGE = 0.05  # relative error from which it is worth a try
@@ -20,54 +24,93 @@ SWAPPED = "are probably swapped"
 BETTER = 0.5  # of the error: what a swap must bring it down to
 
 
-def swapped_notes(dataset: Dataset, result: Identification) -> list[str]:
+def swapped_notes(dataset: Dataset, result: Identification, prepared: Prepared | None = None) -> list[str]:
     """A sentence on the two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with dry and viscous friction beside the
-    rigid bodies and with the filters of the result. Where the error of the result is small, nothing is tried.
+    rigid bodies and with the filters of the result. The error must fall far below that of the result and below what
+    friction alone makes of it. Where the error of the result is small, nothing is tried. prepared: the dataset's
+    equations with these filters, where they are at hand.
     """
     error = result.error.identify
     joints = list(result.drive_gains)
     if error is None or error < LARGE or len(joints) < 2:
         return []
-    prepared = prepare(dataset, LIKELY, result.settings)
-    own = _error(prepared)
-    best, (names, a, b) = min(
-        (_error(_exchanged(prepared, names, a, b)), (names, a, b))
-        for names, a, b in _swaps(prepared, len(joints))
+    if prepared is None:
+        prepared = prepare(dataset, (), result.settings)
+    likely = select_effects(LIKELY, places_in(prepared.model.geometry, ()))
+    trial = _Trial(with_effects(prepared, likely), result.gains_fitted)
+    names, a, b = min(
+        _swaps(tuple(trial.parts), len(joints)), key=lambda swap: trial.error(trial.exchanged(*swap))
     )
-    if not best < BETTER * own:
+    reached = trial.error(trial.exchanged(names, a, b), least=True)
+    if not reached < BETTER * min(error, trial.error(trial.exchanged((), a, b), least=True), 1.0):
         return []
     first, second = joints[a], joints[b]
-    where = "" if len(names) == len(prepared.fitted) else f" in {names[0]}"
+    where = "" if len(names) == len(trial.parts) else f" in {names[0]}"
     note = (
         f"The columns of {first} and {second}{where} {SWAPPED}: with current.{first} and current.{second} "
         f"exchanged (or their positions, on a symmetric robot), and with friction, the error falls to "
-        f"{100 * best:.3g} %. Exchange the names in the header."
+        f"{100 * reached:.3g} %. Exchange the names in the header."
     )
     return [note]
 
 
-def _swaps(prepared: Prepared, motors: int) -> Iterator[tuple[tuple[str, ...], int, int]]:
+def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...], int, int]]:
     """Names of recordings, and the two motors whose columns may be exchanged in them."""
-    names = tuple(one.name for one in prepared.fitted)
     for chosen in dict.fromkeys([names, *((name,) for name in names)]):
         for a, b in combinations(range(motors), 2):
             yield chosen, a, b
 
 
-def _exchanged(prepared: Prepared, names: Sequence[str], a: int, b: int) -> Prepared:
-    def one(rows: Observation) -> Observation:
-        if rows.name not in names:
-            return rows
-        order = np.arange(rows.current.shape[1])
-        order[[a, b]] = b, a
-        return replace(rows, current=rows.current[:, order])
+class _Trial:
+    """The equations of all fitted recordings with every motor's current beside every motor's rows.
 
-    return replace(prepared, observations=tuple(map(one, prepared.observations)))
+    parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
+    exchange only picks other ones of the currents. Currents are bridged where the motor of the rows stands still.
+    """
 
+    def __init__(self, prepared: Prepared, fit_gains: bool) -> None:
+        self.size = prepared.layout.size
+        self.fit_gains = fit_gains
+        self.nominal = prepared.dataset.robot.nominal_gains
+        self.parts: dict[str, np.ndarray] = {}
+        for one, measured in zip(prepared.observations, prepared.measured, strict=True):
+            if one.use != "identify":
+                continue
+            samples, n = one.current.shape
+            rows = np.empty((samples, n, self.size + 1 + n))
+            rows[:, :, : self.size] = regressor_rows(one, prepared.layout)
+            rows[:, :, self.size] = known_rows(one, prepared.dataset.payloads)
+            for j, gap in enumerate(measured.gaps):
+                currents = bridged(measured.current, (gap,) * n)
+                rows[:, j, self.size + 1 :] = decimate(currents, prepared.settings.decimation)
+            rows *= one.moving[:, :, None]
+            self.parts[one.name] = triangular_factors(rows)
 
-def _error(prepared: Prepared) -> float:
-    """Relative error of the fit, inf where there is none."""
-    found = fit(prepared, "ls").error.identify
-    return float("inf") if found is None else found
+    def exchanged(self, names: Sequence[str], a: int, b: int) -> np.ndarray:
+        """Factors (n, p + 2, p + 2) of [phi, kappa, current] with two motors' currents exchanged in some recordings."""
+        motors = np.arange(len(self.nominal))
+        turned = motors.copy()
+        turned[[a, b]] = b, a
+        p = self.size
+        picked = [
+            np.concatenate(
+                (
+                    part[:, :, : p + 1],
+                    part[motors, :, p + 1 + (turned if name in names else motors)][:, :, None],
+                ),
+                axis=2,
+            )
+            for name, part in self.parts.items()
+        ]
+        return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
+
+    def error(self, factors: np.ndarray, *, least: bool = False) -> float:
+        """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
+        rows, right = torque_system(factors, None if self.fit_gains else self.nominal)
+        found = scaled_lstsq(rows, right)
+        theta, gains = found[: self.size], found[self.size :] if self.fit_gains else self.nominal
+        if least:
+            theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.fit_gains)
+        return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))
