@@ -6,6 +6,7 @@ import pinocchio as pin
 import pytest
 
 from bench.model import regressor as regressor_module
+from bench.model.base import base_parameters
 from bench.model.geometry import Anchor, Placement, read_geometry
 from bench.model.motion import motion_of
 from bench.model.regressor import (
@@ -14,9 +15,11 @@ from bench.model.regressor import (
     parameter_names,
     payload_transform,
     projected_regressor,
+    rotor_columns,
 )
 from bench.model.states import random_motion
 from bench.model.tree import build_tree
+from bench.robot import load_robot
 from tests.mechanisms import NAMES, movement, robot_named, to_mujoco
 
 STATES = 12
@@ -194,7 +197,44 @@ def test_payload_in_the_joints_frame():
 def test_names_follow_the_columns(robot):
     geometry = read_geometry(robot)
     names = parameter_names(geometry)
-    assert len(names) == 10 * len(geometry.joints)
+    assert len(names) == 10 * len(geometry.joints) + len(geometry.active)
     for joint, body in geometry.bodies:
         assert [names[10 * joint + k][0] for k in range(10)] == [f"{symbol}({body})" for symbol in PARAMETERS]
+    assert [names[column][0] for column in rotor_columns(geometry)] == [
+        f"Ia({joint})" for joint in geometry.robot.joints
+    ]
     assert set(body_columns(geometry)) == {10 * joint + k for joint, _ in geometry.bodies for k in range(10)}
+
+
+def test_rotors_are_parameters_where_no_body_can_stand_for_them(robot):
+    """Torques of the bodies and the rotors together are those of the base parameters."""
+    geometry = read_geometry(robot)
+    base = base_parameters(geometry)
+    motion = random_motion(geometry, 20, seed=3)
+    bodies, rotors = body_columns(geometry), rotor_columns(geometry)
+    random = np.random.default_rng(1)
+    masses, inertias = random.normal(size=10 * len(geometry.joints)), random.normal(size=len(rotors))
+    torque = projected_regressor(geometry, motion, bodies) @ masses[bodies]
+    torque += projected_regressor(geometry, motion, rotors) @ inertias
+    kept = base.grouping[:, bodies] @ masses[bodies] + base.rotors @ inertias
+    modelled = projected_regressor(geometry, motion, base.columns) @ kept
+    assert np.abs(modelled - torque).max() < 1e-6 * np.abs(torque).max()
+
+
+@pytest.mark.parametrize(
+    ("name", "own"),
+    [
+        ("delta", []),
+        ("five_bar", []),
+        (
+            "orthoglide",
+            ["Ia(axis_3)"],
+        ),  # the one that works against gravity: mass by its weight, less than inertia
+        ("stewart", [f"Ia(axis_{leg})" for leg in range(1, 7)]),
+        ("three_rrr", []),
+        ("two_link", ["Ia(elbow)"]),
+    ],
+)
+def test_which_rotors_are_parameters_of_their_own(name, own):
+    base = base_parameters(read_geometry(load_robot(name)))
+    assert [found for found in base.names if found.startswith("Ia(")] == own

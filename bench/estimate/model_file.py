@@ -235,7 +235,10 @@ def _base_value(name: str, saved: SavedModel) -> float:
         return saved.parameters[name]
     if name in saved.left_out:
         return 0.0
-    raise BenchError(f"{saved.path}: no base parameter {name}; the robot's geometry has changed since")
+    raise BenchError(
+        f"{saved.path}: no base parameter {name}; the robot's geometry or its base parameters have changed "
+        "since: identify again"
+    )
 
 
 def comparison_json(comparison: Comparison) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.model.geometry import Geometry
-from bench.model.regressor import body_columns, parameter_names, projected_regressor
+from bench.model.regressor import body_columns, parameter_names, projected_regressor, rotor_columns
 from bench.model.states import random_motion
 
 SEED = 20120601  # of the states; fixed, so that a robot's base parameters never depend on data
@@ -22,12 +22,14 @@ NEGLIGIBLE = 1e-8
 class BaseParameters:
     """chi of equation 7 and how each groups standard parameters.
 
-    columns (nb,): the columns of `projected_regressor` that remain. grouping (nb, p_all): base parameters
-    from all standard parameters of the tree, chi = grouping @ chi_st. names, units, descriptions: nb each.
+    columns (nb,): the columns of `projected_regressor` that remain, those of rotors last. grouping (nb, p_all) and
+    rotors (nb, n): base parameters from all standard parameters of the tree and from the inertias of the motors'
+    rotors, chi = grouping @ chi_st + rotors @ Ia. names, units, descriptions: nb each.
     """
 
     columns: np.ndarray
     grouping: np.ndarray
+    rotors: np.ndarray
     names: tuple[str, ...]
     units: tuple[str, ...]
     descriptions: tuple[str, ...]
@@ -37,7 +39,7 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
     """The base parameters of a robot; geometry alone decides them.
 
     Of dependent columns the first stay: free bodies (platforms) come first, then bodies from the base
-    outwards.
+    outwards, then the rotors, of which those remain that no body's inertia can stand for.
     """
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]
     candidates = np.concatenate([*(np.arange(10 * i, 10 * i + 10) for i in free), body_columns(geometry)])
@@ -51,19 +53,34 @@ def base_parameters(geometry: Geometry) -> BaseParameters:
         )
     rows = projected_regressor(geometry, motion, candidates).reshape(-1, len(candidates))
     kept, dependence = independent_columns(rows)
+    own = rotor_columns(geometry)
+    turning = projected_regressor(geometry, motion, own).reshape(-1, len(own))
+    alone, rotors = _beside(rows[:, kept], turning)
+    grouping = np.zeros((len(kept) + len(alone), 10 * len(geometry.joints)))
+    grouping[: len(kept), candidates] = dependence
+    columns = np.concatenate((candidates[kept], own[alone]))
     names = parameter_names(geometry)
-    grouping = np.zeros((len(kept), 10 * len(geometry.joints)))
-    grouping[:, candidates] = dependence
-    columns = candidates[kept]
+    whole = np.hstack((grouping, rotors))
     return BaseParameters(
         columns=columns,
         grouping=grouping,
+        rotors=rotors,
         names=tuple(names[column][0] for column in columns),
         units=tuple(names[column][1] for column in columns),
         descriptions=tuple(
-            _description(row, int(own), names) for row, own in zip(grouping, columns, strict=True)
+            _description(row, int(column), names) for row, column in zip(whole, columns, strict=True)
         ),
     )
+
+
+def _beside(rows: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which of other columns (r, n) are independent of the independent rows (r, b), and how the rest follow.
+
+    Returns the indices (a,) of the first and the dependence (b + a, n) of all on rows and them.
+    """
+    kept, dependence = independent_columns(np.hstack((rows, others)))
+    b = rows.shape[1]
+    return kept[kept >= b] - b, dependence[:, b:]
 
 
 def independent_columns(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

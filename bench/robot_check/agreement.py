@@ -150,30 +150,32 @@ def check_bias_forces(machine: Machine, poses: np.ndarray, velocities: np.ndarra
 
 
 def check_motor_forces(machine: Machine, motion: Motion) -> Check:
-    """Forces of the motors at closed states: regressor times the MJCF's masses, against MuJoCo's dynamics.
+    """Forces of the motors at closed states: regressor times masses and rotor inertias, against MuJoCo's dynamics.
 
     This is the whole identification model; MuJoCo's forces are projected by its own constraint Jacobian.
     """
+    geometry, armature = machine.geometry, machine.compiled.dof_armature
     parameters = np.concatenate(
-        [inertia.toDynamicParameters() for inertia in list(machine.model.inertias)[1:]]
+        [
+            *(inertia.toDynamicParameters() for inertia in list(machine.model.inertias)[1:]),
+            armature[geometry.active],
+        ]
     )
-    ours = projected_regressor(machine.geometry, motion) @ parameters
+    ours = projected_regressor(geometry, motion, np.arange(len(parameters))) @ parameters
     theirs = np.empty_like(ours)
-    nv = machine.geometry.nv
-    full = np.zeros((nv, nv))
+    full = np.zeros((geometry.nv, geometry.nv))
     for k, (q, v, a) in enumerate(zip(motion.q, motion.v, motion.a, strict=True)):
         turn = set_pose(machine, q, v)
         mujoco.mj_fullM(machine.compiled, machine.state, full)
-        inertia = full - np.diag(machine.compiled.dof_armature)  # a regressor holds no rotor inertia
+        inertia = full.copy()
+        inertia[geometry.passive, geometry.passive] -= armature[geometry.passive]  # which a note tells of
         acceleration = turn.T @ (a - _model_acceleration(machine, v))
         theirs[k] = _motor_motions(machine).T @ (inertia @ acceleration + machine.state.qfrc_bias)
     worst = np.abs(ours - theirs).max(axis=0) / max(1.0, float(np.abs(theirs).max()))
     return _verdict(
         "motor forces",
         worst,
-        lambda i: (
-            f"motor {machine.geometry.robot.joints[i]!r} differs by {worst[i]:.2e} of the largest force"
-        ),
+        lambda i: f"motor {geometry.robot.joints[i]!r} differs by {worst[i]:.2e} of the largest force",
         f"regressor and dynamics at {len(ours)} closed states",
     )
 

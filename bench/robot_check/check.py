@@ -19,6 +19,7 @@ from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import Machine, make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import check_mobility, mobility_of
 from bench.robot_check.report import Check, RobotReport, Singularity
+from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import Sweep, singularity_of, sweep
 
 POSES = 20  # random ones, open and closed, at which the libraries are compared
@@ -90,9 +91,10 @@ def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
     try:
         swept = sweep(geometry) if geometry.loops else None
         motion = random_motion(geometry, POSES, SEED)
-        report = replace(report, base=base_parameters(geometry))
+        base = base_parameters(geometry)
     except BenchError as error:
         return _with(report, Check("motion within the joint ranges", "failed", str(error)))
+    report = _with(replace(report, base=base), check_rotors(geometry, base))
     if swept is not None:
         singularity = singularity_of(geometry, swept)
         report = replace(report, singularity=singularity)

@@ -1,0 +1,28 @@
+"""The scenarios of the robots that people own: gains as good as 20-bit encoders and 1 % current noise allow."""
+
+import numpy as np
+import pytest
+
+from bench.estimate.identify import identify
+from bench.excite.scenario import designer
+from bench.scenario import load_scenario, resolve_trajectories
+from bench.signals.decimation import noise_bandwidth
+from bench.truth.dataset import as_dataset
+from bench.truth.machine import true_gains
+from bench.truth.simulate import simulate
+
+GAIN_ERROR = 0.003
+CURRENT_NOISE = 0.01  # of the RMS current
+OVER_NOISE = 1.1  # error on recordings that were not fitted, over that of the noise
+ROBOTS = ("stewart", "three_rrr")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ROBOTS)
+def test_gains_are_found_and_nothing_is_left_but_noise(name: str) -> None:
+    scenario = load_scenario(name)
+    found = identify(as_dataset(simulate(scenario, resolve_trajectories(scenario, designer))))
+    for true, (joint, gain) in zip(true_gains(scenario), found.drive_gains.items(), strict=True):
+        assert gain.value == pytest.approx(true, rel=GAIN_ERROR), joint
+    passed = np.sqrt(noise_bandwidth(found.settings.decimation))
+    assert float(found.error.validate or np.inf) < OVER_NOISE * CURRENT_NOISE * passed
