@@ -65,29 +65,67 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: P
     limits = limits_of(model.geometry)
     random = np.random.default_rng([movement.seed for movement in movements])
     fitted = [movement for movement in movements if movement.fitted]
-    best: dict[str, FourierTrajectory] = {}
+    best: dict[str, _Tried] = {}
     lowest = np.inf
     progress.phase("designing trajectories", STARTS + STEPS)
     for _ in range(STARTS):
         progress.advance()
-        trajectories = {m.name: feasible(model, limits, m, drawn(m, random)) for m in fitted}
-        value = _condition(model, limits, fitted, trajectories)
+        tried = {m.name: _start(model, limits, m, random) for m in fitted}
+        value = _condition(tried, fitted)
         if value < lowest:
-            best, lowest = trajectories, value
+            best, lowest = tried, value
     if fitted and not best:
         raise BenchError(f"robot {robot.name}: no exciting trajectory found inside the limits")
     for step in range(STEPS if fitted else 0):
         progress.advance()
         spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
         movement = fitted[step % len(fitted)]
-        other = {**best, movement.name: within(movement, changed(best[movement.name], spread, random))}
-        value = _condition(model, limits, fitted, other)
+        before = best[movement.name]
+        other = _changed(model, limits, movement, before, spread, random)
+        if other is None:
+            continue
+        tried = {**best, movement.name: other}
+        value = _condition(tried, fitted)
         if value < lowest:
-            best, lowest = other, value
+            best, lowest = tried, value
+    progress.phase("checking the trajectories", len(movements))
+    found: dict[str, FourierTrajectory] = {}
     for movement in movements:
-        found = best.get(movement.name) or drawn(movement, random)
-        best[movement.name] = feasible(model, limits, movement, found, dense=True)
-    return Designed({m.name: best[m.name] for m in movements}, float(lowest))
+        progress.advance()
+        trajectory = best[movement.name].trajectory if movement.fitted else drawn(movement, random)
+        found[movement.name] = feasible(model, limits, movement, trajectory, dense=True)
+    return Designed(found, float(lowest))
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """A feasible trajectory with its motion, and its rows (M, c) of the observation matrix."""
+
+    trajectory: FourierTrajectory
+    motion: Motion
+    rows: np.ndarray
+
+
+def _start(
+    model: IdentificationModel, limits: Limits, movement: Movement, random: np.random.Generator
+) -> _Tried:
+    """A random trajectory, shrunk until it is feasible."""
+    trajectory, motion = _shrunk(model, limits, movement, drawn(movement, random))
+    return _Tried(trajectory, motion, _rows(model, movement, motion))
+
+
+def _changed(
+    model: IdentificationModel,
+    limits: Limits,
+    movement: Movement,
+    before: _Tried,
+    spread: float,
+    random: np.random.Generator,
+) -> _Tried | None:
+    """A random trajectory near another one; None where it is not feasible."""
+    trajectory = within(movement, changed(before.trajectory, spread, random))
+    motion = feasible_motion(model.geometry, limits, trajectory, _times(movement), near=before.motion)
+    return None if motion is None else _Tried(trajectory, motion, _rows(model, movement, motion))
 
 
 def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
@@ -149,9 +187,22 @@ def feasible(
     dense: bool = False,
 ) -> FourierTrajectory:
     """Shrunk until it keeps the joint ranges and the distance from singular poses."""
+    return _shrunk(model, limits, movement, trajectory, dense)[0]
+
+
+def _shrunk(
+    model: IdentificationModel,
+    limits: Limits,
+    movement: Movement,
+    trajectory: FourierTrajectory,
+    dense: bool = False,
+) -> tuple[FourierTrajectory, Motion]:
+    """A feasible trajectory with its motion."""
+    time = _times(movement, dense)
     for _ in range(MOST_SHRINKS):
-        if feasible_motion(model.geometry, limits, trajectory, _times(movement, dense)) is not None:
-            return trajectory
+        motion = feasible_motion(model.geometry, limits, trajectory, time)
+        if motion is not None:
+            return trajectory, motion
         trajectory = replace(trajectory, a=trajectory.a * SHRINK, b=trajectory.b * SHRINK)
     raise BenchError(
         f"recording {movement.name!r}: no movement around its center keeps the joint ranges and the distance "
@@ -159,19 +210,11 @@ def feasible(
     )
 
 
-def _condition(
-    model: IdentificationModel,
-    limits: Limits,
-    movements: Sequence[Movement],
-    trajectories: Mapping[str, FourierTrajectory],
-) -> float:
-    """Condition number of the scaled [phi, v, phi_uL] over all fitted movements; inf where one is infeasible."""
-    rows = []
-    for movement in movements:
-        motion = feasible_motion(model.geometry, limits, trajectories[movement.name], _times(movement))
-        if motion is None:
-            return np.inf
-        rows.append(_rows(model, movement, motion))
+def _condition(tried: Mapping[str, _Tried], movements: Sequence[Movement]) -> float:
+    """Condition number of the scaled [phi, v, phi_uL] over all fitted movements."""
+    rows = [tried[movement.name].rows for movement in movements]
+    if not rows:
+        return np.inf
     width = max(block.shape[1] for block in rows)
     stacked = np.vstack([np.pad(block, ((0, 0), (0, width - block.shape[1]))) for block in rows])
     norms = np.linalg.norm(stacked, axis=0)

@@ -38,14 +38,21 @@ def limits_of(geometry: Geometry) -> Limits:
 
 
 def feasible_motion(
-    geometry: Geometry, limits: Limits, trajectory: FourierTrajectory, time: np.ndarray
+    geometry: Geometry,
+    limits: Limits,
+    trajectory: FourierTrajectory,
+    time: np.ndarray,
+    near: Motion | None = None,
 ) -> Motion | None:
-    """The motion at the times (N,) if it keeps the limits, None otherwise."""
+    """The motion at the times (N,) if it keeps the limits, None otherwise.
+
+    near: of nearly this trajectory at the same times; a closure is found sooner from there.
+    """
     position, velocity, acceleration = trajectory.evaluate(time)
     if np.any(position < limits.low) or np.any(position > limits.high):
         return None
     try:
-        motion = motion_of(geometry, time, position, velocity, acceleration)
+        motion = motion_of(geometry, time, position, velocity, acceleration, near=near)
     except BenchError:
         return None
     if np.abs(motion.jacobian).max() > limits.amplification:

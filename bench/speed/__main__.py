@@ -17,8 +17,9 @@ def regressor_figures() -> list[Figure]:
 
 
 def main_job_figures() -> list[Figure]:
-    """Simulation over rollout, and identification."""
-    figures = []
+    """Simulation over rollout, identification, and the design and simulation of a hexapod."""
+    name = "simulate a hexapod, design included"
+    figures = [Figure(name, main_job.hexapod_seconds(), "s", main_job.HEXAPOD_LIMIT)]
     for robot, limit in main_job.IDENTIFICATION_LIMITS.items():
         speed = main_job.measure(robot)
         figures += [

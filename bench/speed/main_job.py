@@ -1,4 +1,5 @@
-"""Cost of the main job: simulating beside `mujoco.rollout`, and identifying two recordings of 20 s at 1 kHz.
+"""Cost of the main job: simulating beside `mujoco.rollout`, and identifying two recordings of 20 s at 1 kHz;
+and of the longest simulation, that of a hexapod whose trajectories are designed first.
 
 Run as `python -m bench.speed.main_job`. Simulation and rollout run the same models over the same steps,
 alternately and on one thread, so that what else the machine does falls out of their ratio.
@@ -24,6 +25,7 @@ from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
 
 SIMULATION_LIMIT = 2.0  # times mujoco.rollout
+HEXAPOD, HEXAPOD_LIMIT = "stewart", 15.0  # s
 IDENTIFICATION_LIMITS = {"five_bar": 1.0, "delta": 4.0}  # s
 RESULT = Path("results/speed/main_job.json")
 
@@ -63,6 +65,14 @@ def measure(name: str, repeats: int = 5) -> MainJobSpeed:
     return MainJobSpeed(
         name, simulation.steps, simulated * microseconds, plain * microseconds, ratio, identification
     )
+
+
+def hexapod_seconds() -> float:
+    """Seconds to design the trajectories of a hexapod and to simulate it."""
+    start = perf_counter()
+    scenario = load_scenario(HEXAPOD)
+    simulate(scenario, resolve_trajectories(scenario, designer))
+    return perf_counter() - start
 
 
 def _plain_rollout(simulation: Simulation) -> float:

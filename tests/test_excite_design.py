@@ -1,0 +1,62 @@
+"""Designed trajectories do not depend on how their closures are found."""
+
+import numpy as np
+import pytest
+
+from bench.excite import design
+from bench.excite.design import Movement, design_trajectories
+from bench.excite.limits import feasible_motion
+from bench.robot import load_robot
+from bench.scenario import home_position
+
+
+def movements(joints, fitted=True):
+    """Two movements about home."""
+    limits = {"span": np.full(joints, 0.5), "velocity": np.full(joints, 3.0)}
+    return [
+        Movement(
+            name=f"movement {seed}",
+            fitted=fitted,
+            payload=None,
+            center=home_position(load_robot("five_bar")),
+            acceleration=np.full(joints, np.inf),
+            harmonics=3,
+            base_frequency=0.25,
+            duration=6.0,
+            ramp=1.0,
+            seed=seed,
+            **limits,
+        )
+        for seed in (1, 2)
+    ]
+
+
+@pytest.fixture
+def five_bar():
+    return load_robot("five_bar")
+
+
+def coefficients(designed):
+    return {name: np.concatenate((one.a, one.b)) for name, one in designed.trajectories.items()}
+
+
+def test_closures_found_from_the_one_before_give_the_same_design(five_bar, monkeypatch):
+    beside = coefficients(design_trajectories(five_bar, movements(2)))
+    asked = []
+
+    def from_home(geometry, limits, trajectory, time, near=None):
+        asked.append(near is not None)
+        return feasible_motion(geometry, limits, trajectory, time)
+
+    monkeypatch.setattr(design, "feasible_motion", from_home)
+    alone = coefficients(design_trajectories(five_bar, movements(2)))
+    assert any(asked)
+    assert beside.keys() == alone.keys()
+    for name in beside:
+        np.testing.assert_array_equal(beside[name], alone[name])
+
+
+def test_what_is_not_fitted_is_drawn(five_bar):
+    designed = design_trajectories(five_bar, movements(2, fitted=False))
+    assert list(designed.trajectories) == ["movement 1", "movement 2"]
+    assert designed.condition == np.inf
