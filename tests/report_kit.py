@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
 from bench.report.content import diagnosis_page, identification_page
+from bench.report.content_run import Made
 from bench.report.render import render_page
 from bench.robot import load_robot
 from tests.shown import dataset_of, identification_of
@@ -30,7 +31,7 @@ UNSUPPORTED = replace(
 ABSORBED = replace(
     DOUBTFUL, effect="rotor_inertia", verdict="absorbed", alternatives=(), why="It is taken up."
 )
-AGAIN = ("bench diagnose data -o results", "bench report results -o report.html")
+AGAIN = Made(("bench diagnose data -o results", "bench report results -o report.html"))
 
 
 def dataset():

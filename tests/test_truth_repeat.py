@@ -9,7 +9,6 @@ from bench.dataset import load_dataset
 from bench.errors import BenchError
 from bench.estimate.effect_torques import effect_torques
 from bench.estimate.identify import identify
-from bench.estimate.model_file import saved_form
 from bench.truth.dataset import truth_path, write_simulation
 from bench.truth.hidden_torque import hidden_torque, plain_machine
 from bench.truth.repeat import repeated
@@ -57,9 +56,7 @@ def test_the_model_finds_the_torque_that_is_hidden(folder, again):
     dataset = load_dataset(folder)
     result = identify(dataset, ["viscous_friction:left"])
     plain = plain_machine(again)
-    for torque, recording in zip(
-        effect_torques(dataset, saved_form(result, dataset)), again.recordings, strict=True
-    ):
+    for torque, recording in zip(effect_torques(result.recordings), again.recordings, strict=True):
         truth = hidden_torque(again, recording, plain)
         assert list(torque.by_effect) == ["viscous_friction"]
         found = np.interp(truth.time, torque.time, torque.total[:, 0])

@@ -57,7 +57,9 @@ def report(
         from bench.report.write import REPORT_FILE
 
         output = output / REPORT_FILE if output.is_dir() else output
-        _written(source, data, effects, effect_files, given, output, progress)
+        said = _written(source, data, effects, effect_files, given, output, progress)
+    if said:
+        click.echo(said, err=True)
     click.echo(f"Report: {output}")
 
 
@@ -69,13 +71,14 @@ def _written(
     given: dict[str, Any],
     output: Path,
     progress: Progress,
-) -> None:
-    """Write the page of what the source turns out to be."""
+) -> str:
+    """Write the page of what the source turns out to be; tells what of a result was worked out anew, if anything."""
     from bench.errors import BenchError
     from bench.report.folder import RUN_FILE, read_run
     from bench.report.write import write_kept, write_sweep_report
     from bench.sweep.again import is_sweep_folder
 
+    said = ""
     models = {"--data": data, "--with": effects, "--effect-file": effect_files, "filters": given}
     if (source / "dataset.toml").is_file() or source.name == "dataset.toml":
         _refuse({"--data": data}, "a dataset, which is diagnosed")
@@ -83,7 +86,9 @@ def _written(
     elif (source / RUN_FILE).is_file():
         _refuse(models, "a result")
         progress.phase("reading the result")
-        write_kept(output, read_run(source), source, progress)
+        kept = read_run(source)
+        write_kept(output, kept, source, progress)
+        said = kept.said
     elif is_sweep_folder(source):
         _refuse(models, "a sweep")
         progress.phase("drawing the page of a sweep")
@@ -97,6 +102,7 @@ def _written(
         _of_model(source, data, effect_files, output, progress)
     else:
         raise BenchError(f"{source}: no such file or folder")
+    return said
 
 
 def _refuse(options: dict[str, Any], what: str) -> None:

@@ -6,16 +6,18 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import click
+
 from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of, truth_values
 from bench.dataset import DATASET_FILE, Dataset, load_dataset
 from bench.diagnose.result import Diagnosis, LadderStep
 from bench.diagnose.split import with_judged_parts
-from bench.effects import Effect, catalogue_for
+from bench.effects import catalogue_for
 from bench.effects.names import spoken
 from bench.errors import BenchError
 from bench.estimate.effect_torques import effect_torques
 from bench.estimate.identify import fit, identify, prepare
-from bench.estimate.model_file import load_model, saved_form
+from bench.estimate.model_file import load_model
 from bench.estimate.result import Identification
 from bench.report.folder import RUN_FILE, Kept, read_identification, read_run
 from bench.show.diagnosis_text import diagnosis_markdown
@@ -60,7 +62,7 @@ def told_of(source: Path, asked: Asked) -> list[Told]:
         raise BenchError(
             f"{source}: neither a dataset ({DATASET_FILE}), nor a result ({RUN_FILE}), nor a sweep (sweep.toml)"
         )
-    return [_of_result(read_run(source), asked)]
+    return [_of_result(_read(source), asked)]
 
 
 def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diagnosis | None]:
@@ -69,19 +71,27 @@ def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diag
     Raises BenchError that says what is missing.
     """
     if source.is_dir() and (source / RUN_FILE).is_file():
-        kept = read_run(source)
+        kept = _read(source)
         dataset = kept.dataset if kept.diagnosis is None else with_judged_parts(kept.dataset)[0]
         return dataset, kept.after, kept.diagnosis
     if source.is_dir() and is_sweep_folder(source):
         raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
     if source.is_file():
-        dataset, result = _applied(source, asked)[:2]
+        dataset, result = _applied(source, asked)
         return dataset, result, None
     if not (source / DATASET_FILE).is_file():
         raise BenchError(f"{source}: neither a dataset ({DATASET_FILE}) nor a result ({RUN_FILE})")
     dataset = load_dataset(source)
     catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
     return dataset, identify(dataset, asked.effects, filters=asked.filters, catalogue=catalogue), None
+
+
+def _read(folder: Path) -> Kept:
+    """A result folder; says on standard error what was not taken from it as it was."""
+    kept = read_run(folder)
+    if kept.said:
+        click.echo(kept.said, err=True)
+    return kept
 
 
 def _of_dataset(folder: Path, asked: Asked) -> Told:
@@ -92,17 +102,17 @@ def _of_dataset(folder: Path, asked: Asked) -> Told:
     steps = tuple(
         Step(word, model.recordings) for word, model in zip(step_words(rungs), models[:-1], strict=False)
     )
-    story = _story(dataset, models[-1], steps, catalogue, "", truth=asked.truth)
+    story = _story(dataset, models[-1], steps, "", truth=asked.truth)
     story = replace(story, label=step_words(rungs)[-1])
     return Told(models[-1].robot, models[-1], dataset, story)
 
 
 def _of_model(path: Path, asked: Asked) -> Told:
-    dataset, result, catalogue = _applied(path, asked)
-    return Told(result.robot, result, dataset, _story(dataset, result, (), catalogue, "", truth=asked.truth))
+    dataset, result = _applied(path, asked)
+    return Told(result.robot, result, dataset, _story(dataset, result, (), "", truth=asked.truth))
 
 
-def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification, Mapping[str, Effect]]:
+def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification]:
     """A model file beside its dataset, or another one."""
     saved = load_model(path)
     folder = asked.data or saved.dataset
@@ -110,26 +120,28 @@ def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification, Mapping
         raise BenchError(f"{path}: a model file without the path of its recordings: name them with --data")
     dataset = load_dataset(folder)
     catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
-    return dataset, read_identification(path, dataset, catalogue), catalogue
+    return dataset, read_identification(path, dataset, catalogue)
 
 
 def _of_result(kept: Kept, asked: Asked) -> Told:
     """The model that was found, and the errors of the models that the ladder leads over."""
     dataset, after, diagnosis = kept.dataset, kept.after, kept.diagnosis
-    catalogue = catalogue_for(dataset.effect_files, [Path(one) for one in kept.run.effect_files])
+    catalogue = catalogue_for(dataset.effect_files, kept.effect_files)
     if diagnosis is None:
-        return Told(after.robot, after, dataset, _story(dataset, after, (), catalogue, "", truth=asked.truth))
+        return Told(after.robot, after, dataset, _story(dataset, after, (), "", truth=asked.truth))
     judged, _ = with_judged_parts(dataset)
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
-    between = [
-        identify(judged, rung, filters=after.settings, fit_gains=after.gains_fitted, catalogue=catalogue)
-        for rung in rungs[1:-1]
-    ]
-    models = [diagnosis.before, *between] if len(rungs) > 1 else []
     words = step_words(rungs)
-    steps = tuple(Step(word, model.recordings) for word, model in zip(words, models, strict=False))
+    steps = []
+    for word, rung, step in zip(words[:-1], rungs[:-1], diagnosis.ladder[:-1], strict=True):
+        recordings = step.recordings
+        if not recordings:
+            recordings = identify(
+                judged, rung, filters=after.settings, fit_gains=after.gains_fitted, catalogue=catalogue
+            ).recordings
+        steps.append(Step(word, recordings))
     text = diagnosis_markdown(diagnosis)
-    story = _story(judged, after, steps, catalogue, text, truth=asked.truth, logged=dataset)
+    story = _story(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)
     return Told(after.robot, after, judged, replace(story, label=words[-1]))
 
 
@@ -151,7 +163,7 @@ def _of_sweep(folder: Path, asked: Asked) -> list[Told]:
         options = {key: run.identify[key] for key in ("deviations", "essential", "fit_gains")}
         prepared = prepare(dataset, run.identify["effects"], filters)
         result = fit(prepared, run.identify["method"], **options)
-        story = _story(dataset, result, (), None, f"**{again.title}**", truth=False)
+        story = _story(dataset, result, (), f"**{again.title}**", truth=False)
         if asked.truth:
             known, content = known_of(again.simulation), truth_of(again.simulation)
             story = replace(story, known=known, truth=truth_values(dataset, content))
@@ -172,17 +184,13 @@ def _story(
     dataset: Dataset,
     result: Identification,
     steps: tuple[Step, ...],
-    catalogue: Mapping[str, Effect] | None,
     text: str,
     *,
     truth: bool,
     logged: Dataset | None = None,
 ) -> Story:
     """All that is told beside an answer. logged: the dataset as it was written, where its recordings were parted."""
-    torques = {}
-    if result.effects:
-        found = effect_torques(dataset, saved_form(result, dataset), catalogue)
-        torques = {one.name: one for one in found}
+    torques = {one.name: one for one in effect_torques(result.recordings)} if result.effects else {}
     known: Mapping[str, Known] = {}
     values = None
     logged = logged or dataset

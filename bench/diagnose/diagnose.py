@@ -325,7 +325,7 @@ def _errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
 def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
     """Errors after each added effect, the one that helps most first."""
     before = fits(frozenset())
-    steps = [LadderStep((), before.error.identify, before.error.validate)]
+    steps = [LadderStep((), before.error.identify, before.error.validate, before.recordings)]
     left = list(names)
     taken: list[str] = []
     while left:
@@ -333,5 +333,6 @@ def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
         result, name = min(tried, key=lambda pair: pair[0].error.validate or pair[0].error.identify or 0.0)
         taken.append(name)
         left.remove(name)
-        steps.append(LadderStep(tuple(taken), result.error.identify, result.error.validate))
+        error = result.error
+        steps.append(LadderStep(tuple(taken), error.identify, error.validate, result.recordings))
     return tuple(steps)

@@ -1,21 +1,22 @@
 """What a diagnosis says."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-from bench.estimate.result import Identification
+from bench.estimate.result import CurrentSeries, Identification
 
 Verdict = Literal["missing", "not supported", "indistinguishable", "absorbed"]
 
 
 @dataclass(frozen=True)
 class LadderStep:
-    """Errors of the model with these effects, as in `ErrorSummary`."""
+    """Errors of the model with these effects, as in `ErrorSummary`, and the currents that it gives."""
 
     effects: tuple[str, ...]
     identify: float | None
     validate: float | None
+    recordings: tuple[CurrentSeries, ...] = field(default=(), compare=False, repr=False)
 
 
 @dataclass(frozen=True)

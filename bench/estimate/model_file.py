@@ -101,26 +101,6 @@ def save_model(result: Identification, path: str | Path, dataset: Path | None = 
     write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 
-def saved_form(result: Identification, dataset: Dataset) -> SavedModel:
-    """What a model file would hold of an answer; named after the dataset that it was identified from."""
-    return SavedModel(
-        path=dataset.folder,
-        robot=result.robot,
-        effects=result.effects,
-        drive_gains={joint: gain.value for joint, gain in result.drive_gains.items()},
-        parameters={one.name: one.value for one in result.parameters},
-        left_out=result.left_out,
-        effect_parameters={
-            effect: {
-                joint: {name: quantity.value for name, quantity in values.items()}
-                for joint, values in joints.items()
-            }
-            for effect, joints in result.effect_parameters.items()
-        },
-        settings=result.settings,
-    )
-
-
 def load_model(path: str | Path) -> SavedModel:
     """Read a model file. Raises BenchError that names the file and what is wrong with it."""
     path = Path(path)

@@ -1,7 +1,7 @@
 """An identified model, with all that is needed to trust it, to save it and to apply it to other recordings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -53,7 +53,9 @@ class ErrorSummary:
 class CurrentSeries:
     """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
 
-    moving: False where a joint stands still; errors are not judged there.
+    moving: False where a joint stands still; errors are not judged there. by_effect: the torque or force (M, n) that
+    the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint stands
+    still, since such rows are bridged, not modelled.
     """
 
     name: str
@@ -66,6 +68,7 @@ class CurrentSeries:
     velocity: np.ndarray
     acceleration: np.ndarray
     moving: np.ndarray
+    by_effect: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def error(self) -> np.ndarray:

@@ -91,7 +91,24 @@ def modelled_series(prepared: Prepared, observation: Observation, solution: Solu
         velocity=observation.velocity,
         acceleration=observation.acceleration,
         moving=observation.moving,
+        by_effect=_effect_torques(prepared, observation, solution),
     )
+
+
+def _effect_torques(
+    prepared: Prepared, observation: Observation, solution: Solution
+) -> dict[str, np.ndarray]:
+    """The torque (M, n) of each effect, all its places together."""
+    by_effect: dict[str, np.ndarray] = {}
+    values = solution.theta[prepared.layout.size - prepared.layout.effects :]
+    at = 0
+    for instance in prepared.effects:
+        where = slice(at, at + len(instance.effect.parameters))
+        at = where.stop
+        torque = np.where(observation.moving, observation.effects[:, :, where] @ values[where], np.nan)
+        name = instance.effect.name
+        by_effect[name] = by_effect[name] + torque if name in by_effect else torque
+    return by_effect
 
 
 def _effects(

@@ -13,7 +13,7 @@ from bench.estimate.result import CurrentSeries, Identification
 from bench.report.content_effects import gains_section, not_ranked_section, ranking_section
 from bench.report.content_errors import currents_section, errors_section, errors_table, ladder_section
 from bench.report.content_parameters import conditioning_section, parameters_section
-from bench.report.content_run import limits_section, run_section
+from bench.report.content_run import Made, limits_section, run_section
 from bench.report.content_where import where_section
 from bench.report.parts import Page, Section
 from bench.report.shown import shown
@@ -34,12 +34,12 @@ AS_IT_IS, COMPLETED = "of the model as it is", "with what is missing"
 def diagnosis_page(
     diagnosis: Diagnosis,
     dataset: Dataset,
-    again: Sequence[str],
+    made: Made,
     catalogue: Mapping[str, Effect] = CATALOGUE,
 ) -> Page:
     """What the model lacks, and all that stands behind it.
 
-    again: the commands that give this page. catalogue: the effects by name.
+    made: how the page came about. catalogue: the effects by name.
     """
     before, after = diagnosis.before, diagnosis.after
     judged = _with_series_of(dataset, after.recordings)
@@ -72,14 +72,14 @@ def diagnosis_page(
             parameters_section(after, old),
             conditioning_section(after),
             limits_section(after, diagnosis, dataset, after.settings),
-            run_section(dataset, after.settings, after, again),
+            run_section(dataset, after.settings, after, made),
         ),
         generator=_generator(),
         footer=_footer(),
     )
 
 
-def identification_page(result: Identification, dataset: Dataset, again: Sequence[str]) -> Page:
+def identification_page(result: Identification, dataset: Dataset, made: Made) -> Page:
     """An identified model: its errors, its gains, its parameters."""
     model = shown("", "error", dataset, result, result.settings)
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
@@ -97,16 +97,14 @@ def identification_page(result: Identification, dataset: Dataset, again: Sequenc
             parameters_section(result, None),
             conditioning_section(result),
             limits_section(result, None, dataset, result.settings),
-            run_section(dataset, result.settings, result, again),
+            run_section(dataset, result.settings, result, made),
         ),
         generator=_generator(),
         footer=_footer(),
     )
 
 
-def comparison_page(
-    comparison: Comparison, dataset: Dataset, saved: Identification, again: Sequence[str]
-) -> Page:
+def comparison_page(comparison: Comparison, dataset: Dataset, saved: Identification, made: Made) -> Page:
     """A saved model beside recordings that it may never have seen: its errors, and where they are."""
     settings = saved.settings
     model = shown("", "error", dataset, comparison, settings)
@@ -124,7 +122,7 @@ def comparison_page(
             gains_section(saved, None),
             parameters_section(saved, None),
             limits_section(None, None, dataset, settings),
-            run_section(dataset, settings, None, again),
+            run_section(dataset, settings, None, made),
         ),
         generator=_generator(),
         footer=_footer(),

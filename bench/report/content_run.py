@@ -12,7 +12,7 @@ from bench.report.parts import Column, Commands, Items, Part, Section, Table, ro
 from bench.report.words import effect_name, short, typeset
 from bench.show.numbers import USES, fit_rate
 from bench.signals.settings import FilterSettings
-from bench.sweep.versions import versions
+from bench.sweep.versions import Versions, versions
 
 OPTIONS = {
     "position_cutoff": "--position-cutoff",
@@ -55,6 +55,14 @@ class Run:
         if self.output:
             words += ["-o", self.output]
         return " ".join(quoted(word) for word in words)
+
+
+@dataclass(frozen=True)
+class Made:
+    """How a page came about. again: the commands that give it; by: the versions that worked it out."""
+
+    again: tuple[str, ...]
+    by: Versions = field(default_factory=versions)
 
 
 def quoted(word: str | Path) -> str:
@@ -116,7 +124,7 @@ def run_section(
     dataset: Dataset,
     settings: FilterSettings,
     result: Identification | None,
-    again: Sequence[str],
+    made: Made,
 ) -> Section:
     """Recordings, settings, versions, and the commands that give this page again."""
     parts: list[Part] = [_recordings_table(dataset)]
@@ -124,8 +132,8 @@ def run_section(
         parts.append(_payloads_table(dataset))
     parts += [
         _settings_table(settings, result, dataset),
-        _versions_table(),
-        Commands("Run it again", "In the folder from which it was run, with the same version.", tuple(again)),
+        _versions_table(made.by),
+        Commands("Run it again", "In the folder from which it was run, with the same version.", made.again),
     ]
     lead = "All that is needed to get the same page from the same recordings."
     return Section(
@@ -202,11 +210,10 @@ def _settings_table(settings: FilterSettings, result: Identification | None, dat
     return Table("Settings", aid, columns, tuple(row(*one) for one in rows))
 
 
-def _versions_table() -> Table:
-    now = versions()
-    rows = [("Python", now.python), *(one for one in now.packages if one[1])]
-    if now.commit:
-        rows.append(("commit", now.commit))
+def _versions_table(by: Versions) -> Table:
+    rows = [("Python", by.python), *(one for one in by.packages if one[1])]
+    if by.commit:
+        rows.append(("commit", by.commit))
     return _versions(rows)
 
 

@@ -1,16 +1,18 @@
 """Write the page of a run, beside what is needed to write it again."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
-from bench.effects import catalogue_for
+from bench.effects import Effect, catalogue_for
 from bench.estimate.model_file import Comparison
 from bench.estimate.result import Identification
 from bench.files import write_text_atomically
 from bench.progress import SILENT, Progress
 from bench.report.content import comparison_page, diagnosis_page, identification_page
-from bench.report.content_run import Run, quoted
+from bench.report.content_run import Made, Run, quoted
 from bench.report.content_sweep import read_sweep, sweep_page
 from bench.report.content_trial import again_line, read_trial, trial_page
 from bench.report.folder import Kept, keep_run
@@ -33,18 +35,20 @@ def write_diagnosis_report(
     folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: Run, progress: Progress = SILENT
 ) -> Path:
     """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
-    keep_run(folder, run, dataset, diagnosis.after, diagnosis)
-    return write_kept(
-        folder / REPORT_FILE, Kept(run, dataset, diagnosis.after, diagnosis, ""), folder, progress
-    )
+    progress.phase("preparing the workbench of the page")
+    kept = Kept(run, dataset, diagnosis.after, diagnosis, "")
+    kept = replace(kept, workbench=page_data(dataset, diagnosis, _catalogue(kept)))
+    keep_run(folder, kept)
+    return write_kept(folder / REPORT_FILE, kept, folder, progress)
 
 
 def write_identification_report(
     folder: Path, result: Identification, dataset: Dataset, run: Run, model: str = ""
 ) -> Path:
     """Write report.html of an identification, or of a saved model that was applied (named `model`)."""
-    keep_run(folder, run, dataset, result, model=model)
-    return write_kept(folder / REPORT_FILE, Kept(run, dataset, result, None, model), folder)
+    kept = Kept(run, dataset, result, None, model)
+    keep_run(folder, kept)
+    return write_kept(folder / REPORT_FILE, kept, folder)
 
 
 def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Progress = SILENT) -> Path:
@@ -52,19 +56,27 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Pro
     again = [kept.run.line()]
     if folder is not None:
         again.append(f"bench report {quoted(folder)} -o {quoted(path)}")
+    made = Made(tuple(again), kept.by)
     after, workbench = kept.after, None
     progress.phase("drawing the page")
     if kept.diagnosis is not None:
-        catalogue = catalogue_for(kept.dataset.effect_files, [Path(one) for one in kept.run.effect_files])
-        page = diagnosis_page(kept.diagnosis, kept.dataset, again, catalogue)
-        progress.phase("preparing the workbench of the page")
-        workbench = Workbench(page_data(kept.dataset, kept.diagnosis, catalogue), script(), style())
+        catalogue = _catalogue(kept)
+        page = diagnosis_page(kept.diagnosis, kept.dataset, made, catalogue)
+        data = kept.workbench
+        if data is None:
+            progress.phase("preparing the workbench of the page")
+            data = page_data(kept.dataset, kept.diagnosis, catalogue)
+        workbench = Workbench(data, script(), style())
     elif kept.model:
         comparison = Comparison(after.robot, kept.model, after.recordings, after.error)
-        page = comparison_page(comparison, kept.dataset, after, again)
+        page = comparison_page(comparison, kept.dataset, after, made)
     else:
-        page = identification_page(after, kept.dataset, again)
+        page = identification_page(after, kept.dataset, made)
     return write_page(path, page, workbench)
+
+
+def _catalogue(kept: Kept) -> Mapping[str, Effect]:
+    return catalogue_for(kept.dataset.effect_files, kept.effect_files)
 
 
 def write_sweep_report(folder: Path, output: Path) -> Path:

@@ -38,8 +38,12 @@ def diagnosis_figures() -> list[Figure]:
 
 
 def report_figures() -> list[Figure]:
-    """The page of a diagnosis of a robot with six motors."""
-    return [Figure("report of 60 s of six motors", report.measure(), "s", report.LIMIT)]
+    """The page of a diagnosis of a robot with six motors: at first, and again from the diagnosis's folder."""
+    first, again = report.measure()
+    return [
+        Figure("report of 60 s of six motors", first, "s", report.LIMIT),
+        Figure("report of a finished diagnosis", again, "s", report.AGAIN_LIMIT),
+    ]
 
 
 MEASUREMENTS = (regressor_figures, main_job_figures, diagnosis_figures, report_figures, sweep_figures)
