@@ -10,7 +10,8 @@ from bench.effects import CATALOGUE, catalogue_for
 from bench.estimate.identify import identify
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
-from tests.workbench_kit import ABSORBED, FOUND, Solver, diagnosis_of, numbers, write_dataset
+from tests.workbench_kit import ABSORBED, FOUND, diagnosis_of, write_dataset
+from tests.workbench_solver import Solver, numbers
 
 LAWS = (
     "coulomb_friction",

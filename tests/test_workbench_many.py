@@ -17,7 +17,8 @@ from bench.workbench.encode import short_triangle
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
 from bench.workbench.small_changes import small_changes
-from tests.workbench_kit import FOUND, Solver, diagnosis_of, numbers, write_dataset
+from tests.workbench_kit import FOUND, diagnosis_of, write_dataset
+from tests.workbench_solver import Solver, numbers
 
 LAWS = (
     "coulomb_friction",

@@ -13,7 +13,8 @@ from bench.report.render import Workbench, render_page
 from bench.signals.settings import FilterSettings
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
-from tests.workbench_kit import FOUND, RECORDINGS, Solver, diagnosis_of, write_dataset
+from tests.workbench_kit import FOUND, RECORDINGS, diagnosis_of, write_dataset
+from tests.workbench_solver import Solver
 
 LAWS = ("coulomb_friction", "constant_offset", "stribeck_friction", "viscous_friction")
 FRICTIONS = ("coulomb_friction", "viscous_friction")

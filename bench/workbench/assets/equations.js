@@ -12,7 +12,7 @@ const WorkbenchEquations = (() => {
   const REWEIGHTINGS = 3;
   const MOST_STEPS = 50;
   const CONVERGED = {exact: 1e-13, short: 1e-10}; // of the cost: what a further step would gain
-  const DEPENDENT = {exact: 1e-10, short: 1e-7}; // of a column's square: what the others must leave of it
+  const DEPENDENT = {exact: 4e-10, short: 1e-7}; // of a column's square: what others must leave of it; see KEPT in reduce.py
   const TINY = 1e-300;
 
   function create(data, columns) {
@@ -112,6 +112,13 @@ const WorkbenchEquations = (() => {
       return found;
     }
 
+    /* The system without the columns that depend on others; index: of the columns that stay. */
+    function keptOnly({p, K: whole, fitted}, kept) {
+      const index = [...kept, p, p + 1, p + 2];
+      const K = index.length;
+      return {index, K, grams: K === whole ? fitted : fitted.map((gram) => taken(gram, whole, index))};
+    }
+
     /* Least squares of the torque's error with given weights. */
     function linear(grams, K, weights) {
       const k = K - 3;
@@ -207,10 +214,8 @@ const WorkbenchEquations = (() => {
     /* The current-domain solution of a system. */
     function solve(system) {
       const kept = keptColumns(system);
-      const {p, K: whole} = system;
-      const index = [...kept, p, p + 1, p + 2];
-      const K = index.length;
-      const grams = K === whole ? system.fitted : system.fitted.map((gram) => taken(gram, whole, index));
+      const {p} = system;
+      const {K, grams} = keptOnly(system, kept);
       const largest = Math.sqrt(Math.max(...squares.fitted.map((one) => one / data.rows)));
       const torqueWeights = (at) => {
         const scale = Math.max(...at.gains.map((g, j) => Math.sqrt(squares.fitted[j] / data.rows) * Math.abs(g)));
@@ -234,20 +239,24 @@ const WorkbenchEquations = (() => {
       return {d, theta, gains: at.gains, kept};
     }
 
-    /* What an effect's columns explain beside a solved system: Schur complements (b, b) and (b,). */
+    /*
+    What an effect's columns explain beside a solved system: Schur complements (b, b) and (b,); `whole` (b, b): the
+    columns' own inner products.
+    */
     function besides(system, solution, place) {
-      const {K} = system;
+      const {index, K, grams} = keptOnly(system, solution.kept);
       const b = place.size;
-      const all = [...system.columns];
+      const all = index.map((at) => system.columns[at]);
       for (let i = 0; i < b; i++) all.push({index: [place.start + i], value: [1]});
       const size = all.length;
-      const {d, gains} = solution;
-      const now = left(system.fitted, K, d, gains);
+      const {gains} = solution;
+      const d = solution.kept.map((at) => solution.d[at]);
+      const now = left(grams, K, d, gains);
       const rms = now.map((one, j) => Math.sqrt(one.square / Math.max(data.motors[j].fitted.moving, 1)));
       const floor = 1e-12 * Math.max(...rms) + TINY;
       const weights = rms.map((one) => 1 / Math.max(one, floor));
-      const {normal, right, size: unknowns, byGain} = linearisedStep(system.fitted, K, d, gains, weights, now);
-      const inner = new Float64Array(b * b);
+      const {normal, right, size: unknowns, byGain} = linearisedStep(grams, K, d, gains, weights, now);
+      const whole = new Float64Array(b * b);
       const score = new Float64Array(b);
       const cross = Array.from({length: b}, () => new Float64Array(unknowns));
       motors.forEach((motor, j) => {
@@ -258,7 +267,7 @@ const WorkbenchEquations = (() => {
         const error = now[j].x;
         for (let i = 0; i < b; i++) {
           const row = gram.subarray((K + i) * size, (K + i + 1) * size);
-          for (let m = 0; m < b; m++) inner[i * b + m] += (w / (g * g)) * row[K + m];
+          for (let m = 0; m < b; m++) whole[i * b + m] += (w / (g * g)) * row[K + m];
           let along = 0;
           let gain = 0;
           for (let a = 0; a < K; a++) {
@@ -270,6 +279,7 @@ const WorkbenchEquations = (() => {
           if (fitGains) cross[i][d.length + j] += (w / g) * gain;
         }
       });
+      const inner = whole.slice();
       const factor = factorised(normal, unknowns);
       const explained = solved(factor, right);
       for (let i = 0; i < b; i++) {
@@ -281,7 +291,7 @@ const WorkbenchEquations = (() => {
           inner[m * b + i] -= sum;
         }
       }
-      return {inner, score};
+      return {inner, score, whole};
     }
 
     /* How the page's columns are combined beside the found model (C,), for curves. */
@@ -294,7 +304,7 @@ const WorkbenchEquations = (() => {
       return sum;
     }
 
-    return {systemOf, errors, solve, besides, differenceOf, squares};
+    return {systemOf, errors, solve, besides, differenceOf, squares, dependent: DEPENDENT[digits]};
   }
 
   return {create};

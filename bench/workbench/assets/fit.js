@@ -4,7 +4,7 @@ The model with any effects: shapes found, columns linearised about the present m
 newton.py do.
 */
 const WorkbenchFit = (() => {
-  const {floats, doubles, times, factorised, solved, smallest} = WorkbenchNumbers;
+  const {floats, doubles, product, times, factorised, solved, smallest} = WorkbenchNumbers;
   const MOST_ROUNDS = 6;
   const SETTLED = 1e-4;
   const AS_GOOD = 1e-6; // relative change of the RMS errors between rounds: far less than chance makes of them
@@ -16,7 +16,7 @@ const WorkbenchFit = (() => {
   function create(data) {
     const columns = WorkbenchColumns.create(data);
     const {motors, places, reference, found, within, coefficients, combined} = columns;
-    const {systemOf, errors, solve, besides, differenceOf, squares} = WorkbenchEquations.create(data, columns);
+    const {systemOf, errors, solve, besides, differenceOf, squares, dependent} = WorkbenchEquations.create(data, columns);
     const own = data.own;
     const basis = data.basis && {...data.basis, own: doubles(data.basis.own), others: floats(data.basis.others)};
 
@@ -42,21 +42,25 @@ const WorkbenchFit = (() => {
     }
 
     /* The branch and the value of a shape that explain most of what is left; held: the value stays. */
-    function bestShape(term, {inner, score}, present) {
+    function bestShape(term, {inner, score, whole}, present) {
       const {place} = term;
       const {count, size} = place;
       const unexplained = (value, branch) => {
         const table = coefficients({place, value, branch}, present);
         const matrix = new Float64Array(count * count);
         const right = new Float64Array(count);
+        const squares = new Float64Array(count);
         for (let a = 0; a < count; a++) {
-          const row = times(inner, size, table.subarray(a * size, (a + 1) * size));
+          const column = table.subarray(a * size, (a + 1) * size);
+          const row = times(inner, size, column);
+          squares[a] = product(whole, size, column, column);
           for (let i = 0; i < size; i++) right[a] += table[a * size + i] * score[i];
           for (let b = 0; b < count; b++) {
             for (let i = 0; i < size; i++) matrix[b * count + a] += table[b * size + i] * row[i];
           }
         }
-        const x = solved(factorised(matrix, count), right);
+        // what rounding leaves of a column that others take up would explain something by chance
+        const x = solved(factorised(matrix, count, dependent, squares), right);
         return -right.reduce((sum, one, i) => sum + one * x[i], 0);
       };
       const along = (brackets, branch) => {

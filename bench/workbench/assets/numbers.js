@@ -86,11 +86,12 @@ const WorkbenchNumbers = (() => {
 
   /*
   Cholesky factor of a symmetric matrix whose diagonal is made one first. A column that the ones before leave less than
-  `least` of, in squares, is passed over: its unknown is zero.
+  `least` of, in squares, is passed over: its unknown is zero. squares: of the columns, where those before them are not
+  in the matrix but taken out of it.
   */
-  function factorised(matrix, size, least = 1e-14) {
+  function factorised(matrix, size, least = 1e-14, squares = null) {
     const norms = new Float64Array(size);
-    for (let i = 0; i < size; i++) norms[i] = Math.sqrt(Math.max(matrix[i * size + i], 0)) || 1;
+    for (let i = 0; i < size; i++) norms[i] = Math.sqrt(Math.max(squares ? squares[i] : matrix[i * size + i], 0)) || 1;
     const factor = new Float64Array(size * size);
     const passed = new Uint8Array(size);
     for (let i = 0; i < size; i++) {
