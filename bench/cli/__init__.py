@@ -15,6 +15,7 @@ from types import FrameType
 import click
 
 from bench.cli.lazy import LazyCommand, LazyGroup
+from bench.cli.unread import forgiving_output
 from bench.errors import BenchError
 
 COMMANDS = {
@@ -87,9 +88,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     `arguments` are the words after `bench`; the process's own if None.
     0: done. 2: a mistake in what the user gave, told in one line on standard error.
     130 and 143: interrupted or terminated; files that were being written are left as they were.
+    A reader of standard output who leaves early changes nothing of this.
     """
     try:
-        with _leaving_on_termination():
+        with _leaving_on_termination(), forgiving_output():
             result = cli.main(args=arguments, prog_name="bench", standalone_mode=False)
     except BenchError as error:
         return _say(str(error), BAD_INPUT)

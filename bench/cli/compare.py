@@ -1,7 +1,7 @@
 """`bench compare`: where a model fails."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,12 @@ from bench.cli.options import (
     output_option,
     with_option,
 )
+
+if TYPE_CHECKING:
+    from bench.compare.motor import Compared
+    from bench.dataset import Dataset
+    from bench.estimate.result import Identification
+    from bench.report.content_run import Run
 
 
 @click.command("compare")
@@ -74,27 +80,41 @@ def compare(
         settings = result.settings
     what = compared(data.robot, data.recordings, comparison.recordings, settings)
     where = errors_by_motor(what)
-    console = Console()
-    comparison_report(comparison, console)
-    where_report(where, console)
-    click.echo("".join(f"{step}\n" for step in next_step(what, str(dataset)) if model_file is None), nl=False)
+    written = []
     if json_file is not None:
         write_json_atomically(json_file, {**comparison_json(comparison), **where_json(where)})
-        click.echo(f"Comparison: {json_file}")
+        written.append(f"Comparison: {json_file}")
     if output is not None:
-        from bench.show.comparison_figures import write_comparison_figures
-
-        for path in write_comparison_figures(output, what):
-            click.echo(f"Figure: {path}")
-
         from bench.report.content_run import Run
         from bench.report.folder import read_identification
-        from bench.report.write import write_identification_report
 
         options = {"model": str(model_file), **given} if model_file is not None else given
         run = Run("compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
         if result is None and model_file is not None:
             result = read_identification(model_file, data, catalogue)
-        if result is not None:
-            name = str(model_file) if model_file is not None else ""
-            click.echo(f"Report: {write_identification_report(output, result, data, run, name)}")
+        written += _pictures_and_page(output, what, result, data, run, model_file)
+    console = Console()
+    comparison_report(comparison, console)
+    where_report(where, console)
+    steps = next_step(what, str(dataset)) if model_file is None else ()
+    for line in (*steps, *written):
+        click.echo(line)
+
+
+def _pictures_and_page(
+    output: Path,
+    what: "Compared",
+    result: "Identification | None",
+    data: "Dataset",
+    run: "Run",
+    model_file: Path | None,
+) -> list[str]:
+    """Write both into a folder and tell what was written."""
+    from bench.report.write import write_identification_report
+    from bench.show.comparison_figures import write_comparison_figures
+
+    written = [f"Figure: {path}" for path in write_comparison_figures(output, what)]
+    if result is not None:
+        name = str(model_file) if model_file is not None else ""
+        written.append(f"Report: {write_identification_report(output, result, data, run, name)}")
+    return written

@@ -70,22 +70,18 @@ def diagnose(
         swapped = swapped_notes(data, diagnosis.before)
         notes = (*swapped, *diagnosis.after.notes, *short)
         diagnosis = replace(diagnosis, after=replace(diagnosis.after, notes=notes))
-    from rich.console import Console
-
-    from bench.show.diagnosis import diagnosis_report
-
-    diagnosis_report(diagnosis, Console(), verbose=verbose)
+    written = []
     if json_file is not None:
         from bench.diagnose.as_json import diagnosis_json
         from bench.files import write_json_atomically
 
         write_json_atomically(json_file, diagnosis_json(diagnosis))
-        click.echo(f"Diagnosis: {json_file}")
+        written.append(f"Diagnosis: {json_file}")
     if model_file is not None:
         from bench.estimate.model_file import save_model
 
         save_model(diagnosis.after, model_file, data.folder)
-        click.echo(f"Model: {model_file}")
+        written.append(f"Model: {model_file}")
     if output is not None:
         from bench.report.content_run import Run
 
@@ -94,8 +90,13 @@ def diagnose(
             from bench.report.write import write_diagnosis_report
             from bench.show.diagnosis_figures import write_diagnosis_figures
 
-            figures = write_diagnosis_figures(output, diagnosis, data)
+            written += [f"Figure: {path}" for path in write_diagnosis_figures(output, diagnosis, data)]
             page = write_diagnosis_report(output, diagnosis, data, run, progress)
-        for path in figures:
-            click.echo(f"Figure: {path}")
-        click.echo(f"Report: {page}")
+            written.append(f"Report: {page}")
+    from rich.console import Console
+
+    from bench.show.diagnosis import diagnosis_report
+
+    diagnosis_report(diagnosis, Console(), verbose=verbose)
+    for line in written:
+        click.echo(line)

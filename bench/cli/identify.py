@@ -97,18 +97,15 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     )
     short, swapped = shortness_notes(data.recordings, result.settings), swapped_notes(data, result, prepared)
     result = replace(result, notes=(*swapped, *result.notes, *short))
-    identification_report(result, Console(), verbose=verbose)
-    what = compared(data.robot, data.recordings, result.recordings, result.settings)
-    for line in (*left_over(what), *next_step(what, str(dataset))):
-        click.echo(line)
+    written = []
     if json_file is not None:
         save_model(result, json_file, data.folder)
-        click.echo(f"Model: {json_file}")
+        written.append(f"Model: {json_file}")
     if rrd_file is not None:
         from bench.show.recording import write_rrd
 
         write_rrd(rrd_file, result, data)
-        click.echo(f"Recording: {rrd_file} (open it with: rerun {rrd_file})")
+        written.append(f"Recording: {rrd_file} (open it with: rerun {rrd_file})")
     if output is not None:
         from bench.report.content_run import Run
         from bench.report.write import write_identification_report
@@ -121,4 +118,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
             **given,
         }
         command = Run("identify", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
-        click.echo(f"Report: {write_identification_report(output, result, data, command)}")
+        written.append(f"Report: {write_identification_report(output, result, data, command)}")
+    identification_report(result, Console(), verbose=verbose)
+    what = compared(data.robot, data.recordings, result.recordings, result.settings)
+    for line in (*left_over(what), *next_step(what, str(dataset)), *written):
+        click.echo(line)

@@ -1,0 +1,86 @@
+"""A reader who leaves early, as `head` does, loses nothing: files are complete, and nothing is complained of."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from bench.cli import main
+from bench.truth.dataset import write_simulation
+from tests.hidden_kit import run
+
+SWEEP = """
+base = "two_link"
+seeds = 2
+"""
+FILES = {
+    "identify": ["identify", "{data}", "--json", "{out}/model.json", "-o", "{out}"],
+    "compare": ["compare", "{data}", "--json", "{out}/compared.json", "-o", "{out}"],
+    "diagnose": [
+        "diagnose",
+        "{data}",
+        "--json",
+        "{out}/diagnosis.json",
+        "--apply",
+        "{out}/model.json",
+        "-o",
+        "{out}",
+    ],
+    "sweep": ["sweep", "{sweep}", "-o", "{out}", "--workers", "1"],
+    "trial": ["trial", "two_link", "--kinds", "nothing", "--seeds", "1", "--workers", "1", "-o", "{out}"],
+}
+LAST = {
+    "identify": ["model.json", "report.html"],
+    "compare": ["compared.json", "report.html"],
+    "diagnose": ["diagnosis.json", "model.json", "errors.png", "report.json", "report.html"],
+    "sweep": ["runs.parquet", "summary.md", "report.html"],
+    "trial": ["two_link.parquet", "two_link.md"],
+}
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("unread") / "data"
+    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
+    write_simulation(
+        run("two_link", hidden, design={"optimise": False, "duration": 6.0, "ramp": 0.5}), folder
+    )
+    return folder
+
+
+def unread(arguments):
+    """The command with a standard output that nobody reads: its exit code and what it complains of."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "bench", *arguments]
+    with subprocess.Popen(command, stdout=writer, stderr=subprocess.PIPE, text=True) as process:
+        os.close(writer)
+        complaints = process.communicate()[1]
+    return process.returncode, complaints
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_are_complete(name, data, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    arguments = [one.format(data=data, out=out, sweep=tmp_path / "sweep.toml") for one in FILES[name]]
+    assert unread(arguments) == (0, "")
+    for file in LAST[name]:
+        path = out / file
+        assert path.stat().st_size > 0
+        if path.suffix == ".json":
+            json.loads(path.read_text())
+        elif path.suffix == ".html":
+            assert path.read_text().rstrip().endswith("</html>")
+    if name == "diagnose":  # the folder is whole
+        assert main(["report", str(out), "-o", str(tmp_path / "page.html")]) == 0
+
+
+def test_a_mistake_is_told_all_the_same():
+    code, complaints = unread(["identify", "nowhere"])
+    assert code == 2
+    assert complaints.count("\n") == 1
+    assert "nowhere" in complaints
