@@ -13,7 +13,7 @@ from bench.joint_facts import JointFacts
 from bench.recording import Recording, Use
 from bench.recording_checks import Channel, Finding, find
 from bench.sampling import on_uniform_grid, time_fault
-from bench.table_file import Table, read_table
+from bench.table_file import Table, read_table, release_tables
 
 
 def load_recording(
@@ -25,7 +25,9 @@ def load_recording(
     accept: Sequence[str] = (),
 ) -> Recording:
     """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table."""
-    return recording_from_table(read_table(path), name, use, payload, joints, accept)
+    recording = recording_from_table(read_table(path), name, use, payload, joints, accept)
+    release_tables()
+    return recording
 
 
 def recording_from_table(

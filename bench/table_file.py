@@ -129,6 +129,11 @@ def read_table(path: Path) -> Table:
     return table
 
 
+def release_tables() -> None:
+    """Give the memory of tables that nobody uses any more back to the system: pyarrow would hold it."""
+    pa.default_memory_pool().release_unused()
+
+
 def _read_csv(path: Path) -> Table:
     content = path.read_bytes()
     text = split_csv(path, content)

@@ -9,10 +9,12 @@ from bench.errors import BenchError
 from bench.estimate.standstill import Gaps, no_gaps, standstills
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import Motion, motion_of
+from bench.model.motion import BLOCK, LongMotion, Motion, blocks_of, path_of
 from bench.recording import Recording
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
+
+MOST_NUMBERS = 8_000_000  # of a motion of all joints that is kept: 64 MB
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,9 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
     """
     motion = estimate_motion(recording.position, recording.rate, settings)
     time = trim(recording.time, settings)
+    track = time, motion.position, motion.velocity, motion.acceleration
     try:
-        tree = motion_of(model.geometry, time, motion.position, motion.velocity, motion.acceleration)
+        tree, passive = _closed(model.geometry, track)
     except BenchError as error:
         raise BenchError(f"{recording.name}: {error}") from None
     return Measured(
@@ -59,14 +62,21 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
         tree=tree,
         gaps=no_gaps(motion.velocity.shape[1])
         if settings.keep_standstill
-        else standstills(
-            motion.position,
-            motion.velocity,
-            passive_rates(model.geometry, tree),
-            recording.rate,
-            settings.position_cutoff,
-        ),
+        else standstills(motion.position, motion.velocity, passive, recording.rate, settings.position_cutoff),
     )
+
+
+def _closed(
+    geometry: Geometry, track: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+) -> tuple[Motion, np.ndarray]:
+    """The motion of all joints, worked out where it is asked for if it is long; rates (N, k) of passive joints."""
+    path, samples = path_of(geometry, *track), len(track[0])
+    if samples * (geometry.nq + geometry.nv * (2 + len(geometry.active))) <= MOST_NUMBERS:
+        tree = path.motion(slice(None))
+        return tree, passive_rates(geometry, tree)
+    tree = LongMotion(path)
+    parts = (passive_rates(geometry, tree.at(part)) for part in blocks_of(samples, BLOCK))
+    return tree, np.concatenate(list(parts))
 
 
 def passive_rates(geometry: Geometry, tree: Motion) -> np.ndarray:

@@ -8,10 +8,13 @@ import numpy as np
 
 from bench.effects import ActuatorEffect, EffectInstance, RobotSignals, effect_columns
 from bench.estimate.measured import Measured
-from bench.estimate.standstill import bridged, moving_rows
+from bench.estimate.standstill import around, bridged, bridged_part, moving_rows
 from bench.model.model import IdentificationModel
+from bench.model.motion import blocks_of
 from bench.model.regressor import projected_regressor
-from bench.signals.decimation import decimate, decimated_indices
+from bench.signals.decimation import Decimation, decimate, decimated_indices
+
+PART = 5120  # samples worked on together, at most: their columns stay in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -45,19 +48,11 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     loaded = recording.payload is not None
     if loaded:
         columns = np.concatenate((columns, model.payload_columns))
-    rows = projected_regressor(model.geometry, measured.tree, columns)
-    samples, n, p = rows.shape
-    stacked = np.concatenate(
-        (
-            bridged(rows, measured.gaps).reshape(samples, -1),
-            bridged(measured.current, measured.gaps),
-            measured.position,
-            measured.velocity,
-            measured.acceleration,
-        ),
-        axis=1,
-    )
-    kept = decimate(stacked, settings.decimation)
+    samples, n, p = len(measured.time), measured.current.shape[1], len(columns)
+    decimation = Decimation(samples, settings.decimation)
+    for part in blocks_of(samples, PART):
+        decimation.push(_stacked(model, measured, columns, part))
+    kept = decimation.finish()
     sizes = np.cumsum([n * p, n, n, n])
     filtered, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
     filtered = filtered.reshape(len(kept), n, p)
@@ -67,15 +62,40 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         use=recording.use,
         payload_name=recording.payload,
         time=measured.time[decimated_indices(samples, settings.decimation)],
-        current=current,
+        current=np.ascontiguousarray(current),
         rigid=np.ascontiguousarray(filtered[:, :, :nb]),
         payload=filtered[:, :, nb:] @ model.payload if loaded and model.payload is not None else None,
         effects=np.zeros((len(kept), n, 0)),
-        position=position,
-        velocity=velocity,
-        acceleration=acceleration,
+        position=np.ascontiguousarray(position),
+        velocity=np.ascontiguousarray(velocity),
+        acceleration=np.ascontiguousarray(acceleration),
         moving=moving_rows(measured.gaps, samples, settings.decimation),
     )
+
+
+def _stacked(model: IdentificationModel, measured: Measured, columns: np.ndarray, part: slice) -> np.ndarray:
+    """A part of a recording before decimation, bridged: (K, n p + 4 n), columns and currents, then the motion."""
+    length, n = len(measured.time), measured.current.shape[1]
+    seen = around(part, measured.gaps, length)
+    samples = part if len(seen) == part.stop - part.start else seen
+    rows = projected_regressor(model.geometry, measured.tree.at(samples), columns)
+    stacked = np.empty((len(seen), n, len(columns) + 1))
+    stacked[:, :, :-1], stacked[:, :, -1] = rows, measured.current[samples]
+    stacked = bridged_part(stacked, seen, part, measured.gaps, length)
+    motion = measured.position[part], measured.velocity[part], measured.acceleration[part]
+    flat = stacked[:, :, :-1].reshape(len(stacked), -1)
+    return np.concatenate((flat, stacked[:, :, -1], *motion), axis=1)
+
+
+def all_currents(measured: Measured) -> np.ndarray:
+    """Every current as every motor's rows see it, bridged where that motor stands still: (M, n, n), drive units."""
+    length, n = measured.current.shape
+    decimation = Decimation(length, measured.settings.decimation)
+    for part in blocks_of(length, PART):
+        seen = around(part, measured.gaps, length)
+        rows = np.repeat(measured.current[seen][:, None, :], n, axis=1)
+        decimation.push(bridged_part(rows, seen, part, measured.gaps, length).reshape(-1, n * n))
+    return decimation.finish().reshape(-1, n, n)
 
 
 def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:

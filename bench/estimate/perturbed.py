@@ -72,8 +72,7 @@ def _motion(
     every: int,
 ) -> Motion:
     step = slice(None, None, every)
-    whole = measured.tree
-    tree = Motion(whole.time[step], whole.q[step], whole.v[step], whole.a[step], whole.jacobian[step])
+    tree = measured.tree.at(step)
     if all(one is None for one in active) and _numbers(changed)[1:] == _numbers(model.geometry)[1:]:
         return tree
     logged = (measured.position, measured.velocity, measured.acceleration)

@@ -58,26 +58,67 @@ def bridged(rows: np.ndarray, gaps: Gaps) -> np.ndarray:
     (a Hann window); it is level where there is one side only.
     """
     rows = rows.copy()
+    every = np.arange(len(rows))
     for j, stretches in enumerate(gaps):
-        own = rows[:, j]
-        if not len(stretches) or not own.any():
-            continue
-        start, stop, beside = stretches.T
-        before = np.maximum(start - beside, np.concatenate(([0], stop[:-1])))
-        after = np.minimum(stop + beside, len(rows))
-        first, second = _means(own, before, start), _means(own, stop, after)
-        has_first, has_second = before < start, stop < after
-        y0, y1 = (
-            np.where(_like(has, mine), mine, other)
-            for has, mine, other in ((has_first, first, second), (has_second, second, first))
-        )
-        middles = 0.5 * (before + start - 1), 0.5 * (stop + after - 1)
-        slope = (y1 - y0) / _like(middles[1] - middles[0], y0)
-        inside, of = _ranges(start, stop)
-        some = (has_first | has_second)[of]
-        inside, of = inside[some], of[some]
-        own[inside] = y0[of] + _like(inside - middles[0][of], y0) * slope[of]
+        _bridge(rows[:, j], stretches, every, len(rows))
     return rows
+
+
+def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
+    """The samples (K,), of so many, that `bridged_part` needs for a part of them, in order."""
+    needed = [np.arange(part.start, part.stop)]
+    for stretches in gaps:
+        start, stop, before, after = _sides(_within(stretches, part), stretches, length)
+        needed += [_ranges(before, start)[0], _ranges(stop, after)[0]]
+    return np.unique(np.concatenate(needed)) if sum(map(len, needed[1:])) else needed[0]
+
+
+def bridged_part(rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int) -> np.ndarray:
+    """The rows of a part as `bridged` gives them, from those at the samples (K,) that it needs; changes these."""
+    for j, stretches in enumerate(gaps):
+        _bridge(rows[:, j], stretches, samples, length, part)
+    first = int(np.searchsorted(samples, part.start))
+    return rows[first : first + part.stop - part.start]
+
+
+def _within(stretches: np.ndarray, part: slice) -> np.ndarray:
+    """Which stretches have samples in the part, as indices."""
+    return np.flatnonzero((stretches[:, 0] < part.stop) & (stretches[:, 1] > part.start))
+
+
+def _sides(
+    chosen: np.ndarray, stretches: np.ndarray, length: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of the chosen stretches start and stop, and where their surroundings begin before and end after, (k,) each."""
+    start, stop, beside = stretches.T
+    before = np.maximum(start - beside, np.concatenate(([0], stop))[: len(stop)])
+    after = np.minimum(stop + beside, length)
+    return start[chosen], stop[chosen], before[chosen], after[chosen]
+
+
+def _bridge(
+    own: np.ndarray, stretches: np.ndarray, samples: np.ndarray, length: int, part: slice | None = None
+) -> None:
+    """Replace a joint's rows (K, ...) at the samples (K,) of a part (or of all) that lie in its stretches."""
+    part = slice(0, length) if part is None else part
+    chosen = _within(stretches, part)
+    if not len(chosen) or not own.any():
+        return
+    start, stop, before, after = _sides(chosen, stretches, length)
+    at_before, at_stop = np.searchsorted(samples, before), np.searchsorted(samples, stop)
+    first = _means(own, at_before, at_before + start - before)
+    second = _means(own, at_stop, at_stop + after - stop)
+    has_first, has_second = before < start, stop < after
+    y0, y1 = (
+        np.where(_like(has, mine), mine, other)
+        for has, mine, other in ((has_first, first, second), (has_second, second, first))
+    )
+    middles = 0.5 * (before + start - 1), 0.5 * (stop + after - 1)
+    slope = (y1 - y0) / _like(middles[1] - middles[0], y0)
+    inside, of = _ranges(np.maximum(start, part.start), np.minimum(stop, part.stop))
+    some = (has_first | has_second)[of]
+    inside, of = inside[some], of[some]
+    own[np.searchsorted(samples, inside)] = y0[of] + _like(inside - middles[0][of], y0) * slope[of]
 
 
 def _ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.effects import places_in, select_effects
 from bench.estimate.current_error import minimised, squared_errors
 from bench.estimate.layout import known_rows, regressor_rows
-from bench.estimate.prepare import Prepared, prepare, with_effects
+from bench.estimate.observation import Observation, all_currents
+from bench.estimate.prepare import Prepared, prepare
 from bench.estimate.result import Identification
 from bench.estimate.solution import scaled_lstsq, torque_system
 from bench.estimate.stack import triangular_factors
-from bench.estimate.standstill import bridged
-from bench.signals.decimation import decimate
 
-LIKELY = ("coulomb_friction", "viscous_friction")  # what nearly every machine has, lest it hide the swap
 LARGE = 0.05  # relative error from which it is worth a try
 SWAPPED = "are probably swapped"
 BETTER = 0.5  # of the error: what a swap must bring it down to
@@ -27,10 +25,10 @@ BETTER = 0.5  # of the error: what a swap must bring it down to
 def swapped_notes(dataset: Dataset, result: Identification, prepared: Prepared | None = None) -> list[str]:
     """A sentence on the two motors whose columns, exchanged, bring the error down most; none where none do.
 
-    Tried one pair at a time, in all fitted recordings and in each of them, with dry and viscous friction beside the
-    rigid bodies and with the filters of the result. The error must fall far below that of the result and below what
-    friction alone makes of it. Where the error of the result is small, nothing is tried. prepared: the dataset's
-    equations with these filters, where they are at hand.
+    Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
+    and viscous friction beside the rigid bodies, lest it hide the swap. The error must fall far below that of the
+    result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
+    prepared: the dataset's equations with these filters, where they are at hand.
     """
     error = result.error.identify
     joints = list(result.drive_gains)
@@ -38,8 +36,7 @@ def swapped_notes(dataset: Dataset, result: Identification, prepared: Prepared |
         return []
     if prepared is None:
         prepared = prepare(dataset, (), result.settings)
-    likely = select_effects(LIKELY, places_in(prepared.model.geometry, ()))
-    trial = _Trial(with_effects(prepared, likely), result.gains_fitted)
+    trial = _Trial(prepared, result.gains_fitted)
     names, a, b = min(
         _swaps(tuple(trial.parts), len(joints)), key=lambda swap: trial.error(trial.exchanged(*swap))
     )
@@ -64,27 +61,26 @@ def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...
 
 
 class _Trial:
-    """The equations of all fitted recordings with every motor's current beside every motor's rows.
+    """The equations of all fitted recordings with every motor's current beside every motor's rows, and friction.
 
     parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
     exchange only picks other ones of the currents. Currents are bridged where the motor of the rows stands still.
     """
 
     def __init__(self, prepared: Prepared, fit_gains: bool) -> None:
-        self.size = prepared.layout.size
+        n = len(prepared.dataset.robot.nominal_gains)
+        layout = replace(prepared.layout, effects=2 * n)
+        self.size = layout.size
         self.fit_gains = fit_gains
         self.nominal = prepared.dataset.robot.nominal_gains
         self.parts: dict[str, np.ndarray] = {}
         for one, measured in zip(prepared.observations, prepared.measured, strict=True):
             if one.use != "identify":
                 continue
-            samples, n = one.current.shape
-            rows = np.empty((samples, n, self.size + 1 + n))
-            rows[:, :, : self.size] = regressor_rows(one, prepared.layout)
+            rows = np.empty((len(one.time), n, self.size + 1 + n))
+            rows[:, :, : self.size] = regressor_rows(replace(one, effects=_friction(one)), layout)
             rows[:, :, self.size] = known_rows(one, prepared.dataset.payloads)
-            for j, gap in enumerate(measured.gaps):
-                currents = bridged(measured.current, (gap,) * n)
-                rows[:, j, self.size + 1 :] = decimate(currents, prepared.settings.decimation)
+            rows[:, :, self.size + 1 :] = all_currents(measured)
             rows *= one.moving[:, :, None]
             self.parts[one.name] = triangular_factors(rows)
 
@@ -114,3 +110,12 @@ class _Trial:
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.fit_gains)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))
+
+
+def _friction(observation: Observation) -> np.ndarray:
+    """Dry and viscous friction of every motor at the fit's rate, (M, n, 2 n): nearly every machine has them."""
+    motors = np.arange(observation.velocity.shape[1])
+    columns = np.zeros((*observation.velocity.shape, 2 * len(motors)))
+    columns[:, motors, 2 * motors] = np.sign(observation.velocity)
+    columns[:, motors, 2 * motors + 1] = observation.velocity
+    return columns

@@ -6,7 +6,7 @@ from bench.errors import BenchError
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.geometry import Geometry
-from bench.model.motion import robot_length
+from bench.model.nodes import robot_length
 
 DEPENDENT = 1e-6  # of the largest singular value: smaller ones are zero
 TAKES_PART = 0.05  # of the largest entry of a motion: joints with less do not take part in it

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -9,9 +10,10 @@ from bench.errors import BenchError
 from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.elimination import Elimination, eliminate
-from bench.model.follow import NEARLY_CLOSED, OPEN, Follower, Pose, advance, home_pose, make_follower
+from bench.model.follow import OPEN
 from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
+from bench.model.nodes import Samples, Track, followed, nodes_along, travel_of
 from bench.model.scalars import Scalar, dot, minus, plus
 
 CLOSED = (
@@ -44,6 +46,54 @@ class Motion:
     a: np.ndarray
     jacobian: np.ndarray
 
+    def at(self, samples: Samples) -> "Motion":
+        """The motion at some of the samples, K of them."""
+        return Motion(
+            self.time[samples], self.q[samples], self.v[samples], self.a[samples], self.jacobian[samples]
+        )
+
+
+class LongMotion(Motion):
+    """A motion that is too long to be kept: it is known at few samples, and worked out where it is asked for.
+
+    Asked for as a whole, it is worked out as a whole and kept.
+    """
+
+    def __init__(self, path: "Path") -> None:
+        self.__dict__.update(time=path.track.time, path=path)
+
+    def at(self, samples: Samples) -> Motion:
+        """The motion at some of the samples, K of them."""
+        if "_whole" in self.__dict__:
+            return self._whole.at(samples)
+        path: Path = self.__dict__["path"]
+        return path.motion(samples)
+
+    @cached_property
+    def _whole(self) -> Motion:
+        path: Path = self.__dict__["path"]
+        return path.motion(slice(None))
+
+    @property
+    def q(self) -> np.ndarray:
+        """See `Motion`."""
+        return self._whole.q
+
+    @property
+    def v(self) -> np.ndarray:
+        """See `Motion`."""
+        return self._whole.v
+
+    @property
+    def a(self) -> np.ndarray:
+        """See `Motion`."""
+        return self._whole.a
+
+    @property
+    def jacobian(self) -> np.ndarray:
+        """See `Motion`."""
+        return self._whole.jacobian
+
 
 def motion_of(
     geometry: Geometry,
@@ -62,52 +112,80 @@ def motion_of(
     motion of nearly this trajectory or geometry at the same samples, from which the closures are tried at once.
     Raises BenchError that names the time of a sample which is out of reach or singular.
     """
-    closures = closures_of(geometry)
-    track = _Track(time, position - geometry.active_offset, velocity, acceleration)
-    if not geometry.loops:
-        return _solved(geometry, closures, track, lambda block: np.zeros((geometry.nq, len(time[block]))))
-    if near is not None:
+    if near is not None and geometry.loops:
+        track = Track(time, position, velocity, acceleration, geometry.active_offset)
         try:
-            return _solved(geometry, closures, track, _beside(geometry, near, track))
+            return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
         except BenchError:
             pass  # too far: all the way from home
-    travel = _travel(geometry, track.position)
-    nodes = _nodes(travel, TRAVEL, len(time))
-    followed = _followed(geometry, track, nodes).T
-    coarse = _solved(geometry, closures, track.at(nodes), lambda block: followed[:, block], NODE_CLOSED)
-    finer = track.at(_nodes(travel, MIDDLE_TRAVEL, STRIDE))
-    middle = _solved(geometry, closures, finer, _between(geometry, coarse, finer), NODE_CLOSED)
-    return _solved(geometry, closures, track, _between(geometry, middle, track))
+    return path_of(geometry, time, position, velocity, acceleration).motion(slice(None))
+
+
+def path_of(
+    geometry: Geometry,
+    time: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+) -> "Path":
+    """The closures followed along a trajectory at few samples; see `motion_of`."""
+    closures = closures_of(geometry)
+    track = Track(time, position, velocity, acceleration, geometry.active_offset)
+    if not geometry.loops:
+        return Path(geometry, closures, track, lambda time, _: np.zeros((geometry.nq, len(time))))
+    travel = travel_of(geometry, track.logged)
+    nodes = nodes_along(travel, TRAVEL, len(time))
+    reached = followed(geometry, track, nodes).T
+    coarse = _solved(geometry, closures, track.at(nodes), lambda block: reached[:, block], NODE_CLOSED)
+    finer = track.at(nodes_along(travel, MIDDLE_TRAVEL, STRIDE))
+    guess = _between(geometry, coarse)
+    middle = _solved(
+        geometry,
+        closures,
+        finer,
+        lambda block: guess(finer.time[block], finer.position(block)),
+        NODE_CLOSED,
+    )
+    return Path(geometry, closures, track, _between(geometry, middle))
+
+
+@dataclass(frozen=True)
+class Path:
+    """A trajectory (N samples) whose closures are nearly known: from them follows the motion at any samples.
+
+    guess: nearly closed poses (nq, K) for the times (K,) and the positions (K, n) of the active joints.
+    """
+
+    geometry: Geometry
+    closures: Closures
+    track: "Track"
+    guess: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+    def motion(self, samples: Samples) -> Motion:
+        """The motion at these samples. Raises BenchError where the loops cannot be closed."""
+        track = self.track.at(samples)
+        return _solved(
+            self.geometry,
+            self.closures,
+            track,
+            lambda block: self.guess(track.time[block], track.position(block)),
+        )
 
 
 def rates_at(
     geometry: Geometry, time: np.ndarray, q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> Motion:
     """The motion at closed poses q (N, nq), from active velocities and accelerations, each (N, n)."""
-    track = _Track(time, q[:, geometry.active_configuration], velocity, acceleration)
+    nothing = np.zeros(len(geometry.active))
+    track = Track(time, q[:, geometry.active_configuration], velocity, acceleration, nothing)
     return _solved(geometry, closures_of(geometry), track, lambda block: q[block].T)
 
 
-@dataclass(frozen=True)
-class _Track:
-    """What is given: time (N,); of the active joints position, velocity and acceleration, (N, n) each."""
-
-    time: np.ndarray
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-
-    def at(self, samples: np.ndarray) -> "_Track":
-        return _Track(
-            self.time[samples], self.position[samples], self.velocity[samples], self.acceleration[samples]
-        )
-
-
 def _solved(
-    geometry: Geometry, closures: Closures, track: _Track, guess: _Guess, enough: float = CLOSED
+    geometry: Geometry, closures: Closures, track: Track, guess: _Guess, enough: float = CLOSED
 ) -> Motion:
     """Poses closed from the guess, velocities and accelerations, block by block."""
-    samples, n = track.position.shape
+    samples, n = track.logged.shape
     q = np.empty((samples, geometry.nq))
     v, a = np.empty((2, samples, geometry.nv))
     jacobian = np.zeros((samples, geometry.nv, n))
@@ -116,7 +194,7 @@ def _solved(
     for block in blocks_of(samples, BLOCK):
         time = track.time[block]
         pose = np.ascontiguousarray(guess(block))
-        pose[geometry.active_configuration] = track.position[block].T
+        pose[geometry.active_configuration] = track.position(block).T
         pose, frames, elimination, motors, still_open = _closed(
             geometry, closures, time, normalised(geometry, pose), enough
         )
@@ -204,94 +282,34 @@ def _check(geometry: Geometry, time: np.ndarray, amplification: list[dict[int, S
         raise _singular(geometry, time, int(np.argmax(largest)))
 
 
-def _between(geometry: Geometry, nodes: Motion, track: _Track) -> _Guess:
+def _between(geometry: Geometry, nodes: Motion) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     """Poses between nodes: their interpolation, moved by what it is off at the active joints."""
     if len(nodes.time) == 1:
-        return lambda block: np.repeat(nodes.q.T, len(track.time[block]), axis=1)
+        return lambda time, _: np.repeat(nodes.q.T, len(time), axis=1)
     first, second = configuration_rates(geometry, nodes.q.T, nodes.v.T, nodes.a.T)
     curve = hermite(nodes.time, nodes.q.T, first, second)
     middles = 0.5 * (nodes.time[1:] + nodes.time[:-1])
 
-    def guess(block: slice) -> np.ndarray:
-        time = track.time[block]
+    def guess(time: np.ndarray, position: np.ndarray) -> np.ndarray:
         q = normalised(geometry, np.ascontiguousarray(curve(time).T))
-        off = track.position[block] - q[geometry.active_configuration].T
+        off = position - q[geometry.active_configuration].T
         nearest = nodes.jacobian[np.searchsorted(middles, time)]
         return integrate(geometry, q, np.einsum("kvj,kj->vk", nearest, off))
 
     return guess
 
 
-def _beside(geometry: Geometry, near: Motion, track: _Track) -> _Guess:
+def _beside(geometry: Geometry, near: Motion, track: Track) -> _Guess:
     """Poses of another motion at the same samples, moved by what they are off at the active joints."""
 
     def guess(block: slice) -> np.ndarray:
         q = np.ascontiguousarray(near.q[block].T)
-        off = track.position[block] - q[geometry.active_configuration].T
+        off = track.position(block) - q[geometry.active_configuration].T
         if not off.any():
             return q
         return integrate(geometry, q, np.einsum("kvj,kj->vk", near.jacobian[block], off))
 
     return guess
-
-
-def robot_length(geometry: Geometry) -> float:
-    """The largest distance within a link [m]: what a slide's travel is compared with."""
-    places = [joint.placement for joint in geometry.joints]
-    places += [anchor.placement for loop in geometry.loops for anchor in (loop.first, loop.second)]
-    return max([float(np.linalg.norm(place.translation)) for place in places] + [0.1])
-
-
-def _travel(geometry: Geometry, active: np.ndarray) -> np.ndarray:
-    """How far the active joints (N, n) have travelled at every sample, all together: (N,) rad or robot lengths."""
-    slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
-    scale = [1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active]
-    steps = np.abs(np.diff(np.ascontiguousarray(active.T), axis=1))
-    return np.append(0.0, np.cumsum(np.array(scale) @ steps))
-
-
-def _nodes(travel: np.ndarray, furthest: float, stride: int) -> np.ndarray:
-    """Samples, first and last included, at most `stride` apart, the travel between them at most `furthest` where
-    sampling is that fine.
-    """
-    count = int(np.ceil(travel[-1] / furthest)) + 1
-    last = len(travel) - 1
-    chosen = np.minimum(np.searchsorted(travel, np.linspace(0.0, travel[-1], count)), last)
-    return np.unique(np.concatenate((np.arange(0, last, stride), chosen, [last])))
-
-
-def _followed(geometry: Geometry, track: _Track, nodes: np.ndarray) -> np.ndarray:
-    """Nearly closed poses (M, nq) at the nodes (sample indices), each reached from the one before."""
-    follower = make_follower(geometry)
-    pose = home_pose(follower)
-    poses = np.empty((len(nodes), geometry.nq))
-    before = -1
-    for i, node in enumerate(nodes):
-        reached, share = advance(follower, pose, track.position[node], NEARLY_CLOSED)
-        if share < 1.0:
-            reached = _followed_closely(follower, pose, track, range(before + 1, node + 1))
-        poses[i], pose, before = reached.q, reached, node
-    return poses
-
-
-def _followed_closely(follower: Follower, pose: Pose, track: _Track, samples: range) -> Pose:
-    """The pose at the last of the samples, along all of them: where the straight way to it is barred."""
-    for sample in samples:
-        pose, share = advance(follower, pose, track.position[sample])
-        if share < 1.0:
-            reached = pose.q[follower.geometry.active_configuration]
-            raise _unreachable(follower.geometry, track.time[sample], track.position[sample], reached)
-    return pose
-
-
-def _unreachable(geometry: Geometry, time: float, wanted: np.ndarray, reached: np.ndarray) -> BenchError:
-    offset, names = geometry.active_offset, geometry.robot.joints
-    at = ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, wanted + offset, strict=True))
-    near = ", ".join(f"{value:.4g}" for value in reached + offset)
-    return BenchError(
-        f"t = {time:.4f} s: the loops of {geometry.robot.name} cannot be closed at {at} "
-        f"(singular or out of reach; last closed at {near})"
-    )
 
 
 def _singular(geometry: Geometry, time: np.ndarray, sample: int) -> BenchError:

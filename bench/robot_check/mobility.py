@@ -6,7 +6,7 @@ from bench.errors import BenchError
 from bench.model.closure import loop_jacobian
 from bench.model.geometry import Geometry
 from bench.model.mobility import check_mobility as require_mobility
-from bench.model.motion import robot_length
+from bench.model.nodes import robot_length
 from bench.robot_check.report import Amplification, Check, Mobility, count
 
 DEPENDENT = 1e-7  # of the largest singular value: below it, an equation or a motion counts as dependent

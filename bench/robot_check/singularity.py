@@ -11,7 +11,7 @@ import numpy as np
 
 from bench.model.follow import advance, home_pose, make_follower
 from bench.model.geometry import Geometry
-from bench.model.motion import robot_length
+from bench.model.nodes import robot_length
 from bench.model.states import active_ranges
 from bench.robot_check.machine import to_mujoco
 from bench.robot_check.mobility import (

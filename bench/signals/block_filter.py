@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from bench.signals.filtering import odd_extension, resting_states
+from bench.signals.filtering import extended_end, extended_start, resting_states
 
 FloatArray = NDArray[np.float64]
 
@@ -21,6 +21,7 @@ LENGTH = 96  # samples of a block, about: longer ones cost more products, shorte
 MOST_KEPT = 16  # of a block's samples
 FEWEST = 4  # columns: with fewer, sample by sample is as fast
 LONGEST = 512  # a block of more is not worth its matrices
+PART = 32768  # samples that are run together, at most
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,85 @@ def block_length(factor: int) -> int:
     return kept * factor if kept * factor <= LONGEST else 0
 
 
+class RunningFilter:
+    """Forward and backward over samples that come in parts, keeping every so many-th; see `kept_samples`.
+
+    Only what the run backward needs of each block stays: its states and kept outputs, not its samples.
+    """
+
+    def __init__(self, sections: FloatArray, order: int, factor: int, first: int) -> None:
+        self._sections, self._factor, self._extension = sections, factor, 3 * order
+        # The run forward begins at rest on the very first sample: more of that one change nothing.
+        self._front = -(self._extension + first) % factor
+        self._start = (self._front + self._extension + first) // factor
+        self._first = first
+        self._count = 0
+        self._waiting: list[FloatArray] = []
+        self._begun = False
+        self._state: FloatArray = np.zeros(0)
+        self._passed: list[FloatArray] = []
+        self._kept: list[FloatArray] = []
+
+    def push(self, x: FloatArray) -> None:
+        """Take the next samples (K, C)."""
+        self._count += len(x)
+        self._waiting.append(x)
+        held = sum(map(len, self._waiting))
+        if held <= 2 * self._extension + block_length(self._factor):
+            return
+        waiting = np.concatenate(self._waiting) if len(self._waiting) > 1 else x
+        if not self._begun:
+            waiting = self._begin(waiting)
+        # The last samples are needed whole, to extend the end; those of a block that is not full wait.
+        self._waiting = [waiting[self._run(waiting, len(waiting) - self._extension - 1) :].copy()]
+
+    def finish(self) -> FloatArray:
+        """The kept samples (M, C) of all parts, once there are no more."""
+        resting = resting_states(self._sections.tobytes())
+        way = np.concatenate(self._waiting)
+        if not self._begun:
+            way = self._begin(way)
+        way = extended_end(way, self._extension)
+        # Less than a whole block is left to run sample by sample, and at least one sample: it has the last output.
+        way = way[self._run(way, len(way) - 1) :]
+        columns = way.shape[1]
+        state = self._state.reshape(*resting.shape, columns)
+        end, _ = signal.sosfilt(self._sections, way, axis=0, zi=state)
+        initial = resting[:, :, None] * end[-1]
+        end, initial = signal.sosfilt(self._sections, end[::-1], axis=0, zi=initial)
+        kept = [*self._kept, np.asarray(end[::-1][:: self._factor], dtype=float)]
+        if self._passed:
+            blocks = _blocks(self._sections.tobytes(), self._factor)
+            state = initial.reshape(-1, columns)
+            for k in reversed(range(len(self._passed))):
+                backward, state = _carried(blocks.carry, state, self._passed[k][::-1])
+                whole = kept[k].reshape(len(backward), -1, columns)
+                whole += blocks.behind @ backward[::-1]
+        count = -(-(self._count - self._first) // self._factor)
+        return np.concatenate(kept)[self._start : self._start + count]
+
+    def _begin(self, x: FloatArray) -> FloatArray:
+        """The first samples, extended before them, where the run begins at rest."""
+        extended = extended_start(x, self._extension, self._front)
+        self._state = resting_states(self._sections.tobytes()).reshape(-1, 1) * extended[0]
+        self._begun = True
+        return extended
+
+    def _run(self, x: FloatArray, most: int) -> int:
+        """Run forward over whole blocks of at most so many samples, and return how many these were."""
+        length, columns = block_length(self._factor), x.shape[1]
+        count = most // length if length and columns >= FEWEST else 0
+        if count <= 0:
+            return 0
+        blocks = _blocks(self._sections.tobytes(), self._factor)
+        size = len(blocks.carry)
+        given = blocks.taken @ x[: count * length].reshape(count, length, columns)
+        forward, self._state = _carried(blocks.carry, self._state, given[:, :size])
+        self._passed.append(given[:, size : 2 * size] + blocks.turned @ forward)
+        self._kept.append((given[:, 2 * size :] + blocks.ahead @ forward).reshape(-1, columns))
+        return count * length
+
+
 def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, first: int) -> FloatArray:
     """What `forward_backward` gives at every so many-th sample of x (N, ...), from a first one below `factor` on.
 
@@ -59,38 +139,12 @@ def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, f
     Returns:
         Shape (ceil((N - first) / factor), ...).
     """
-    extension = 3 * order
-    # The run forward begins at rest on the very first sample: more of that one change nothing.
-    front = -(extension + first) % factor
-    way = odd_extension(x, extension, front).reshape(front + len(x) + 2 * extension, -1)
-    count, start = -(-(len(x) - first) // factor), (front + extension + first) // factor
-    kept = _forward_backward(sections, way, factor)[start : start + count]
-    return kept.reshape(count, *x.shape[1:])
-
-
-def _forward_backward(sections: FloatArray, x: FloatArray, factor: int) -> FloatArray:
-    """Run forward and backward over x (N, K) from rest, keeping the first sample in every `factor`."""
-    resting, columns = resting_states(sections.tobytes()), x.shape[1]
-    length = block_length(factor)
-    # Less than a whole block is left to run sample by sample, and at least one sample: it has the last output.
-    count = (len(x) - 1) // length if length and columns >= FEWEST else 0
-    whole = x[: count * length]
-    state = resting.reshape(-1, 1) * x[0]
-    if count:
-        blocks = _blocks(sections.tobytes(), factor)
-        size = len(blocks.carry)
-        given = blocks.taken @ whole.reshape(count, length, columns)
-        forward, state = _carried(blocks.carry, state, given[:, :size])
-    end, _ = signal.sosfilt(sections, x[len(whole) :], axis=0, zi=state.reshape(*resting.shape, columns))
-    initial = resting[:, :, None] * end[-1]
-    end, initial = signal.sosfilt(sections, end[::-1], axis=0, zi=initial)
-    end = end[::-1][::factor]
-    if not count:
-        return np.asarray(end, dtype=float)
-    passed = given[:, size : 2 * size] + blocks.turned @ forward
-    backward, _ = _carried(blocks.carry, initial.reshape(size, columns), passed[::-1])
-    kept = given[:, 2 * size :] + blocks.ahead @ forward + blocks.behind @ backward[::-1]
-    return np.concatenate((kept.reshape(-1, columns), end))
+    running = RunningFilter(sections, order, factor, first)
+    flat = x.reshape(len(x), -1)
+    for rows in range(0, len(x), PART):
+        running.push(flat[rows : rows + PART])
+    kept = running.finish()
+    return kept.reshape(len(kept), *x.shape[1:])
 
 
 def _carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:

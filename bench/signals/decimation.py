@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from bench.errors import BenchError
-from bench.signals.block_filter import kept_samples
-from bench.signals.filtering import check_length
+from bench.signals.block_filter import RunningFilter, kept_samples
+from bench.signals.filtering import check_length, too_short
 
 FloatArray = NDArray[np.float64]
 
@@ -46,6 +46,29 @@ def decimate(x: FloatArray, factor: int) -> FloatArray:
         return np.array(x)
     check_length(x, ORDER, f"decimation by {factor}")
     return kept_samples(_sections(factor), x, ORDER, factor, int(kept[0]))
+
+
+class Decimation:
+    """`decimate` for samples that come in parts: none of them stays but what is kept."""
+
+    def __init__(self, length: int, factor: int) -> None:
+        """length: of all parts together. Raises BenchError as `decimate`."""
+        first = int(decimated_indices(length, factor)[0])
+        if factor > 1 and length <= 3 * ORDER:
+            raise too_short(length, ORDER, f"decimation by {factor}")
+        self._whole: list[FloatArray] = []
+        self._filter = None if factor == 1 else RunningFilter(_sections(factor), ORDER, factor, first)
+
+    def push(self, x: FloatArray) -> None:
+        """Take the next samples (K, C)."""
+        if self._filter is None:
+            self._whole.append(x)
+        else:
+            self._filter.push(x)
+
+    def finish(self) -> FloatArray:
+        """All kept samples (M, C), once there are no more."""
+        return np.concatenate(self._whole) if self._filter is None else self._filter.finish()
 
 
 def decimated_indices(length: int, factor: int) -> NDArray[np.intp]:

@@ -66,7 +66,7 @@ def forward_backward(sections: FloatArray, x: FloatArray, order: int, what: str)
     x = np.asarray(x, dtype=float)
     check_length(x, order, what)
     start = resting_states(sections.tobytes())[(..., *(None,) * (x.ndim - 1))]
-    way = odd_extension(x, 3 * order)
+    way = extended_end(extended_start(x, 3 * order), 3 * order)
     for _ in range(2):
         way = signal.sosfilt(sections, way, axis=0, zi=start * way[0])[0][::-1]
     return np.ascontiguousarray(way[3 * order : len(way) - 3 * order])
@@ -75,20 +75,32 @@ def forward_backward(sections: FloatArray, x: FloatArray, order: int, what: str)
 def check_length(x: FloatArray, order: int, what: str) -> None:
     """Raise BenchError where a record (N, ...) is too short for the extension of a filter of this order."""
     if len(x) <= 3 * order:
-        raise BenchError(f"{what}: {len(x)} samples are too few, it needs more than {3 * order}")
+        raise too_short(len(x), order, what)
 
 
-def odd_extension(x: FloatArray, length: int, held: int = 0) -> FloatArray:
-    """Return x, shape (N, ...), with so many samples more at both ends, reflected through the end points.
+def too_short(length: int, order: int, what: str) -> BenchError:
+    """What is said of a record of so many samples."""
+    return BenchError(f"{what}: {length} samples are too few, it needs more than {3 * order}")
+
+
+def extended_start(x: FloatArray, length: int, held: int = 0) -> FloatArray:
+    """Return x, shape (N, ...), with so many samples more before it, reflected through the first one.
 
     held: how many more samples stand before all of them, equal to the first of them.
     """
     start = held + length
-    extended = np.empty((start + len(x) + length, *x.shape[1:]))
-    extended[start : start + len(x)] = x
+    extended = np.empty((start + len(x), *x.shape[1:]))
+    extended[start:] = x
     np.subtract(2 * x[0], x[length:0:-1], out=extended[held:start])
-    np.subtract(2 * x[-1], x[-2 : -length - 2 : -1], out=extended[start + len(x) :])
     extended[:held] = extended[held]
+    return extended
+
+
+def extended_end(x: FloatArray, length: int) -> FloatArray:
+    """Return x, shape (N, ...), with so many samples more after it, reflected through the last one."""
+    extended = np.empty((len(x) + length, *x.shape[1:]))
+    extended[: len(x)] = x
+    np.subtract(2 * x[-1], x[-2 : -length - 2 : -1], out=extended[len(x) :])
     return extended
 
 

@@ -42,11 +42,17 @@ def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
         raise BenchError(f"spectrum: {len(x)} samples are too few, it needs at least {SHORTEST}")
     length = min(len(x), max(SHORTEST, len(x) // SEGMENTS, int(SEGMENT * rate)))
     window = _window(length)
-    segments = sliding_window_view(np.ascontiguousarray(x.T), length, axis=1)[:, :: length - length * 4 // 5]
-    centred = segments - segments.mean(axis=2, keepdims=True)
-    centred *= window
-    lines = fft.rfft(centred, axis=2, overwrite_x=True)
-    density = (lines.real**2 + lines.imag**2).mean(axis=1).T * (2.0 / (rate * (window @ window)))
+    step = length - length * 4 // 5
+    starts = range(0, len(x) - length + 1, step)
+    channels = np.ascontiguousarray(x.T)
+    power = np.zeros((len(channels), length // 2 + 1))
+    for start in starts:
+        segment = channels[:, start : start + length]
+        centred = segment - segment.mean(axis=1, keepdims=True)
+        centred *= window
+        lines = fft.rfft(centred, axis=1, overwrite_x=True)
+        power += lines.real**2 + lines.imag**2
+    density = (power / len(starts)).T * (2.0 / (rate * (window @ window)))
     density[0] /= 2.0
     if length % 2 == 0:
         density[-1] /= 2.0

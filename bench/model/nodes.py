@@ -1,0 +1,98 @@
+"""Few samples of a trajectory, whose loop closures are followed one after the other from home."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.model.follow import NEARLY_CLOSED, Follower, Pose, advance, home_pose, make_follower
+from bench.model.geometry import Geometry
+
+Samples = slice | np.ndarray
+
+
+@dataclass(frozen=True)
+class Track:
+    """What is given: time (N,); of the active joints position as logged, velocity and acceleration, (N, n) each.
+
+    offset (n,): what is logged where the model's joints are at zero.
+    """
+
+    time: np.ndarray
+    logged: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    offset: np.ndarray
+
+    def position(self, samples: Samples | int) -> np.ndarray:
+        """Of the model's active joints at some of the samples, (K, n)."""
+        return np.asarray(self.logged[samples] - self.offset)
+
+    def at(self, samples: Samples) -> "Track":
+        """What is given of some of the samples."""
+        return Track(
+            self.time[samples],
+            self.logged[samples],
+            self.velocity[samples],
+            self.acceleration[samples],
+            self.offset,
+        )
+
+
+def robot_length(geometry: Geometry) -> float:
+    """The largest distance within a link [m]: what a slide's travel is compared with."""
+    places = [joint.placement for joint in geometry.joints]
+    places += [anchor.placement for loop in geometry.loops for anchor in (loop.first, loop.second)]
+    return max([float(np.linalg.norm(place.translation)) for place in places] + [0.1])
+
+
+def travel_of(geometry: Geometry, active: np.ndarray) -> np.ndarray:
+    """How far the active joints (N, n) have travelled at every sample, all together: (N,) rad or robot lengths."""
+    slides = {joint.v.start for joint in geometry.joints if joint.kind == "slide"}
+    scale = [1.0 / robot_length(geometry) if int(i) in slides else 1.0 for i in geometry.active]
+    steps = np.abs(np.diff(np.ascontiguousarray(active.T), axis=1))
+    return np.append(0.0, np.cumsum(np.array(scale) @ steps))
+
+
+def nodes_along(travel: np.ndarray, furthest: float, stride: int) -> np.ndarray:
+    """Samples, first and last included, at most `stride` apart, the travel between them at most `furthest` where
+    sampling is that fine.
+    """
+    count = int(np.ceil(travel[-1] / furthest)) + 1
+    last = len(travel) - 1
+    chosen = np.minimum(np.searchsorted(travel, np.linspace(0.0, travel[-1], count)), last)
+    return np.unique(np.concatenate((np.arange(0, last, stride), chosen, [last])))
+
+
+def followed(geometry: Geometry, track: Track, nodes: np.ndarray) -> np.ndarray:
+    """Nearly closed poses (M, nq) at the nodes (sample indices), each reached from the one before."""
+    follower = make_follower(geometry)
+    pose = home_pose(follower)
+    poses = np.empty((len(nodes), geometry.nq))
+    before = -1
+    for i, node in enumerate(nodes):
+        reached, share = advance(follower, pose, track.position(node), NEARLY_CLOSED)
+        if share < 1.0:
+            reached = _followed_closely(follower, pose, track, range(before + 1, node + 1))
+        poses[i], pose, before = reached.q, reached, node
+    return poses
+
+
+def _followed_closely(follower: Follower, pose: Pose, track: Track, samples: range) -> Pose:
+    """The pose at the last of the samples, along all of them: where the straight way to it is barred."""
+    for sample in samples:
+        pose, share = advance(follower, pose, track.position(sample))
+        if share < 1.0:
+            reached = pose.q[follower.geometry.active_configuration]
+            raise _unreachable(follower.geometry, track.time[sample], track.position(sample), reached)
+    return pose
+
+
+def _unreachable(geometry: Geometry, time: float, wanted: np.ndarray, reached: np.ndarray) -> BenchError:
+    offset, names = geometry.active_offset, geometry.robot.joints
+    at = ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, wanted + offset, strict=True))
+    near = ", ".join(f"{value:.4g}" for value in reached + offset)
+    return BenchError(
+        f"t = {time:.4f} s: the loops of {geometry.robot.name} cannot be closed at {at} "
+        f"(singular or out of reach; last closed at {near})"
+    )
