@@ -1,8 +1,128 @@
-"""What hangs on rounding shows on one processor and not on another: none of the answers may."""
+"""What hangs on rounding shows on one processor and not on another: the inputs are shaken, and no answer may move.
+
+A few units in the last place of every position and current are what another processor's arithmetic amounts to.
+"""
+
+import json
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from bench.dataset import load_dataset
+from bench.diagnose.diagnose import diagnose
+from bench.effects import CATALOGUE
+from bench.estimate.identify import identify
 from bench.estimate.partial import PartialRegression
+from bench.workbench import kinds, reduce
+from bench.workbench.page_data import page_data
+from tests.workbench_kit import diagnosis_of, write_dataset
+from tests.workbench_solver import Solver
+
+HIDDEN = (
+    {"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},
+    {"effect": "viscous_friction", "joint": "left", "Fv": 0.1},
+    {"effect": "cogging_torque", "joint": "right", "a": 0.0, "b": 0.2, "period": 0.3},
+)
+FOUND = ("coulomb_friction:left", "cogging_torque:right", "viscous_friction:left")
+SETS = (
+    (),
+    FOUND,
+    ("coulomb_friction", "stribeck_friction", "viscous_friction"),
+    ("coulomb_friction:left", "drive_flexibility:left"),
+    ("geometric_error:left_rod", "presliding_hysteresis"),
+)
+SEARCHED = ("backlash", "cogging_torque", "coulomb_friction", "geometric_error", "stribeck_friction")
+UNITS = 4  # in the last place
+SAME = 1e-9  # relative, of errors and gains
+SURE = 1e-6  # of a parameter's standard deviation
+CARRIED = {
+    "exact": 2e-6,
+    "short": 5e-5,
+}  # relative, of errors on the page: of its numbers of 32 and of 16 bits
+
+
+def shaken(dataset, seed):
+    random = np.random.default_rng(seed)
+
+    def moved(values):
+        return values + random.integers(-UNITS, UNITS + 1, size=values.shape) * np.spacing(np.abs(values))
+
+    recordings = (
+        replace(one, position=moved(one.position), current=moved(one.current)) for one in dataset.recordings
+    )
+    return replace(dataset, recordings=tuple(recordings))
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory):
+    return load_dataset(write_dataset(tmp_path_factory.mktemp("rounding") / "data", hidden=HIDDEN))
+
+
+@pytest.fixture(scope="module")
+def again(dataset):
+    return shaken(dataset, seed=11)
+
+
+def assert_same(one, other):
+    for use in ("identify", "validate"):
+        assert getattr(other.error, use) == pytest.approx(getattr(one.error, use), rel=SAME)
+    for joint, gain in one.drive_gains.items():
+        assert other.drive_gains[joint].value == pytest.approx(gain.value, rel=SAME)
+    assert other.effect_parameters.keys() == one.effect_parameters.keys()
+    for effect, places in one.effect_parameters.items():
+        for place, values in places.items():
+            for name, known in values.items():
+                value = other.effect_parameters[effect][place][name].value
+                near = SURE * known.std if np.isfinite(known.std) else 0.0
+                assert value == pytest.approx(known.value, rel=SAME, abs=near), (effect, place, name)
+
+
+def test_shaken_is_not_the_same_and_hardly_different(dataset, again):
+    for one, other in zip(dataset.recordings, again.recordings, strict=True):
+        assert (one.position != other.position).any()
+        np.testing.assert_allclose(other.position, one.position, rtol=1e-14)
+        np.testing.assert_allclose(other.current, one.current, rtol=1e-14)
+
+
+@pytest.mark.parametrize("requests", SETS, ids=lambda one: "+".join(one) or "nothing")
+def test_identify_does_not_hang_on_rounding(dataset, again, requests):
+    assert_same(identify(dataset, requests), identify(again, requests))
+
+
+def test_diagnose_does_not_hang_on_rounding(dataset, again):
+    catalogue = {name: CATALOGUE[name] for name in (*SEARCHED, "viscous_friction")}
+    one, other = (diagnose(each, catalogue=catalogue) for each in (dataset, again))
+    assert set(one.missing) == {name.partition(":")[0] for name in FOUND}
+    assert other.missing == one.missing
+    assert_same(one.before, other.before)
+    assert_same(one.after, other.after)
+    for verdict, known in zip(other.ranking, one.ranking, strict=True):
+        words = ("effect", "verdict", "actuators", "alternatives", "why")
+        assert [getattr(verdict, word) for word in words] == [getattr(known, word) for word in words]
+        assert verdict.error_after == pytest.approx(known.error_after, rel=SAME)
+    assert other.unexplained.significant == one.unexplained.significant
+    assert other.unexplained.noise_floor == pytest.approx(one.unexplained.noise_floor, rel=SAME)
+
+
+@pytest.mark.parametrize("digits", CARRIED)
+def test_the_workbench_does_not_hang_on_rounding(dataset, again, digits, monkeypatch):
+    if digits == "short":
+        monkeypatch.setattr(kinds, "MANY", 0)
+        monkeypatch.setattr(reduce, "MOST_BYTES", 0)
+    names = ("cogging_torque", "coulomb_friction", "stribeck_friction", "viscous_friction")
+    solvers = [
+        Solver(json.loads(json.dumps(page_data(each, diagnosis_of(each, FOUND, names)))))
+        for each in (dataset, again)
+    ]
+    for requests in ((), FOUND, names):
+        fits = [
+            one.fit({key for key in one.places if {key, key.partition(":")[0]} & set(requests)})
+            for one in solvers
+        ]
+        assert fits[1].fitted == pytest.approx(fits[0].fitted, rel=CARRIED[digits])
+        assert fits[1].judged == pytest.approx(fits[0].judged, rel=CARRIED[digits])
+        np.testing.assert_allclose(fits[1].gains, fits[0].gains, rtol=CARRIED[digits])
 
 
 def test_what_rounding_leaves_of_a_column_explains_nothing():
