@@ -95,9 +95,40 @@ SERIAL = """
   </worldbody>
 """
 
+# A follower that a gear of changing ratio drives, behind a serial arm; a joint that an equality holds.
+GEARED = """
+  <worldbody>
+    <body name="base"><joint name="a" axis="0.1 1 0.2" ref="0.2"/><geom pos="0.1 0 0.1"/>
+      <body name="link" pos="0.2 0.1 0"><joint name="b" axis="0 1 0.3"/><geom pos="0.05 0.02 0"/>
+        <body name="follower" pos="0.2 0 0.05"><joint name="c" axis="1 0.1 0" ref="-0.3"/>
+          <geom pos="0.04 0.06 0.02" euler="0.2 0.1 0.4"/>
+          <body name="held" pos="0.1 0 0"><joint name="d" type="slide" axis="0 1 0"/><geom euler="0.5 0 0.2"/></body>
+          <site name="tool" pos="0.1 0 0.05"/></body></body></body>
+  </worldbody>
+  <equality><joint name="cam" joint1="c" joint2="b" polycoef="0 0.5 0.3 -0.1 0.05"/>
+    <joint name="clamp" joint1="d" polycoef="0 0 0 0 0"/></equality>
+"""
+
+# A differential: the second drum, on the base, turns with both joints of the arm.
+BELTED = """
+  <worldbody>
+    <body name="drum" pos="0 0.3 0"><joint name="drum" axis="0 1 0" ref="0.1"/><geom pos="0.01 0 0.02"/></body>
+    <body name="upper"><joint name="shoulder" axis="0 1 0"/><geom pos="0.1 0 0.02"/>
+      <body name="fore" pos="0.3 0 0"><joint name="elbow" axis="0 1 0.2" ref="-0.4"/>
+        <geom pos="0.1 0.01 0.03"/><site name="tool" pos="0.2 0 0"/></body></body>
+  </worldbody>
+  <tendon>
+    <fixed name="pulled"><joint joint="drum" coef="1"/></fixed>
+    <fixed name="turning"><joint joint="shoulder" coef="0.5"/><joint joint="elbow" coef="2"/></fixed>
+  </tendon>
+  <equality><tendon name="belt" tendon1="pulled" tendon2="turning"/></equality>
+"""
+
 MECHANISMS = {
     "ball": (BALL, ("crank",), None),
+    "belted": (BELTED, ("shoulder", "drum"), "tool"),
     "carried": (CARRIED, ("swing", "x"), "tool"),
+    "geared": (GEARED, ("b", "a"), "tool"),
     "serial": (SERIAL, ("c", "a", "d", "b"), "tool"),
     "tilted": (TILTED, ("right", "left"), "tool"),
     "welded": (WELDED, ("crank", "turn"), None),
@@ -107,7 +138,7 @@ NAMES = (*built_in_robots(), *MECHANISMS)
 LOOPED = tuple(
     name
     for name in NAMES
-    if (name != "serial" if name in MECHANISMS else read_geometry(load_robot(name)).loops)
+    if (name != "serial" if name in MECHANISMS else read_geometry(load_robot(name)).closed)
 )
 
 

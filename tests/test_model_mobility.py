@@ -1,11 +1,13 @@
 """Robots that the model cannot serve are refused, the joint or the equality named."""
 
+import numpy as np
 import pytest
 
 from bench.errors import BenchError
 from bench.model.geometry import read_geometry
 from bench.model.mobility import check_mobility
 from bench.model.model import build_model
+from bench.model.spin import idle_spins
 from tests.mechanisms import BALL, NAMES, TILTED, WELDED, robot_named, write_robot
 
 SPINNING_ROD = """
@@ -49,10 +51,19 @@ def test_what_can_be_served_is(name, tmp_path):
     check_mobility(read_geometry(robot_named(name, tmp_path)))
 
 
-def test_rod_that_spins_between_two_balls(tmp_path):
-    message = refusal(tmp_path, SPINNING_ROD, ("crank",))
-    assert "joint 'ball' can move with all motors held" in message
-    assert "'rocker'" not in message
+def test_rod_that_spins_between_two_balls_is_served(tmp_path):
+    robot = write_robot(tmp_path, SPINNING_ROD, ("crank",))
+    (spin,) = idle_spins(build_model(robot).geometry)
+    assert spin.axis == pytest.approx(np.array([0.5, 0.1, 0.1]) / np.sqrt(0.27))
+
+
+def test_two_spins_of_one_line_are_too_many(tmp_path):
+    """A rod of two halves with a ball joint between them dangles."""
+    halves = SPINNING_ROD.replace('<site name="rod_end" pos="0.5 0.1 0.1"/>', "{}").format(
+        '<body name="half" pos="0.2 0 0"><joint name="knee" type="ball"/><geom/>'
+        '<site name="rod_end" pos="0.3 0.1 0.1"/></body>'
+    )
+    assert "can move with all motors held" in refusal(tmp_path, halves, ("crank",))
 
 
 def test_joint_that_dangles_from_a_loop(tmp_path):
@@ -100,15 +111,30 @@ def test_open_home(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("kind", "equality"),
+    "equality",
     [
-        ("joint", '<equality><joint name="gear" joint1="a" joint2="b"/></equality>'),
-        ("tendon", TENDON.format("") + '<equality><tendon name="gear" tendon1="belt"/></equality>'),
+        '<equality><joint name="gear" joint1="a" joint2="b"/></equality>',
+        TENDON.format("") + '<equality><tendon name="gear" tendon1="belt"/></equality>',
     ],
 )
-def test_equalities_that_close_no_loop(tmp_path, kind, equality):
+def test_couplings_take_a_degree_of_freedom(tmp_path, equality):
+    assert build_model(write_robot(tmp_path, COUPLED + equality, ("a",))).geometry.passive.tolist() == [1]
     message = refusal(tmp_path, COUPLED + equality, ("a", "b"))
-    assert f"equality 'gear' of type {kind}" in message
+    assert "leave 1 degrees of freedom for 2 motors" in message
+
+
+def test_cables_are_refused(tmp_path):
+    cable = """<tendon><spatial name="rope"><site site="s"/><site site="t"/></spatial></tendon>
+      <actuator><motor name="winch" tendon="rope"/></actuator>"""
+    body = COUPLED.replace('<geom/><body name="b">', '<geom/><site name="s"/><body name="b"><site name="t"/>')
+    assert "tendon 'rope' is a cable in space with motor 'winch' on it" in refusal(
+        tmp_path, body + cable, ("a", "b")
+    )
+
+
+def test_coupling_that_is_open_at_home(tmp_path):
+    equality = '<equality><joint name="gear" joint1="a" joint2="b" polycoef="0.1 1 0 0 0"/></equality>'
+    assert "coupling 'gear' is open by 0.1" in refusal(tmp_path, COUPLED + equality, ("a",))
 
 
 def test_equality_that_is_switched_off_is_none(tmp_path):

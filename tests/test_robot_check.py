@@ -305,7 +305,8 @@ def test_command_prints_and_writes(linkage, tmp_path, capsys):
     assert answer["ok"] is True
     assert [joint["name"] for joint in answer["joints"]] == ["left", "left_elbow", "right", "right_elbow"]
     assert answer["loops"][0]["gap"] < 1e-9
-    assert answer["degrees_of_freedom"] == {"tree": 4, "equations": 3, "rank": 2, "motors": 2, "remaining": 2}
+    counted = {"tree": 4, "equations": 3, "rank": 2, "motors": 2, "spins": 0, "remaining": 2}
+    assert answer["degrees_of_freedom"] == counted
     assert {check["verdict"] for check in answer["checks"]} == {"ok"}
     assert len(answer["base_parameters"]) == 11
 

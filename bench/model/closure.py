@@ -1,16 +1,18 @@
-"""Loop closures: residual, Jacobian and velocity-product terms for all samples at once (equations 2-4).
+"""Closures: residual, Jacobian and velocity-product terms for all samples at once (equations 2-4).
 
 Rows are the stacked loops, `second` minus `first` anchor, in the world: three of position and, for a weld,
-three of orientation [m, rad].
+three of orientation [m, rad]; then one for every coupling, first less polynomial of second; then one for every idle
+spin, which has a rate and no position.
 """
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from bench.model.elimination import Row
-from bench.model.geometry import Anchor, Geometry
+from bench.model.geometry import Anchor, Coupling, Geometry
 from bench.model.kinematics import (
     End,
     Frames,
@@ -25,7 +27,24 @@ from bench.model.kinematics import (
     link_of,
     rates_of,
 )
-from bench.model.scalars import Scalar, Vector, add, cross, dense, minus, scaled, subtract
+from bench.model.scalars import (
+    Scalar,
+    Vector,
+    add,
+    constant_vector,
+    cross,
+    dense,
+    dot,
+    minus,
+    minus_product,
+    plus,
+    plus_product,
+    scaled,
+    subtract,
+    times,
+    turned,
+)
+from bench.model.spin import idle_spins
 
 
 @dataclass(frozen=True)
@@ -37,23 +56,51 @@ class Side:
 
 
 @dataclass(frozen=True)
+class Gear:
+    """A coupling: (place in q, place in v, factor) of its joints, coefficients of its polynomial and derivatives."""
+
+    first: tuple[tuple[int, int, float], ...]
+    second: tuple[tuple[int, int, float], ...]
+    polynomial: tuple[float, ...]
+    slope: tuple[float, ...]
+    bend: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Idle:
+    """A rod that does not spin about `axis`, in the frame of the last of the links that move it (root first)."""
+
+    axis: Vector
+    links: tuple[Link, ...]
+
+
+@dataclass(frozen=True)
 class Closures:
-    """The loops of a robot and the links that move them (in tree order), prepared for many samples."""
+    """The closures of a robot and the links that move its loops (in tree order), prepared for many samples."""
 
     links: tuple[Link, ...]
     loops: tuple[tuple[Literal["connect", "weld"], Side, Side], ...]
+    gears: tuple[Gear, ...]
+    idle: tuple[Idle, ...]
     active: tuple[int, ...]
     passive: tuple[int, ...]
     nv: int
 
+    @property
+    def equations(self) -> int:
+        """Number of rows."""
+        loops = sum(3 if kind == "connect" else 6 for kind, *_ in self.loops)
+        return loops + len(self.gears) + len(self.idle)
+
 
 def closures_of(geometry: Geometry) -> Closures:
-    """What the loop closures need of the geometry, as constants."""
+    """What the closures need of the geometry, as constants."""
+    spins = idle_spins(geometry)
     chains = {
         anchor.joint: ancestors(geometry, anchor.joint)
         for loop in geometry.loops
         for anchor in (loop.first, loop.second)
-    }
+    } | {spin.joint: ancestors(geometry, spin.joint) for spin in spins}
     moving = sorted({joint for chain in chains.values() for joint in chain})
     links = {index: link_of(index, geometry.joints[index]) for index in moving}
 
@@ -63,9 +110,25 @@ def closures_of(geometry: Geometry) -> Closures:
     return Closures(
         links=tuple(links.values()),
         loops=tuple((loop.kind, side_of(loop.first), side_of(loop.second)) for loop in geometry.loops),
+        gears=tuple(_gear(geometry, coupling) for coupling in geometry.couplings),
+        idle=tuple(
+            Idle(constant_vector(spin.axis), tuple(links[i] for i in chains[spin.joint])) for spin in spins
+        ),
         active=tuple(int(i) for i in geometry.active),
         passive=tuple(int(i) for i in geometry.passive),
         nv=geometry.nv,
+    )
+
+
+def _gear(geometry: Geometry, coupling: Coupling) -> Gear:
+    def places(side: tuple[tuple[int, float], ...]) -> tuple[tuple[int, int, float], ...]:
+        joints = geometry.joints
+        return tuple((joints[joint].q.start, joints[joint].v.start, factor) for joint, factor in side)
+
+    polynomial = Polynomial(coupling.polynomial or (0.0,))
+    derivatives = (polynomial, polynomial.deriv(1), polynomial.deriv(2))
+    return Gear(
+        places(coupling.first), places(coupling.second), *(tuple(p.coef.tolist()) for p in derivatives)
     )
 
 
@@ -92,7 +155,53 @@ def loop_rows(closures: Closures, frames: Frames) -> tuple[list[Scalar], list[Ro
         if kind == "weld":
             residual += _turn_between(frames, first.end, second.end)
             rows += _rows(angular)
+    for gear in closures.gears:
+        argument = _combined(gear.second, frames.q, 0)
+        residual.append(minus(_combined(gear.first, frames.q, 0), _value(gear.polynomial, argument)))
+        rows.append(_gear_row(gear, argument))
+    for idle in closures.idle:
+        residual.append(0.0)
+        rows.append(_idle_row(idle, frames))
     return residual, rows
+
+
+def _combined(
+    side: tuple[tuple[int, int, float], ...], values: np.ndarray | list[Scalar], which: int
+) -> Scalar:
+    """Sum of factor times value, taken by the places in q (which 0) or in v (which 1)."""
+    total: Scalar = 0.0
+    for place in side:
+        total = plus_product(total, place[2], values[int(place[which])])
+    return total
+
+
+def _value(polynomial: tuple[float, ...], argument: Scalar) -> Scalar:
+    value: Scalar = 0.0
+    for coefficient in reversed(polynomial):
+        value = plus(times(value, argument), coefficient)
+    return value
+
+
+def _gear_row(gear: Gear, argument: Scalar) -> Row:
+    row: Row = {}
+    for _, index, factor in gear.first:
+        row[index] = plus(row.get(index, 0.0), factor)
+    slope = _value(gear.slope, argument)
+    for _, index, factor in gear.second:
+        row[index] = minus_product(row.get(index, 0.0), factor, slope)
+    return {index: value for index, value in row.items() if not (isinstance(value, float) and value == 0.0)}
+
+
+def _idle_row(idle: Idle, frames: Frames) -> Row:
+    last = idle.links[-1].index
+    axis = turned(frames.rotation[last], idle.axis)
+    row: Row = {}
+    for link in idle.links:
+        for index, _, turning in link_columns(link, frames, frames.origin[last]):
+            value = dot(axis, turning)
+            if not (isinstance(value, float) and value == 0.0):
+                row[index] = value
+    return row
 
 
 def _given(columns: dict[int, Vector], index: int, vector: Vector) -> None:
@@ -128,6 +237,13 @@ def loop_bias(closures: Closures, frames: Frames, v: list[Scalar]) -> list[Scala
         if kind == "weld":
             ends = rates.angular_bias[second.end.joint], rates.angular_bias[first.end.joint]
             bias += subtract(*ends)
+    for gear in closures.gears:
+        bend = _value(gear.bend, _combined(gear.second, frames.q, 0))
+        rate = _combined(gear.second, v, 1)
+        bias.append(minus(0.0, times(bend, times(rate, rate))))
+    for idle in closures.idle:
+        last = idle.links[-1].index
+        bias.append(dot(turned(frames.rotation[last], idle.axis), rates.angular_bias[last]))
     return bias
 
 

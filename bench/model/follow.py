@@ -8,15 +8,20 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numpy.polynomial import Polynomial
 from scipy.linalg.lapack import dgesv
 
 from bench.errors import BenchError
-from bench.model.geometry import Geometry
+from bench.model.geometry import Coupling, Geometry
+from bench.model.spin import Spin, idle_spins
 from bench.model.tree import build_tree, loop_constraints
 
 CLOSED = 1e-6  # m or rad: after a smaller correction, Newton has closed the loops to rounding
 NEARLY_CLOSED = 1e-3  # m or rad: after a smaller correction, to about its square
 OPEN = 100.0  # times a correction: what is open by more, the correction does not close (no solution there)
+SLACK = (
+    1e-5  # m or rad: by how much closures that repeat one another may disagree; the least squares are taken
+)
 LARGEST_CORRECTION = 0.05  # m or rad: what a Newton correction may move after a prediction
 LARGEST_STEP = 0.3  # m or rad: of any joint
 LARGEST_TURN = 0.2  # m or rad: change of the amplification over a step, see _turned
@@ -34,18 +39,42 @@ class Follower:
     constraints: tuple[pin.ConstraintModel, ...]
     constraint_data: tuple[pin.ConstraintData, ...]
     passive: np.ndarray
+    spins: tuple[Spin, ...]
 
     def linearise(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residual (m,) and Jacobian (m, nv) of the loops at q (nq,)."""
-        if not self.constraints:
-            return np.zeros(0), np.zeros((0, self.model.nv))
-        pin.computeJointJacobians(self.model, self.data, q)
-        residuals, jacobians = [], []
+        """Residual (m,) and Jacobian (m, nv) of the closures at q (nq,)."""
+        residuals, jacobians = [np.zeros(0)], [np.zeros((0, self.model.nv))]
+        if self.constraints or self.spins:
+            pin.computeJointJacobians(self.model, self.data, q)
         for constraint, data in zip(self.constraints, self.constraint_data, strict=True):
             constraint.calc(self.model, self.data, data)
             residuals.append(data.constraint_position_error.ravel())
             jacobians.append(constraint.jacobian(self.model, self.data, data))
+        for coupling in self.geometry.couplings:
+            gap, row = self._coupling(coupling, q)
+            residuals.append(np.array([gap]))
+            jacobians.append(row[None])
+        for spin in self.spins:
+            turning = pin.getJointJacobian(self.model, self.data, spin.joint + 1, pin.ReferenceFrame.LOCAL)[
+                3:
+            ]
+            residuals.append(np.zeros(1))
+            jacobians.append((spin.axis @ turning)[None])
         return np.concatenate(residuals), np.concatenate(jacobians)
+
+    def _coupling(self, coupling: Coupling, q: np.ndarray) -> tuple[float, np.ndarray]:
+        joints = self.geometry.joints
+        polynomial = Polynomial(coupling.polynomial or (0.0,))
+        argument = sum(factor * q[joints[joint].q.start] for joint, factor in coupling.second)
+        gap = sum(factor * q[joints[joint].q.start] for joint, factor in coupling.first) - polynomial(
+            argument
+        )
+        row = np.zeros(self.model.nv)
+        for joint, factor in coupling.first:
+            row[joints[joint].v.start] += factor
+        for joint, factor in coupling.second:
+            row[joints[joint].v.start] -= factor * polynomial.deriv()(argument)
+        return float(gap), row
 
 
 @dataclass(frozen=True)
@@ -61,7 +90,8 @@ def make_follower(geometry: Geometry) -> Follower:
     model = build_tree(geometry)
     constraints = tuple(loop_constraints(geometry, model))
     data = tuple(constraint.createData() for constraint in constraints)
-    return Follower(geometry, model, model.createData(), constraints, data, geometry.passive)
+    spins = idle_spins(geometry)
+    return Follower(geometry, model, model.createData(), constraints, data, geometry.passive, spins)
 
 
 def home_pose(follower: Follower) -> Pose:
@@ -99,7 +129,8 @@ def close(follower: Follower, q: np.ndarray, enough: float = CLOSED) -> Pose | N
         if not largest < LARGEST_CORRECTION:
             return None
         q = pin.integrate(follower.model, q, step)
-        if largest < enough and _largest(residual) < OPEN * enough:
+        slack = SLACK if len(jacobian) > len(passive) else 0.0
+        if largest < enough and _largest(residual) < max(OPEN * enough, slack):
             return Pose(q, -solved[:, 1:])
     return None
 

@@ -23,6 +23,8 @@ KINDS: dict[int, JointKind] = {
     int(mujoco.mjtJoint.mjJNT_FREE): "free",
 }
 CONFIGURATION_SIZE: dict[JointKind, int] = {"hinge": 1, "slide": 1, "ball": 4, "free": 7}
+COUPLINGS = (int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON))
+POWERS = 5  # coefficients of an equality's polynomial
 VELOCITY_SIZE: dict[JointKind, int] = {"hinge": 1, "slide": 1, "ball": 3, "free": 6}
 
 
@@ -87,6 +89,20 @@ class Loop:
 
 
 @dataclass(frozen=True)
+class Coupling:
+    """A gear, a belt, a differential: the joints keep sum of first = p(sum of second), one equation.
+
+    first, second: (joint, factor) of hinges and slides, whose positions count from `Joint.offset`; polynomial: the
+    coefficients of p, that of the lowest power first [rad or m for rad or m].
+    """
+
+    name: str
+    first: tuple[tuple[int, float], ...]
+    second: tuple[tuple[int, float], ...]
+    polynomial: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Geometry:
     """All that identification knows of a robot beside its measurements.
 
@@ -98,6 +114,7 @@ class Geometry:
     robot: Robot
     joints: tuple[Joint, ...]
     loops: tuple[Loop, ...]
+    couplings: tuple[Coupling, ...]
     gravity: np.ndarray
     home: np.ndarray
     active: np.ndarray
@@ -113,6 +130,11 @@ class Geometry:
     def nv(self) -> int:
         """Size of a velocity: the degrees of freedom of the opened tree."""
         return self.joints[-1].v.stop
+
+    @property
+    def closed(self) -> bool:
+        """Whether anything but motors determines how joints move: loops or couplings."""
+        return bool(self.loops or self.couplings)
 
     @cached_property
     def passive(self) -> np.ndarray:
@@ -168,6 +190,7 @@ def read_geometry(robot: Robot) -> Geometry:
         robot=robot,
         joints=joints,
         loops=loops,
+        couplings=_couplings(compiled),
         gravity=compiled.opt.gravity.copy(),
         home=_home(compiled, joints),
         active=np.array([names[actuator.joint].v.start for actuator in robot.actuators]),
@@ -177,8 +200,7 @@ def read_geometry(robot: Robot) -> Geometry:
             for body, frame in frames.items()
         },
     )
-    equations = sum(loop.size for loop in loops)
-    if len(geometry.passive) and equations == 0:
+    if len(geometry.passive) and not geometry.closed:
         free = [joint.name for joint in joints if joint.v.start not in geometry.active]
         raise BenchError(
             f"robot {robot.name}: joint {free[0]!r} has no motor and no loop closure determines it"
@@ -234,6 +256,8 @@ def _loops(compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]) -
         if not compiled.eq_active0[index]:
             continue
         kind = int(compiled.eq_type[index])
+        if kind in COUPLINGS:
+            continue
         connect = kind == int(mujoco.mjtEq.mjEQ_CONNECT)
         ids = int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])
         if int(compiled.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
@@ -257,6 +281,28 @@ def _loops(compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]) -
             ends.append(Anchor(joint, frame @ place))
         loops.append(Loop(name, "connect" if connect else "weld", ends[0], ends[1]))
     return tuple(loops)
+
+
+def _couplings(compiled: mujoco.MjModel) -> tuple[Coupling, ...]:
+    couplings = []
+    for index in range(compiled.neq):
+        if not compiled.eq_active0[index] or int(compiled.eq_type[index]) not in COUPLINGS:
+            continue
+        by_tendon = int(compiled.eq_type[index]) == int(mujoco.mjtEq.mjEQ_TENDON)
+        ends = [
+            () if end < 0 else _tendon_joints(compiled, end) if by_tendon else ((end, 1.0),)
+            for end in (int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index]))
+        ]
+        polynomial = compiled.eq_data[index, :POWERS] if ends[1] else compiled.eq_data[index, :1]
+        name = _name(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index, f"equality_{index}")
+        couplings.append(Coupling(name, ends[0], ends[1], tuple(np.trim_zeros(polynomial, "b").tolist())))
+    return tuple(couplings)
+
+
+def _tendon_joints(compiled: mujoco.MjModel, tendon: int) -> tuple[tuple[int, float], ...]:
+    first = int(compiled.tendon_adr[tendon])
+    wraps = range(first, first + int(compiled.tendon_num[tendon]))
+    return tuple((int(compiled.wrap_objid[wrap]), float(compiled.wrap_prm[wrap])) for wrap in wraps)
 
 
 def _home(compiled: mujoco.MjModel, joints: tuple[Joint, ...]) -> np.ndarray:

@@ -63,11 +63,15 @@ class End:
 
 @dataclass(frozen=True)
 class Frames:
-    """Joint frames in the world by joint index: rotations, origins [m], and the axes of hinges and slides."""
+    """Joint frames in the world by joint index: rotations, origins [m], and the axes of hinges and slides.
+
+    q (nq, N): the configurations.
+    """
 
     rotation: dict[int, Matrix]
     origin: dict[int, Vector]
     axis: dict[int, Vector]
+    q: np.ndarray
 
 
 def link_of(index: int, joint: Joint) -> Link:
@@ -108,7 +112,7 @@ def ancestors(geometry: Geometry, joint: int) -> tuple[int, ...]:
 
 def frames_of(links: tuple[Link, ...], q: np.ndarray) -> Frames:
     """Frames of the links (parents first) at the configurations q (nq, N)."""
-    frames = Frames({-1: IDENTITY}, {-1: ZERO}, {})
+    frames = Frames({-1: IDENTITY}, {-1: ZERO}, {}, q)
     for link in links:
         if link.kind == "free":
             frames.rotation[link.index] = rotation_of(q[link.q + 3 : link.q + 7])

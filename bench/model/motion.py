@@ -10,7 +10,7 @@ from bench.errors import BenchError
 from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.elimination import Elimination, eliminate
-from bench.model.follow import OPEN
+from bench.model.follow import OPEN, SLACK
 from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
 from bench.model.nodes import Samples, Track, followed, nodes_along, travel_of
@@ -112,7 +112,7 @@ def motion_of(
     motion of nearly this trajectory or geometry at the same samples, from which the closures are tried at once.
     Raises BenchError that names the time of a sample which is out of reach or singular.
     """
-    if near is not None and geometry.loops:
+    if near is not None and geometry.closed:
         track = Track(time, position, velocity, acceleration, geometry.active_offset)
         try:
             return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
@@ -131,7 +131,7 @@ def path_of(
     """The closures followed along a trajectory at few samples; see `motion_of`."""
     closures = closures_of(geometry)
     track = Track(time, position, velocity, acceleration, geometry.active_offset)
-    if not geometry.loops:
+    if not geometry.closed:
         return Path(geometry, closures, track, lambda time, _: np.zeros((geometry.nq, len(time))))
     travel = travel_of(geometry, track.logged)
     nodes = nodes_along(travel, TRAVEL, len(time))
@@ -250,6 +250,7 @@ def _closed(
     moved = np.zeros(q.shape[1])
     step = np.zeros((geometry.nv, q.shape[1]))
     passive = set(closures.passive)
+    slack = SLACK if closures.equations > len(passive) else 0.0
     for _ in range(MOST_ITERATIONS):
         frames = frames_of(closures.links, q)
         residual, rows = loop_rows(closures, frames)
@@ -266,7 +267,7 @@ def _closed(
         largest = float(size.max())
         nearly = largest < enough or (largest < NODE_CLOSED and (size >= enough).mean() < FEW)
         gap = max(np.abs(value).max() for value in (0.0, *residual))
-        if nearly and gap < OPEN * max(enough, largest):
+        if nearly and gap < max(OPEN * max(enough, largest), slack):
             still_open = np.flatnonzero(size >= enough)
             motors = [[minus(0.0, row.get(index, 0.0)) for row in rows] for index in closures.active]
             return q, frames, elimination, motors, still_open

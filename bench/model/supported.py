@@ -5,7 +5,12 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-SUPPORTED = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+SUPPORTED = (
+    mujoco.mjtEq.mjEQ_CONNECT,
+    mujoco.mjtEq.mjEQ_WELD,
+    mujoco.mjtEq.mjEQ_JOINT,
+    mujoco.mjtEq.mjEQ_TENDON,
+)
 COUPLING = ("stiffness", "damping", "frictionloss", "armature", "limited")
 SWITCHES = {
     mujoco.mjtDisableBit.mjDSBL_GRAVITY: "gravity",
@@ -30,10 +35,21 @@ def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_FLEX, flex)
         yield f"flex {label!r}: deformable bodies are not supported"
     for tendon in range(compiled.ntendon):
+        if not is_fixed(compiled, tendon):
+            for actuator in driving(compiled, tendon):
+                label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+                yield f"tendon {label!r} is a cable in space with motor {actuator!r} on it: cables are not supported"
         acting = [what for what in COUPLING if np.any(getattr(compiled, f"tendon_{what}")[tendon])]
         if acting:
             label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
             yield f"tendon {label!r} has {', '.join(acting)}: it couples joints, unknown to the model"
+
+
+def driving(compiled: mujoco.MjModel, tendon: int) -> list[str]:
+    """The actuators of the MJCF that act on a tendon."""
+    acts = compiled.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)
+    chosen = np.flatnonzero(acts & (compiled.actuator_trnid[:, 0] == tendon))
+    return [label_of(compiled, mujoco.mjtObj.mjOBJ_ACTUATOR, int(index)) for index in chosen]
 
 
 def label_of(compiled: mujoco.MjModel, kind: mujoco.mjtObj, index: int) -> str:
@@ -50,19 +66,18 @@ def _equalities(compiled: mujoco.MjModel) -> Iterator[str]:
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
         if kind not in SUPPORTED:
             word = str(kind.name).removeprefix("mjEQ_").lower()
-            yield (
-                f"equality {label!r} of type {word}{_coupled(compiled, index)}: "
-                "only connect and weld close a loop"
-            )
+            yield f"equality {label!r} of type {word}: only connect, weld, joint and tendon are supported"
         elif kind == mujoco.mjtEq.mjEQ_WELD and compiled.eq_data[index, 10] <= 0:
             yield f"weld {label!r} has torquescale 0 and holds no rotation; use a connect"
+        elif kind == mujoco.mjtEq.mjEQ_TENDON:
+            for tendon in (int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index])):
+                if tendon >= 0 and not is_fixed(compiled, tendon):
+                    own = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+                    yield f"equality {label!r}: tendon {own!r} is a cable in space, which is not supported"
 
 
-def _coupled(compiled: mujoco.MjModel, index: int) -> str:
-    if compiled.eq_type[index] != mujoco.mjtEq.mjEQ_JOINT:
-        return ""
-    ids = (int(compiled.eq_obj1id[index]), int(compiled.eq_obj2id[index]))
-    names = [repr(label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)) for joint in ids if joint >= 0]
-    if len(names) > 1:
-        return f", which couples joints {' and '.join(names)}"
-    return f", which holds joint {names[0]}"
+def is_fixed(compiled: mujoco.MjModel, tendon: int) -> bool:
+    """Whether a tendon is a linear combination of joint positions, no cable in space."""
+    first = int(compiled.tendon_adr[tendon])
+    wraps = compiled.wrap_type[first : first + int(compiled.tendon_num[tendon])]
+    return bool((wraps == int(mujoco.mjtWrap.mjWRAP_JOINT)).all())

@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
+from bench.model.spin import idle_spins
 from bench.model.supported import label_of
 from bench.robot_check.machine import Machine, body_label, set_pose
 from bench.robot_check.report import Check, count
@@ -185,12 +186,23 @@ def _motor_motions(machine: Machine) -> np.ndarray:
     geometry, state = machine.geometry, machine.state
     active, passive = geometry.active, geometry.passive
     rows = state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-    jacobian = state.efc_J.reshape(-1, geometry.nv)[rows]
+    jacobian = np.vstack((state.efc_J.reshape(-1, geometry.nv)[rows], _spin_rows(machine)))
     motions = np.zeros((geometry.nv, len(active)))
     motions[active, np.arange(len(active))] = 1.0
     if len(passive):
         motions[passive] = -np.linalg.lstsq(jacobian[:, passive], jacobian[:, active], rcond=None)[0]
     return motions
+
+
+def _spin_rows(machine: Machine) -> np.ndarray:
+    """Rates (spins, nv) at which rods turn about their own axes, by MuJoCo's velocities."""
+    rows = []
+    linear, angular = np.empty((2, 3, machine.geometry.nv))
+    for spin in idle_spins(machine.geometry):
+        body = int(machine.compiled.jnt_bodyid[spin.joint])
+        mujoco.mj_jacBody(machine.compiled, machine.state, linear, angular, body)
+        rows.append((machine.state.xmat[body].reshape(3, 3) @ spin.axis) @ angular)
+    return np.array(rows).reshape(-1, machine.geometry.nv)
 
 
 def _model_acceleration(machine: Machine, v: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import Machine, make_machine, random_open_poses, to_mujoco
-from bench.robot_check.mobility import check_mobility, mobility_of
+from bench.robot_check.mobility import check_mobility, mobility_of, spin_notes
 from bench.robot_check.report import Check, RobotReport, Singularity
 from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import Sweep, singularity_of, sweep
@@ -88,8 +88,9 @@ def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
     report = _with(replace(report, mobility=mobility), check_mobility(geometry, mobility))
     if report.failures:
         return report
+    report = _with(report, *spin_notes(geometry))
     try:
-        swept = sweep(geometry) if geometry.loops else None
+        swept = sweep(geometry) if geometry.closed else None
         motion = random_motion(geometry, POSES, SEED)
         base = base_parameters(geometry)
     except BenchError as error:

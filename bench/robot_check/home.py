@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 
 from bench.model.closure import loop_jacobian, loop_residual
+from bench.model.follow import SLACK
 from bench.model.geometry import Geometry
 from bench.model.tree import build_tree
 from bench.robot_check.machine import to_mujoco
@@ -28,6 +29,9 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: str) -> 
         return Check(name, "ok", f"widest gap {gap:.1e} {unit} ({source})" if gap else f"no gap ({source})")
     told = f"loop {widest.name!r} is open by {gap:.3g} {unit} ({source})"
     closed = closed_pose(geometry)
+    if closed is None and gap < SLACK and _repeated(geometry):
+        agree = f"{told}; loops that repeat one another disagree, least squares close them"
+        return Check(name, "note", agree)
     if closed is None:
         return Check(name, _verdict(gap), f"{told}; no closed pose was found near it: check the lengths")
     qpos = " ".join(f"{value:.16g}" for value in to_mujoco(geometry, closed))
@@ -50,6 +54,11 @@ def closed_pose(geometry: Geometry) -> np.ndarray | None:
         if largest < EXACT:
             break
     return q if np.abs(loop_residual(geometry, q[:, None])).max() < EXACT else None
+
+
+def _repeated(geometry: Geometry) -> bool:
+    """Whether there are more equations than joints to close them."""
+    return len(loop_residual(geometry, geometry.home[:, None])) > len(geometry.passive)
 
 
 def _verdict(gap: float) -> Verdict:

@@ -21,19 +21,33 @@ SECOND = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12.0
 MOTION_TOLERANCE = 1e-5  # what these differences leave at a moment of that length
 
 
+CLOSING = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+
+
 def active_equalities(compiled: mujoco.MjModel) -> list[int]:
-    """MuJoCo's indices of the equalities that are switched on, in the order of the geometry's loops."""
+    """MuJoCo's indices of the loop closures that are switched on, in the order of the geometry's loops."""
+    return [index for index in _active(compiled) if int(compiled.eq_type[index]) in CLOSING]
+
+
+def active_couplings(compiled: mujoco.MjModel) -> list[int]:
+    """MuJoCo's indices of the couplings that are switched on, in the order of the geometry's."""
+    return [index for index in _active(compiled) if int(compiled.eq_type[index]) not in CLOSING]
+
+
+def _active(compiled: mujoco.MjModel) -> list[int]:
     return [index for index in range(compiled.neq) if compiled.eq_active0[index]]
 
 
 def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
-    """Residual and Jacobian of every loop at the closed configurations poses (N, nq)."""
+    """Residual and Jacobian of every loop and coupling at the closed configurations poses (N, nq)."""
     name = "loop closures"
     geometry = machine.geometry
     equalities = active_equalities(machine.compiled)
     if len(equalities) != len(geometry.loops):
         return Check(name, "failed", f"MuJoCo has {len(equalities)} loops, the model {len(geometry.loops)}")
-    worst = np.zeros((len(geometry.loops), 2))
+    couplings = active_couplings(machine.compiled)
+    names = [*(loop.name for loop in geometry.loops), *(coupling.name for coupling in geometry.couplings)]
+    worst = np.zeros((len(names), 2))
     for q in poses:
         turn = set_pose(machine, q)
         own = np.hstack(
@@ -45,8 +59,16 @@ def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
             theirs = _mujoco_rows(machine, equality)
             for ours in (own[row : row + loop.size], pinocchio[index]):
                 apart = np.abs(ours - theirs)
-                worst[index] = np.maximum(worst[index], (apart[:, 0].max(), apart[:, 1:].max()))
+                open_by = np.abs(
+                    theirs[:, 0]
+                ).max()  # turns with the frame in which it is written, in one's way
+                turned = max(apart[:, 1:].max() - 2.0 * open_by, 0.0)
+                worst[index] = np.maximum(worst[index], (apart[:, 0].max(), turned))
             row += loop.size
+        for index, equality in enumerate(couplings, start=len(geometry.loops)):
+            apart = np.abs(own[row] - _coupling_row(machine, equality))
+            worst[index] = np.maximum(worst[index], (apart[0], apart[1:].max()))
+            row += 1
     if worst.max() < TOLERANCE:
         done = f"residuals and Jacobians at {len(poses)} closed poses agree to {worst.max():.0e}"
         return Check(name, "ok", done)
@@ -54,8 +76,7 @@ def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
     return Check(
         name,
         "failed",
-        f"loop {geometry.loops[at].name!r}: MuJoCo's residual differs by {worst[at, 0]:.2e}, "
-        f"its Jacobian by {worst[at, 1]:.2e}",
+        f"{names[at]!r}: MuJoCo's residual differs by {worst[at, 0]:.2e}, its Jacobian by {worst[at, 1]:.2e}",
     )
 
 
@@ -80,9 +101,17 @@ def check_closed_motion(machine: Machine, motion: Motion) -> Check:
 
 def _mujoco_residual(machine: Machine, q: np.ndarray) -> np.ndarray:
     set_pose(machine, q)
-    return np.concatenate(
-        [_mujoco_rows(machine, index)[:, 0] for index in active_equalities(machine.compiled)]
-    )
+    loops = [_mujoco_rows(machine, index)[:, 0] for index in active_equalities(machine.compiled)]
+    couplings = [_coupling_row(machine, index)[:1] for index in active_couplings(machine.compiled)]
+    return np.concatenate(loops + couplings)
+
+
+def _coupling_row(machine: Machine, equality: int) -> np.ndarray:
+    """MuJoCo's residual and Jacobian (1 + nv,) of one coupling."""
+    compiled, state = machine.compiled, machine.state
+    rows = (state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (state.efc_id == equality)
+    jacobian = state.efc_J.reshape(-1, compiled.nv)[rows]
+    return np.hstack((state.efc_pos[rows, None], jacobian))[0]
 
 
 def _mujoco_rows(machine: Machine, equality: int) -> np.ndarray:

@@ -3,13 +3,12 @@
 import numpy as np
 
 from bench.errors import BenchError
-from bench.model.closure import loop_jacobian
 from bench.model.geometry import Geometry
+from bench.model.mobility import DEPENDENT, column_scales, scaled_jacobians
 from bench.model.mobility import check_mobility as require_mobility
-from bench.model.nodes import robot_length
+from bench.model.spin import idle_spins
 from bench.robot_check.report import Amplification, Check, Mobility, count
 
-DEPENDENT = 1e-7  # of the largest singular value: below it, an equation or a motion counts as dependent
 TAKES_PART = 0.05  # of the largest component: a joint moves in a motion that nothing holds
 AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
 
@@ -23,25 +22,6 @@ def component_names(geometry: Geometry) -> tuple[str, ...]:
     return tuple(names)
 
 
-def column_scales(geometry: Geometry) -> np.ndarray:
-    """(nv,): the robot's length [m] where a tree velocity is a length per time, else 1."""
-    scales = np.ones(geometry.nv)
-    for joint in geometry.joints:
-        if joint.kind == "slide":
-            scales[joint.v] = robot_length(geometry)
-        elif joint.kind == "free":
-            scales[joint.v.start : joint.v.start + 3] = robot_length(geometry)
-    return scales
-
-
-def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Loop Jacobians (N, m, nv) at q (N, nq), without dimension: lengths over the robot's length."""
-    jacobian = loop_jacobian(geometry, q.T).transpose(2, 0, 1) * column_scales(geometry)
-    rows = [length for loop in geometry.loops for length in (True, False)[: loop.size // 3] for _ in range(3)]
-    jacobian[:, np.flatnonzero(rows)] /= robot_length(geometry)
-    return np.asarray(jacobian)
-
-
 def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     """Of the scaled loop Jacobian by the passive joints at q (N, nq): (N,). Zero: some joint is not held."""
     passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
@@ -52,12 +32,13 @@ def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
     """Count equations and their rank, the largest over the poses q (N, nq)."""
-    equations = sum(loop.size for loop in geometry.loops)
+    spins = len(idle_spins(geometry))
+    equations = sum(loop.size for loop in geometry.loops) + len(geometry.couplings)
     rank = 0
     if equations:
-        values = np.linalg.svd(scaled_jacobians(geometry, q), compute_uv=False)
+        values = np.linalg.svd(scaled_jacobians(geometry, q)[:, :equations], compute_uv=False)
         rank = int((values > DEPENDENT * values.max(axis=1, keepdims=True)).sum(axis=1).max())
-    return Mobility(geometry.nv, equations, rank, len(geometry.active))
+    return Mobility(geometry.nv, equations, rank, len(geometry.active), spins)
 
 
 def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
@@ -68,11 +49,29 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
     except BenchError as error:
         return Check(name, "failed", str(error).removeprefix(f"robot {geometry.robot.name}: "))
     told = f"{mobility.tree} of the tree less {mobility.rank} of rank leave {mobility.remaining}"
+    if mobility.spins:
+        told = (
+            f"{mobility.tree} of the tree less {mobility.rank} of rank and {count(mobility.spins, 'idle spin')} "
+            f"leave {mobility.remaining}"
+        )
     return Check(
         name,
         "ok" if mobility.remaining == mobility.motors else "failed",
         f"{told}, for {count(mobility.motors, 'motor')}",
     )
+
+
+def spin_notes(geometry: Geometry) -> list[Check]:
+    """Which rods can spin between their ball joints."""
+    return [
+        Check(
+            "note",
+            "note",
+            f"body {geometry.joints[spin.joint].body!r} spins about the line through its joints while the motors "
+            "are held: taken as not spinning, which is exact for a rod whose mass lies on that line",
+        )
+        for spin in idle_spins(geometry)
+    ]
 
 
 def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:

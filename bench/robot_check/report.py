@@ -56,17 +56,19 @@ class LoopLine:
 
 @dataclass(frozen=True)
 class Mobility:
-    """Degrees of freedom: those of the opened tree less the rank of the closure equations."""
+    """Degrees of freedom: those of the opened tree less the rank of the closure equations and idle spins."""
 
     tree: int
     equations: int
     rank: int
     motors: int
+    spins: int = 0
+    """Rods that can spin about their own axis: this moves nothing else and is left out."""
 
     @property
     def remaining(self) -> int:
         """Degrees of freedom of the closed robot."""
-        return self.tree - self.rank
+        return self.tree - self.rank - self.spins
 
 
 @dataclass(frozen=True)

@@ -82,6 +82,7 @@ def mobility_in_words(mobility: Mobility) -> str:
     sign = "=" if mobility.remaining == mobility.motors else "≠"
     return (
         f"{mobility.tree} of the tree − {mobility.rank} (rank of {mobility.equations} closure equations) "
+        f"{f'− {mobility.spins} (idle spins) ' if mobility.spins else ''}"
         f"= {mobility.remaining} {sign} {count(mobility.motors, 'motor')}"
     )
 

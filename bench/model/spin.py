@@ -1,0 +1,80 @@
+"""Rods that spin about the line through their joints, and nothing else: ball joints at both ends.
+
+No loop closure holds such a spin and no motor drives it. With the mass on that line and no friction in the joints
+nothing turns the rod about it either, so that its absolute angular velocity along the line stays as it is: none.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.model.geometry import Geometry, Joint
+
+ON_LINE = 1e-4  # of the distance between the joints: how far a third point may lie off their line
+POINT = 1e-9  # m: nearer points are one
+
+
+@dataclass(frozen=True)
+class Spin:
+    """What joint `joint` (a ball or free joint) carries has no angular velocity along `axis` (3,), in its frame."""
+
+    joint: int
+    axis: np.ndarray
+
+
+def idle_spins(geometry: Geometry) -> tuple[Spin, ...]:
+    """The spins of a robot's rods, one equation each."""
+    found = []
+    for index, joint in enumerate(geometry.joints):
+        if joint.kind in ("ball", "free"):
+            axis = _line(geometry, index, joint)
+            if axis is not None:
+                found.append(Spin(index, axis))
+    return tuple(found)
+
+
+def _line(geometry: Geometry, index: int, joint: Joint) -> np.ndarray | None:
+    """The line (3,) about which all that a joint carries can turn, every loop closed; None where there is none."""
+    carried = _carried(geometry, index)
+    if geometry.tool is not None and geometry.tool.joint in carried:
+        return None
+    points = [np.zeros(3)] if joint.kind == "ball" else []
+    slides: list[np.ndarray] = []
+    for loop in geometry.loops:
+        inside = [anchor for anchor in (loop.first, loop.second) if anchor.joint in carried]
+        if len(inside) != 1:
+            continue
+        if loop.kind == "weld" or carried[inside[0].joint] is None:
+            return None
+        place, axes = carried[inside[0].joint] or (np.eye(4), [])
+        points.append((place @ np.append(inside[0].placement.translation, 1.0))[:3])
+        slides += axes
+    line = max((second - points[0] for second in points[1:]), key=_length, default=np.zeros(3))
+    if _length(line) < POINT:
+        return None
+    off = [_length(np.cross(line, point - points[0])) / _length(line) for point in points]
+    off += [_length(np.cross(line, axis)) for axis in slides]
+    return line / _length(line) if max(off) < ON_LINE * _length(line) else None
+
+
+def _carried(geometry: Geometry, index: int) -> dict[int, tuple[np.ndarray, list[np.ndarray]] | None]:
+    """By joint that a joint carries, itself included: its pose (4, 4) in the joint's frame with all slides at zero,
+    and the axes of these slides there; None behind a joint that turns.
+    """
+    found: dict[int, tuple[np.ndarray, list[np.ndarray]] | None] = {index: (np.eye(4), [])}
+    for i, joint in enumerate(geometry.joints):
+        if joint.parent not in found or i in found:
+            continue
+        before = found[joint.parent]
+        if before is None or joint.kind != "slide":
+            found[i] = None
+            continue
+        place = np.eye(4)
+        place[:3, :3], place[:3, 3] = joint.placement.rotation, joint.placement.translation
+        pose = before[0] @ place
+        found[i] = (pose, [*before[1], pose[:3, :3] @ joint.axis])
+    return found
+
+
+def _length(vector: np.ndarray) -> float:
+    return float(np.linalg.norm(vector))
