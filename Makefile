@@ -1,6 +1,7 @@
 # Needs Python 3.11, git and make; everything else goes into .venv.
 #   make demo    simulate the five-bar, identify it, leave a report under results/demo
 #   make test    lint, types, import rules and tests
+#   make test-kernels  the numeric tests under each kernel of OpenBLAS that the processor can execute
 #   make check   the quick reference scenarios beside results/reference (make check-full: all seeds)
 #   make speed   what things cost, beside the last time; history in results/speed
 #   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
@@ -16,7 +17,7 @@ INSTALLED := $(VENV)/.installed
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests check check-full speed peers format constraints clean
+.PHONY: demo test lint types imports tests test-kernels check check-full speed peers format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -35,6 +36,9 @@ imports: $(INSTALLED)
 
 tests: $(INSTALLED)
 	$(BIN)/pytest --quiet --numprocesses 2
+
+test-kernels: $(INSTALLED)
+	$(BIN)/python -m tests.kernels
 
 check: $(INSTALLED)
 	$(BIN)/bench check

@@ -2,11 +2,8 @@
 
 import pytest
 
-from tests.report_kit import diagnosed_page, identified_page, write
-
-pytest.importorskip("playwright", reason="playwright comes with the dev dependencies")
-
 from bench.report.browser import opened, scrolled
+from tests.report_kit import diagnosed_page, identified_page, write
 
 PHONE = 390
 

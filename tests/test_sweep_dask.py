@@ -13,8 +13,6 @@ from bench.sweep.run_sweep import JOURNAL, TABLE
 from bench.sweep.versions import Versions
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
-pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
-
 STARTING = 60.0  # s
 ACCIDENTS = Accidents(refused=(3,), broken=(9,))
 QUIET = {

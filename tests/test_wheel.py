@@ -7,8 +7,6 @@ import zipfile
 
 import pytest
 
-pytest.importorskip("hatchling", reason="the build backend comes with the dev dependencies")
-
 
 @pytest.fixture(scope="module")
 def wheel(project_root, tmp_path_factory):

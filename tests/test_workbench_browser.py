@@ -7,15 +7,12 @@ import pytest
 
 from bench.cli import main
 from bench.dataset import load_dataset
+from bench.report.browser import opened
 from bench.report.parts import Page, Section
 from bench.report.render import Workbench, render_page
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
 from tests.workbench_kit import FOUND, diagnosis_of, write_dataset
-
-pytest.importorskip("playwright", reason="playwright comes with the dev dependencies")
-
-from bench.report.browser import opened
 
 LAWS = (
     "coulomb_friction",
