@@ -1,8 +1,10 @@
 """`make speed`: every figure beside the one of the last time; the history is in results/speed."""
 
+import os
 import sys
+from pathlib import Path
 
-from bench.speed import diagnosis, main_job, regressor, report
+from bench.speed import diagnosis, growth, long_log, main_job, regressor, report, six_axes
 from bench.speed.figures import Figure, append_history, figures_table, last_values
 from bench.speed.sweep import sweep_figures
 from bench.sweep.console import table_console
@@ -46,7 +48,45 @@ def report_figures() -> list[Figure]:
     ]
 
 
-MEASUREMENTS = (regressor_figures, main_job_figures, diagnosis_figures, report_figures, sweep_figures)
+def long_log_figures() -> list[Figure]:
+    """Two logs of 20 minutes, and a measured arm at 5 kHz where its data are."""
+    seconds, gigabytes = long_log.measure()
+    name = "identify a five-bar, two logs of 20 minutes at 1 kHz"
+    figures = [
+        Figure(name, seconds, "s", long_log.SECONDS_LIMIT),
+        Figure(f"{name}, memory", gigabytes, "GB", long_log.MEMORY_LIMIT),
+    ]
+    data = Path(os.environ.get("PARABENCH_DATA", "../shared/data")) / "tx40"
+    if data.is_dir():
+        name = "identify six axes, 45,000 samples at 5 kHz"
+        figures.append(Figure(name, six_axes.measure(data), "s", six_axes.LIMIT))
+    return figures
+
+
+def growth_figures() -> list[Figure]:
+    """Exponents of the cost; its picture and numbers are kept as well."""
+    series = list(growth.measure())
+    growth.keep(series)
+    return [
+        Figure(
+            f"{one.command} against {one.of}, exponent",
+            one.exponent,
+            "",
+            growth.LINEAR if one.of == "samples" else None,
+        )
+        for one in series
+    ]
+
+
+MEASUREMENTS = (
+    regressor_figures,
+    main_job_figures,
+    long_log_figures,
+    growth_figures,
+    diagnosis_figures,
+    report_figures,
+    sweep_figures,
+)
 
 
 def main() -> int:
