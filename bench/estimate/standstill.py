@@ -66,11 +66,18 @@ def bridged(rows: np.ndarray, gaps: Gaps) -> np.ndarray:
 
 def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
     """The samples (K,), of so many, that `bridged_part` needs for a part of them, in order."""
-    needed = [np.arange(part.start, part.stop)]
+    outside = [np.empty(0, dtype=int)]
     for stretches in gaps:
         start, stop, before, after = _sides(_within(stretches, part), stretches, length)
-        needed += [_ranges(before, start)[0], _ranges(stop, after)[0]]
-    return np.unique(np.concatenate(needed)) if sum(map(len, needed[1:])) else needed[0]
+        outside += [
+            _ranges(before, np.minimum(start, part.start))[0],
+            _ranges(np.maximum(before, part.stop), start)[0],
+            _ranges(stop, np.minimum(after, part.start))[0],
+            _ranges(np.maximum(stop, part.stop), after)[0],
+        ]
+    more = np.unique(np.concatenate(outside))
+    first = np.searchsorted(more, part.start)
+    return np.concatenate((more[:first], np.arange(part.start, part.stop), more[first:]))
 
 
 def bridged_part(rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int) -> np.ndarray:
@@ -123,7 +130,7 @@ def _bridge(
 
 def _ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All samples of stretches from start (k,) to before stop (k,), one after the other, and whose they are."""
-    length = stop - start
+    length = np.maximum(stop - start, 0)
     of = np.repeat(np.arange(len(length)), length)
     return np.arange(len(of)) + (start - np.cumsum(length) + length)[of], of
 

@@ -17,9 +17,9 @@ from bench.signals.filtering import extended_end, extended_start, resting_states
 
 FloatArray = NDArray[np.float64]
 
-LENGTH = 96  # samples of a block, about: longer ones cost more products, shorter ones more steps
+LENGTH = 192  # samples of a block, about: longer ones cost more products, shorter ones more steps
 MOST_KEPT = 16  # of a block's samples
-FEWEST = 4  # columns: with fewer, sample by sample is as fast
+FEWEST = 2  # columns: one by itself is as fast sample by sample
 LONGEST = 512  # a block of more is not worth its matrices
 PART = 32768  # samples that are run together, at most
 
@@ -70,8 +70,8 @@ class RunningFilter:
         """Take the next samples (K, C)."""
         self._count += len(x)
         self._waiting.append(x)
-        held = sum(map(len, self._waiting))
-        if held <= 2 * self._extension + block_length(self._factor):
+        length, held = block_length(self._factor), sum(map(len, self._waiting))
+        if held <= 2 * self._extension + length or not length or x.shape[1] < FEWEST:
             return
         waiting = np.concatenate(self._waiting) if len(self._waiting) > 1 else x
         if not self._begun:
@@ -98,7 +98,7 @@ class RunningFilter:
             blocks = _blocks(self._sections.tobytes(), self._factor)
             state = initial.reshape(-1, columns)
             for k in reversed(range(len(self._passed))):
-                backward, state = _carried(blocks.carry, state, self._passed[k][::-1])
+                backward, state = _carried(blocks.carry, state, self._passed.pop()[::-1])
                 whole = kept[k].reshape(len(backward), -1, columns)
                 whole += blocks.behind @ backward[::-1]
         count = -(-(self._count - self._first) // self._factor)
