@@ -8,7 +8,7 @@ import numpy as np
 from bench.effects import ActuatorEffect, EffectInstance, JointSignals
 from bench.estimate.effect_columns import robot_signals
 from bench.estimate.observation import effect_rows
-from bench.estimate.standstill import bridged
+from bench.estimate.standstill import bridged_part
 from bench.signals.decimation import decimate
 from bench.workbench.directions import Directions
 from bench.workbench.kinds import Kinds
@@ -94,13 +94,18 @@ class Rows:
         return (variants.instance.effect.name, variants.instance.joint) in self._ticked
 
     def _filtered(self, columns: np.ndarray, gaps: tuple[np.ndarray, ...]) -> np.ndarray:
-        """Columns (N, n, c), bridged where joints stand still, filtered and decimated."""
-        flat = bridged(columns, gaps).reshape(len(columns), -1)
-        filled = np.flatnonzero(flat.any(axis=0))
-        kept = decimate(flat[:, filled], self._found.settings.decimation)
-        rows = np.zeros((len(kept), flat.shape[1]))
-        rows[:, filled] = kept
-        return rows.reshape(len(kept), *columns.shape[1:])
+        """Columns (N, n, c), bridged where joints stand still (in place), filtered and decimated."""
+        whole = slice(0, len(columns))
+        flat = bridged_part(columns, np.arange(len(columns)), whole, gaps, len(columns))
+        flat = flat.reshape(len(columns), -1)
+        filled = flat.any(axis=0)
+        if filled.all():
+            rows = decimate(flat, self._found.settings.decimation)
+        else:
+            kept = decimate(flat[:, filled], self._found.settings.decimation)
+            rows = np.zeros((len(kept), flat.shape[1]))
+            rows[:, filled] = kept
+        return rows.reshape(len(rows), *columns.shape[1:])
 
 
 def _torque(instance: EffectInstance, joint: JointSignals) -> np.ndarray:
