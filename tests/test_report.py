@@ -94,6 +94,9 @@ def test_nothing_missing_takes_three_sentences_too():
     assert page.verdict[0].startswith("Nothing is missing that the catalogue knows")
     assert len(page.verdict) == 3
     assert "from its nominal value" in page.verdict[1]
+    ladder = next(one for one in page.sections if one.id == "ladder")
+    assert [one.type for one in ladder.parts] == ["text", "table", "table"]  # one dot is no figure
+    assert "No effect was added" in ladder.parts[0].paragraphs[0]
     render_page(page)
 
 
@@ -139,7 +142,7 @@ def test_every_motor_recording_and_model_can_be_chosen(text):
     assert set(currents["variants"]) == {f"{j}|{k}" for j in range(2) for k in range(3)}
     assert [one["options"] for one in where["choices"]] == [
         ["left", "right"],
-        ["Model as it is", "With what is missing"],
+        ["Model as it is", "Completed model"],
     ]
     titles = [chart["title"] for chart in where["variants"]["0|1"]["charts"]]
     for wanted in (

@@ -80,6 +80,47 @@ def test_choosing_a_motor_shows_its_curves(look):
     assert "right" in page.locator("#currents .notes").inner_text()
 
 
+def landed(page, name):
+    """How far the heading of a section stands from where a link should bring it, px, once the page is still."""
+    page.evaluate("""async () => {
+        let before = NaN;
+        while (before !== scrollY) {
+            before = scrollY;
+            await new Promise((done) => setTimeout(done, 150));
+        }
+    }""")
+    return page.evaluate(
+        """(name) => {
+            const root = document.documentElement;
+            const wanted = document.getElementById(name).getBoundingClientRect().top + scrollY - 16;
+            return Math.abs(scrollY - Math.min(wanted, root.scrollHeight - innerHeight));
+        }""",
+        name,
+    )
+
+
+@pytest.mark.parametrize("name", ["where", "gains", "run"])
+def test_a_link_lands_on_its_section(look, report, name):
+    page = look()
+    page.locator(f"nav.contents a[href='#{name}']").click()
+    assert landed(page, name) <= 2
+    page.goto("about:blank")
+    page.goto(f"{report.resolve().as_uri()}#{name}")
+    assert landed(page, name) <= 2
+
+
+def test_values_under_the_pointer_have_units_and_stand_once(look):
+    page = look()
+    plot = page.locator("#currents svg[role=img]")
+    plot.scroll_into_view_if_needed()
+    plot.hover()
+    said = page.locator("#currents .values p").all_inner_texts()
+    assert said[0].startswith("at ")
+    assert said[0].endswith(" s")
+    assert all(one.endswith(" A") for one in said[1:])
+    assert len(set(said)) == len(said) == 5  # measured, modelled, and two errors
+
+
 def test_the_keyboard_reaches_theme_choices_and_details(look):
     page = look()
     page.keyboard.press("Tab")

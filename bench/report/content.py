@@ -28,7 +28,7 @@ from bench.report.verdict import (
 from bench.report.words import plural, typeset
 from bench.sweep.versions import versions
 
-AS_IT_IS, COMPLETED = "of the model as it is", "with what is missing"
+AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
 
 
 def diagnosis_page(
@@ -139,7 +139,7 @@ def _facts(dataset: Dataset, *more: str) -> tuple[str, ...]:
     loads = sorted({one.payload for one in dataset.recordings if one.payload is not None})
     payload = f"payload {', '.join(loads)}" if loads else "no payload"
     count = plural(len(dataset.recordings), "recording")
-    return (f"robot {dataset.robot.name}", f"data {dataset.folder.name}", count, payload, *more)
+    return (f"robot {dataset.robot.name}", f"dataset {dataset.folder.name}", count, payload, *more)
 
 
 def _generator() -> str:

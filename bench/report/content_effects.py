@@ -180,7 +180,7 @@ def gains_section(after: Identification, before: Identification | None) -> Secti
         columns = (Column("motor"), Column("nominal", "right"), Column("unit", "keep"))
         table = Table("Nominal gains", "As the maker's sheet gives them; not identified.", columns, rows)
         return Section("gains", "Drive gains", lead, (table,))
-    models: list[tuple[str, str, Identification]] = [("after", "with what is missing", after)]
+    models: list[tuple[str, str, Identification]] = [("after", "completed model", after)]
     if before is None:
         models = [("after", "identified", after)]
     else:
@@ -224,7 +224,7 @@ def _gains_figure(models: list[tuple[str, str, Identification]]) -> Part:
 def _gains_table(after: Identification, before: Identification | None) -> Table:
     columns = [Column("motor"), Column("unit", "keep"), Column("nominal", "right")]
     if before is not None:
-        columns += [Column("model as it is", "right"), Column("with what is missing", "right")]
+        columns += [Column("model as it is", "right"), Column("completed model", "right")]
         columns += [Column("moves by", "right")]
     else:
         columns += [Column("identified", "right")]

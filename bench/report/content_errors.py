@@ -7,7 +7,19 @@ from bench.compare.motor import MotorSeries
 from bench.diagnose.result import Diagnosis
 from bench.estimate.result import CurrentSeries, relative_error
 from bench.report.chart_motor import currents_spec
-from bench.report.parts import Chart, Choice, Column, Figure, Row, Section, Table, Variant, one_figure, row
+from bench.report.parts import (
+    Chart,
+    Choice,
+    Column,
+    Figure,
+    Row,
+    Section,
+    Table,
+    Text,
+    Variant,
+    one_figure,
+    row,
+)
 from bench.report.shown import Shown
 from bench.report.thin import significant
 from bench.report.words import effect_name, plural, share, typeset
@@ -66,14 +78,20 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
     rows.append(row("noise of the currents", "", share(floor), kind="weak"))
     lead = f"How the error falls as effects are added, the one that helps most first; judged on {diagnosis.split}."
     aid = "Down to the grey line: nothing is left but noise. Where only the fitted error falls, the model fits noise."
+    figure: Figure | Text = one_figure("Error after each added effect", aid, spec)
+    if len(steps) == 1:
+        lead = f"No effect helps beyond chance; judged on {diagnosis.split}."
+        only = steps[0].identify if steps[0].validate is None else steps[0].validate
+        said = f"No effect was added: the model as it is leaves an error of {share(only)}, noise alone {share(floor)}."
+        figure = Text("", (typeset(said),))
     columns = (Column("model"), Column("error, fitted", "right"), Column("error, not fitted", "right"))
     return Section(
         "ladder",
         "The ladder",
         typeset(lead),
         (
-            one_figure("Error after each added effect", aid, spec),
-            Table("The same in numbers", ERROR_AID, columns, tuple(rows)),
+            figure,
+            Table("The same in numbers" if len(steps) > 1 else "In numbers", ERROR_AID, columns, tuple(rows)),
         ),
     )
 
@@ -143,6 +161,8 @@ def currents_section(models: Sequence[Shown]) -> Section:
         for name in names
     )
     aid = "Modelled should lie on measured; an error inside the grey band is noise."
+    if any(len(one.row) and one.row[-1] - one.row[0] >= len(one.row) for one in last.what.series):
+        aid += " Gaps: the joint stands still or reverses, which is neither fitted nor judged."
     if widths and max(widths) > 1:
         aid += f" Of every {max(widths)} rows the smallest and the largest value are drawn: no outlier is left out."
     if dropped:

@@ -1,6 +1,7 @@
 """The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
 
 from bench.compare.where import WhereItFails
+from bench.compare.words import motor_words
 from bench.diagnose.result import Diagnosis
 from bench.diagnose.summary import and_list, found_effects, or_list, summary_sentences
 from bench.estimate.result import ErrorSummary, Identification
@@ -87,13 +88,14 @@ def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ..
 def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> tuple[Tile, ...]:
     """The numbers that count of a comparison."""
     values = [value for value in (error.identify, error.validate) if value is not None]
+    use = "that were not fitted" if values and max(values) == error.validate else "for identification"
     worst = max(where.motors, key=lambda one: one.error, default=None)
     tiles = [
-        Tile("Error", share(max(values) if values else None), "of the current"),
+        Tile("Error", share(max(values) if values else None), f"of the current, on recordings {use}"),
         Tile("Noise floor", share(noise), "of the currents, as an error"),
     ]
     if worst is not None:
-        tiles.append(Tile("Worst motor", worst.joint, f"error {share(worst.error)}"))
+        tiles.append(Tile("Worst motor", worst.joint, f"error {share(worst.error)}, all recordings"))
     return tuple(tiles)
 
 
@@ -131,9 +133,9 @@ def _failing(where: WhereItFails) -> str:
     worst = max(loud, key=lambda one: one.error / one.noise if one.noise else one.error)
     times = f", {short(worst.error / worst.noise, 3)} times its noise" if worst.noise > 0 else ""
     more = (
-        f"More than noise is left at {and_list([one.joint for one in loud])}, most of all at {worst.joint} "
+        f"More than noise remains at {and_list([motor_words(one.joint) for one in loud])}, most at {worst.joint} "
         f"({share(worst.error)}{times})"
         if len(loud) > 1
-        else f"More than noise is left at {worst.joint} ({share(worst.error)}{times})"
+        else f"More than noise remains at {motor_words(worst.joint)} ({share(worst.error)}{times})"
     )
     return f"{more}; bench diagnose tells which physical effect that may be."

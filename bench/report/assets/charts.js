@@ -250,7 +250,14 @@ const Charts = (() => {
 
   /* Values under the pointer. */
   function watch(chart, svg, holder, box) {
-    const readable = chart.figure.panels.flatMap((p) => p.series).filter((one) => one.name && ["line", "bins", "stems"].includes(one.kind));
+    const unitIn = (label) => ((label || "").match(/\[([^\]]*)\]/) || ["", ""])[1];
+    const told = new Map(); // a series that stands in two panels is told once
+    for (const panel of chart.figure.panels) {
+      for (const one of panel.series) {
+        if (one.name && !told.has(one.name) && ["line", "bins", "stems"].includes(one.kind)) told.set(one.name, [one, panel.y]);
+      }
+    }
+    const readable = [...told.values()];
     if (!readable.length) return;
     const cursor = node("path", {class: "cursor"}, svg);
     const note = block("div", "values", holder);
@@ -266,8 +273,7 @@ const Charts = (() => {
       if (px < box.left || px > box.right) return leave();
       cursor.setAttribute("d", `M${px.toFixed(1)} ${box.top}V${box.bottom}`);
       note.replaceChildren();
-      const unit = (chart.figure.x.label || "").match(/\[[^\]]*\]$/);
-      readable.forEach((one, k) => {
+      readable.forEach(([one, y], k) => {
         const values = one.y || one.mean;
         let best = -1;
         let gap = Infinity;
@@ -277,8 +283,9 @@ const Charts = (() => {
           if (distance < gap) [gap, best] = [distance, i];
         }
         if (best < 0) return;
-        if (k === 0) block("p", "", note, `at ${formatNumber(valueAt(one.x, best))} ${unit ? unit[0].slice(1, -1) : ""}`);
-        block("p", `key ${one.role}`, note, `${one.name} ${formatNumber(values[best], 3)}`);
+        if (k === 0) block("p", "", note, `at ${formatNumber(valueAt(one.x, best))} ${unitIn(chart.figure.x.label)}`.trim());
+        const value = formatNumber(values[best] * (y.percent ? 100 : 1), 3);
+        block("p", `key ${one.role}`, note, `${one.name} ${value} ${unitIn(y.label)}`.trim());
       });
       note.hidden = false;
       const beside = px / box.width > 0.6 ? px - note.offsetWidth - 12 : px + 12;

@@ -108,6 +108,16 @@
       {rootMargin: "600px"},
     );
     for (const one of states.keys()) near.observe(one);
+    /* A link lands where its section will be only if no figure above it still grows. */
+    const settle = () => {
+      for (const [holder, state] of states) if (!state.shown && holder.offsetWidth) state.show();
+    };
+    document.addEventListener("click", (event) => event.target.closest('a[href^="#"]') && settle(), true);
+    if (location.hash) {
+      settle();
+      const target = document.getElementById(location.hash.slice(1));
+      if (target) target.scrollIntoView({behavior: "instant"});
+    }
     const closed = [];
     addEventListener("beforeprint", () => {
       for (const one of document.querySelectorAll("details:not([open])")) {
