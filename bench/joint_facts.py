@@ -15,7 +15,7 @@ class JointFacts:
     """One driven joint. `lower`, `upper` (rad or m) are None where the MJCF sets no range.
 
     `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop` says whether the robot
-    has closed loops.
+    has closed loops, and `geared` whether this is a motor's own position, which runs through many turns.
     """
 
     name: str
@@ -24,17 +24,19 @@ class JointFacts:
     upper: float | None
     home: float
     in_loop: bool
+    geared: bool = False
 
 
 def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
     """The facts of each driven joint, in the order of the robot's actuators."""
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     home = model.qpos0 if key < 0 else model.key_qpos[key]
     loops = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
     in_loop = any(int(kind) in map(int, loops) for kind in model.eq_type)
     facts = []
-    for name in robot.joints:
+    for actuator in robot.actuators:
+        name = actuator.joint
         joint = model.joint(name)
         limited = bool(joint.limited[0])
         facts.append(
@@ -45,6 +47,7 @@ def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
                 float(joint.range[1]) if limited else None,
                 float(home[joint.qposadr[0]]),
                 in_loop,
+                actuator.drives != "joint",
             )
         )
     return tuple(facts)

@@ -72,7 +72,8 @@ def constant(channel: Channel) -> Finding | None:
 def position_units(channel: Channel) -> Finding | None:
     """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided.
 
-    A joint without a range is judged by its speed, and for a hinge by how many turns away it is.
+    A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's own
+    position before a gear, which turns as often and as fast as the gear lets it, is not.
     """
     joint, values = _joint(channel), channel.values
     factor, wrong, right = (
@@ -85,6 +86,8 @@ def position_units(channel: Channel) -> Finding | None:
         fits = joint.lower - 0.1 * span <= scaled.min() and scaled.max() <= joint.upper + 0.1 * span
         suspicious = fits and outside.max() > span
         why = f"up to {outside.max():.4g} outside of [{joint.lower:g}, {joint.upper:g}]"
+    elif joint.geared:
+        return None
     else:
         suspicious, why = _far_without_range(joint, values, channel.step, factor)
     if not suspicious:

@@ -1,16 +1,21 @@
 """A robot: the folder that describes it, its actuators with their nominal drive gains, its tool."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from bench.catalogue import built_in_robots
 from bench.errors import BenchError, meant
+from bench.robot_mjcf import Transmission, robot_model, robot_spec
 from bench.toml_input import UserTable, one_line, read_toml
+
+if TYPE_CHECKING:
+    import mujoco
 
 GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V"]
 Text = Annotated[str, Field(min_length=1)]
@@ -18,12 +23,18 @@ Text = Annotated[str, Field(min_length=1)]
 
 @dataclass(frozen=True)
 class Actuator:
-    """A driven joint: torque (hinge) or force (slide) = gain * current reference."""
+    """A motor: torque (hinge) or force (slide) = gain * current reference, at what it drives.
+
+    drives: a joint of the MJCF; or a fixed tendon, or an actuator of the file with its gear, for which `robot_model`
+    has a joint of the motor's own.
+    """
 
     joint: str
+    """Name of the joint, tendon or actuator."""
     gain: float
     """Nominal drive gain, as a maker's sheet gives it, in `gain_unit`."""
     gain_unit: str
+    drives: Literal["joint", "tendon", "motor"] = "joint"
 
 
 @dataclass(frozen=True)
@@ -38,6 +49,14 @@ class Robot:
     """Their order is the order of every per-actuator array and column."""
     tool_site: str | None
     """The MJCF site at which a payload is fixed."""
+
+    def mjcf_model(self) -> "mujoco.MjModel":
+        """The compiled MJCF, with a joint for every motor."""
+        return robot_model(self.model_path, _transmissions(self.actuators))
+
+    def mjcf_spec(self) -> "mujoco.MjSpec":
+        """The same, to be changed before it is compiled."""
+        return robot_spec(self.model_path, _transmissions(self.actuators))
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -65,20 +84,39 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     model_path = description.parent / table.model
     if not model_path.is_file():
         raise BenchError(f"{description}: model: there is no file {model_path}")
-    _check_against_mjcf(description, table, model_path)
+    actuators = tuple(
+        Actuator(motor.name, motor.gain, motor.gain_unit, motor.drives) for motor in table.actuators
+    )
+    _check_against_mjcf(description, actuators, table.tool, model_path)
     return Robot(
         name=table.name,
         folder=description.parent,
         model_path=model_path,
-        actuators=tuple(Actuator(a.joint, a.gain, a.gain_unit) for a in table.actuators),
+        actuators=actuators,
         tool_site=table.tool.site if table.tool else None,
     )
 
 
 class _ActuatorTable(UserTable):
-    joint: Text
+    joint: Text | None = None
+    tendon: Text | None = None
+    motor: Text | None = None
     gain: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
     gain_unit: GainUnit
+
+    @model_validator(mode="after")
+    def _one_part(self) -> Self:
+        if sum(part is not None for part in (self.joint, self.tendon, self.motor)) != 1:
+            raise ValueError("should name what the motor drives by one of joint, tendon, motor")
+        return self
+
+    @property
+    def drives(self) -> Literal["joint", "tendon", "motor"]:
+        return "joint" if self.joint else "tendon" if self.tendon else "motor"
+
+    @property
+    def name(self) -> str:
+        return str(self.joint or self.tendon or self.motor)
 
 
 class _ToolTable(UserTable):
@@ -126,18 +164,30 @@ def _compiler_message(path: Path, text: str) -> str:
     return f"{where}: MuJoCo cannot compile it: {text.strip(' ,:')}"
 
 
-def _check_against_mjcf(description: Path, table: _RobotTable, model_path: Path) -> None:
+def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
+    return tuple(
+        Transmission(one.joint, one.drives, one.gain_unit.startswith("N/"))
+        for one in actuators
+        if one.drives != "joint"
+    )
+
+
+def _check_against_mjcf(
+    description: Path, actuators: Sequence[Actuator], tool: _ToolTable | None, model_path: Path
+) -> None:
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     try:
-        model = mujoco.MjModel.from_xml_path(str(model_path))
+        model = robot_model(model_path, _transmissions(actuators))
         joint_names = [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
     except (ValueError, mujoco.FatalError) as error:
         raise BenchError(_compiler_message(model_path, str(error))) from error
+    except BenchError as error:
+        raise BenchError(f"{description}: actuators: {error}") from None
 
     units = {int(mujoco.mjtJoint.mjJNT_HINGE): "N*m", int(mujoco.mjtJoint.mjJNT_SLIDE): "N"}
     seen: dict[str, int] = {}
-    for i, actuator in enumerate(table.actuators):
+    for i, actuator in enumerate(actuators):
         key = f"{description}: actuators[{i}]"
         if actuator.joint in seen:
             raise BenchError(
@@ -160,5 +210,5 @@ def _check_against_mjcf(description: Path, table: _RobotTable, model_path: Path)
             raise BenchError(
                 f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
             )
-    if table.tool and mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, table.tool.site) < 0:
-        raise BenchError(f"{description}: tool.site: {model_path.name} has no site {table.tool.site!r}")
+    if tool and mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, tool.site) < 0:
+        raise BenchError(f"{description}: tool.site: {model_path.name} has no site {tool.site!r}")

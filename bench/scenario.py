@@ -112,7 +112,7 @@ def per_joint(value: float | Mapping[str, float], joints: Sequence[str]) -> Arra
 
 def home_position(robot: Robot) -> Array:
     """Positions of the actuated joints (n,) in the keyframe `home`, or in the reference pose without one."""
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     qpos = model.key_qpos[key] if key >= 0 else model.qpos0
     return np.array([qpos[model.joint(joint).qposadr[0]] for joint in robot.joints])

@@ -48,7 +48,7 @@ def test_frames_are_pinocchios(robot):
 
 def test_frames_are_mujocos(robot):
     geometry = read_geometry(robot)
-    compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    compiled = robot.mjcf_model()
     state = mujoco.MjData(compiled)
     q = random_open_poses(geometry, POSES)
     frames = all_frames(geometry, q)
@@ -76,7 +76,7 @@ def test_frames_are_mujocos(robot):
 def test_loop_residual_is_mujocos(name, tmp_path):
     robot = robot_named(name, tmp_path)
     geometry = read_geometry(robot)
-    compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    compiled = robot.mjcf_model()
     compiled.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     state = mujoco.MjData(compiled)
     q = random_open_poses(geometry, POSES)

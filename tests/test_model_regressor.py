@@ -45,9 +45,10 @@ def random_inertias(geometry):
 
 def rigid_machine(robot):
     """MuJoCo's model of the rigid robot: no rotor inertia, friction, damping, springs or limits."""
-    compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    compiled = robot.mjcf_model()
     for part in ("dof_armature", "dof_frictionloss", "dof_damping", "jnt_stiffness"):
         getattr(compiled, part)[:] = 0.0
+    mujoco.mj_setConst(compiled, mujoco.MjData(compiled))  # a rotor's diagonal inertia is computed beforehand
     compiled.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CONTACT
     compiled.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     return compiled
@@ -56,15 +57,12 @@ def rigid_machine(robot):
 def file_inertias(geometry, compiled):
     """The MJCF's inertias by joint: bodies without a joint added to what carries them."""
     inertias = [pin.Inertia.Zero() for _ in geometry.joints]
-    bodies = {name: index for index, name in geometry.bodies}
     place = {0: (-1, pin.SE3.Identity())}
     for body in range(1, compiled.nbody):
-        name = compiled.body(body).name
         if compiled.body_jntnum[body]:
-            index = bodies[name]
-            free = geometry.joints[index].kind == "free"
-            last = compiled.body_jntadr[body] + compiled.body_jntnum[body] - 1
-            place[body] = (index, pin.SE3(np.eye(3), np.zeros(3) if free else -compiled.jnt_pos[last]))
+            last = int(compiled.body_jntadr[body] + compiled.body_jntnum[body]) - 1
+            free = geometry.joints[last].kind == "free"
+            place[body] = (last, pin.SE3(np.eye(3), np.zeros(3) if free else -compiled.jnt_pos[last]))
         else:
             joint, frame = place[compiled.body_parentid[body]]
             own = pin.SE3(rotation(compiled.body_quat[body]), compiled.body_pos[body])

@@ -14,7 +14,7 @@ from bench.truth.simulate import simulate
 GAIN_ERROR = 0.003
 CURRENT_NOISE = 0.01  # of the RMS current
 OVER_NOISE = 1.1  # error on recordings that were not fitted, over that of the noise
-ROBOTS = ("stewart", "three_rrr")
+ROBOTS = ("palletiser", "stewart", "three_rrr", "wrist")
 
 
 @pytest.mark.slow

@@ -43,7 +43,12 @@ def test_every_built_in_scenario_loads_and_has_its_trajectories(name):
     trajectories = resolve_trajectories(
         scenario,
         lambda s, recordings: {
-            r.name: random_trajectory(0, home_position(s.robot), r.design.span, r.design.velocity_limit)
+            r.name: random_trajectory(
+                0,
+                home_position(s.robot),
+                per_joint(r.design.span, s.robot.joints),
+                per_joint(r.design.velocity_limit, s.robot.joints),
+            )
             for r in recordings
         },
     )

@@ -31,7 +31,11 @@ MOST_ITERATIONS = 5
 
 @dataclass(frozen=True)
 class Follower:
-    """Pinocchio's model of the opened tree with its loops; `data` is scratch space."""
+    """Pinocchio's model of the opened tree with its closures; `data` is scratch space.
+
+    units (n,): travel of every motor that moves the fastest of its joints by 1 rad or 1 m at home, where a coupling
+    is its gear, else 1. A motor-side position runs through many turns.
+    """
 
     geometry: Geometry
     model: pin.Model
@@ -40,6 +44,7 @@ class Follower:
     constraint_data: tuple[pin.ConstraintData, ...]
     passive: np.ndarray
     spins: tuple[Spin, ...]
+    units: np.ndarray
 
     def linearise(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual (m,) and Jacobian (m, nv) of the closures at q (nq,)."""
@@ -91,7 +96,17 @@ def make_follower(geometry: Geometry) -> Follower:
     constraints = tuple(loop_constraints(geometry, model))
     data = tuple(constraint.createData() for constraint in constraints)
     spins = idle_spins(geometry)
-    return Follower(geometry, model, model.createData(), constraints, data, geometry.passive, spins)
+    units = np.ones(len(geometry.active))
+    follower = Follower(
+        geometry, model, model.createData(), constraints, data, geometry.passive, spins, units
+    )
+    geared = {joint for coupling in geometry.couplings for joint, _ in (*coupling.first, *coupling.second)}
+    places = {geometry.joints[joint].v.start for joint in geared}
+    chosen = np.array([int(index) in places for index in geometry.active])
+    pose = close(follower, geometry.home) if chosen.any() else None
+    if pose is not None:
+        units[chosen] = 1.0 / np.abs(pose.amplification).max(axis=0)[chosen]
+    return follower
 
 
 def home_pose(follower: Follower) -> Pose:
@@ -150,9 +165,10 @@ def advance(follower: Follower, pose: Pose, target: np.ndarray, enough: float = 
     done, share = 0.0, 1.0
     step = np.zeros(geometry.nv)
     while done < 1.0:
-        step[geometry.active] = way
+        step[geometry.active] = way / follower.units
         step[follower.passive] = pose.amplification @ way
         share = min(share, 1.0 - done, LARGEST_STEP / max(np.abs(step).max(), LARGEST_STEP))
+        step[geometry.active] = way
         moved = close(follower, pin.integrate(follower.model, pose.q, share * step), enough)
         if moved is None or _turned(pose, moved, share * way) > LARGEST_TURN:
             share /= 2.0

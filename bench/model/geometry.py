@@ -14,6 +14,7 @@ import numpy as np
 from bench.errors import BenchError
 from bench.model.supported import unsupported_features
 from bench.robot import Robot
+from bench.robot_mjcf import ROTOR
 
 JointKind = Literal["hinge", "slide", "ball", "free"]
 KINDS: dict[int, JointKind] = {
@@ -49,8 +50,8 @@ class Joint:
 
     The joint frame has the orientation of its body and its origin on the joint; `placement` is this frame
     in the frame of the joint `parent` (-1: the world) at zero joint position. `body` names the body that
-    the joint carries, None where a further joint of the same body follows. `offset` is the MuJoCo joint
-    position at which the model's own is zero; `limits` are in the file's coordinate, rad or m.
+    the joint carries, None where a further joint of the same body follows or only a rotor turns. `offset` is the
+    MuJoCo joint position at which the model's own is zero; `limits` are in the file's coordinate, rad or m.
     """
 
     name: str
@@ -173,7 +174,7 @@ def read_geometry(robot: Robot) -> Geometry:
     Raises BenchError naming the joint or the equality that is not supported.
     """
     try:
-        compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
+        compiled = robot.mjcf_model()
     except ValueError as error:
         raise BenchError(f"{robot.model_path}: {str(error).splitlines()[0]}") from None
     for fault in unsupported_features(compiled):
@@ -215,6 +216,7 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
     joints: list[Joint] = []
     nq = nv = 0
     for body in range(1, compiled.nbody):
+        carried = _name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}")
         parent, placement = frames[int(compiled.body_parentid[body])]
         here = placement @ Placement(_rotation(compiled.body_quat[body]), compiled.body_pos[body].copy())
         first = int(compiled.body_jntadr[body])
@@ -231,9 +233,7 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
                     parent=parent,
                     placement=at,
                     axis=compiled.jnt_axis[index].copy(),
-                    body=_name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}")
-                    if index == first + count - 1
-                    else None,
+                    body=carried if index == first + count - 1 and not carried.startswith(ROTOR) else None,
                     q=slice(nq, nq + CONFIGURATION_SIZE[kind]),
                     v=slice(nv, nv + VELOCITY_SIZE[kind]),
                     offset=float(compiled.qpos0[compiled.jnt_qposadr[index]])

@@ -14,7 +14,8 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
     """`count` states with active positions spread over the reachable part of the joint ranges.
 
     Every pose is reached from the last one along the closures, so all lie in home's assembly mode.
-    Active velocities and accelerations are normal, of unit variance (times 5 for accelerations).
+    Active velocities and accelerations are normal, of unit variance (times 5 for accelerations); behind a gear those
+    of what the motor drives.
     """
     random = np.random.default_rng(seed)
     low, high = active_ranges(geometry)
@@ -33,8 +34,9 @@ def random_motion(geometry: Geometry, count: int, seed: int) -> Motion:
             pose = home if not poses else poses[int(random.integers(len(poses)))]
     states = np.array([pose.q for pose in poses]).reshape(-1, geometry.nq)
     n = len(geometry.active)
-    velocity = random.normal(size=(n, len(poses)))
-    acceleration = 5.0 * random.normal(size=(n, len(poses)))
+    units = follower.units[:, None]
+    velocity = units * random.normal(size=(n, len(poses)))
+    acceleration = units * 5.0 * random.normal(size=(n, len(poses)))
     return rates_at(geometry, np.arange(len(poses), dtype=float), states, velocity.T, acceleration.T)
 
 
@@ -42,7 +44,8 @@ def active_ranges(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper positions (n,) of the active joints in Pinocchio's coordinates."""
     home = geometry.home[geometry.active_configuration]
     by_velocity = {joint.v.start: joint for joint in geometry.joints}
-    low, high = home - UNLIMITED, home + UNLIMITED
+    reach = UNLIMITED * make_follower(geometry).units
+    low, high = home - reach, home + reach
     for i, index in enumerate(geometry.active):
         joint = by_velocity[int(index)]
         if joint.limits is not None:

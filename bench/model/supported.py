@@ -35,14 +35,22 @@ def unsupported_features(compiled: mujoco.MjModel) -> Iterator[str]:
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_FLEX, flex)
         yield f"flex {label!r}: deformable bodies are not supported"
     for tendon in range(compiled.ntendon):
-        if not is_fixed(compiled, tendon):
-            for actuator in driving(compiled, tendon):
-                label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+        label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
+        for actuator in driving(compiled, tendon):
+            if not is_fixed(compiled, tendon):
                 yield f"tendon {label!r} is a cable in space with motor {actuator!r} on it: cables are not supported"
+            elif not any(_is_joint(compiled, name) for name in (label, actuator)):
+                yield (
+                    f"motor {actuator!r} drives tendon {label!r}: name it in robot.toml, as "
+                    f'tendon = "{label}" (its length is the logged position) or motor = "{actuator}" (times gear)'
+                )
         acting = [what for what in COUPLING if np.any(getattr(compiled, f"tendon_{what}")[tendon])]
         if acting:
-            label = label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)
             yield f"tendon {label!r} has {', '.join(acting)}: it couples joints, unknown to the model"
+
+
+def _is_joint(compiled: mujoco.MjModel, name: str) -> bool:
+    return int(mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_JOINT, name)) >= 0
 
 
 def driving(compiled: mujoco.MjModel, tendon: int) -> list[str]:

@@ -95,7 +95,7 @@ def _spec(problem: Problem, payload: str | None, step: float) -> Any:
     """The robot with motors, position sensors and its payload, loops as stiff as the truth's."""
     simulation = problem.simulation
     robot, truth = simulation.robot, simulation.machine.models[None]
-    spec = mujoco.MjSpec.from_file(str(robot.model_path))
+    spec = robot.mjcf_spec()
     for other in (*spec.actuators, *spec.sensors, *spec.keys):
         spec.delete(other)
     spec.compiler.fusestatic = False

@@ -26,7 +26,7 @@ def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
     found = hashlib.blake2b(digest_size=SIZE)
     for path in files:
         found.update(bytes.fromhex(file_digest(path)))
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     mechanism = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
     mujoco.mj_saveModel(model, None, mechanism)
     found.update(mechanism.tobytes())

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 
 from bench.errors import BenchError
@@ -17,7 +16,7 @@ from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import Machine, make_machine, random_open_poses, to_mujoco
-from bench.robot_check.mobility import check_mobility, mobility_of, spin_notes
+from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
 from bench.robot_check.report import Check, RobotReport, Singularity
 from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import Sweep, singularity_of, sweep
@@ -30,7 +29,7 @@ WEAK = 1e-6  # smallest singular value at home below which it counts as singular
 
 def check_robot(robot: Robot) -> RobotReport:
     """Check a robot that `bench.robot.load_robot` has read; what is wrong stands in the report's failures."""
-    compiled = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    compiled = robot.mjcf_model()
     features = check_features(compiled)
     report = RobotReport(
         robot,
@@ -88,7 +87,7 @@ def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
     report = _with(replace(report, mobility=mobility), check_mobility(geometry, mobility))
     if report.failures:
         return report
-    report = _with(report, *spin_notes(geometry))
+    report = _with(report, *coupling_lines(geometry), *spin_notes(geometry))
     try:
         swept = sweep(geometry) if geometry.closed else None
         motion = random_motion(geometry, POSES, SEED)

@@ -17,7 +17,7 @@ def check_features(compiled: mujoco.MjModel) -> Check:
     if refused:
         more = f" (and {len(refused) - 1} more: {'; '.join(refused[1:])})" if len(refused) > 1 else ""
         return Check(name, "failed", refused[0] + more)
-    return Check(name, "ok", "bodies, joints, connect and weld alone")
+    return Check(name, "ok", "bodies, joints and supported equalities alone")
 
 
 def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:
@@ -48,7 +48,9 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
         yield f"{compiled.nplugin} plug-ins of MuJoCo: the model does not know what they do"
     if compiled.nactuator:
         yield f"{compiled.nactuator} actuators of the MJCF are not used: robot.toml names the motors"
-    for tendon in range(compiled.ntendon):
+    held = compiled.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)
+    used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
+    for tendon in set(range(compiled.ntendon)) - used:
         yield f"tendon {label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)!r} is ignored"
 
 

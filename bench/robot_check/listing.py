@@ -18,7 +18,7 @@ def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, str]:
     key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
     if key < 0:
         return compiled.qpos0.copy(), "qpos0, as there is no keyframe home"
-    given = len(mujoco.MjSpec.from_file(str(robot.model_path)).keys[key].qpos)
+    given = len(robot.mjcf_spec().keys[key].qpos)
     source = "keyframe home"
     if given < compiled.nq:  # MuJoCo does not say so
         source += f" with {given} of {compiled.nq} positions, the others from qpos0"

@@ -29,7 +29,7 @@ class Machine:
 
 def compiled_model(geometry: Geometry) -> mujoco.MjModel:
     """The MJCF with dense constraint rows of the loop closures alone."""
-    compiled = mujoco.MjModel.from_xml_path(str(geometry.robot.model_path))
+    compiled = geometry.robot.mjcf_model()
     compiled.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     for flag in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
         compiled.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))

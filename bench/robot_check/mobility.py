@@ -61,6 +61,21 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
     )
 
 
+def coupling_lines(geometry: Geometry) -> list[Check]:
+    """Every coupling as an equation of joint positions, counted from qpos0."""
+    lines = []
+    for coupling in geometry.couplings:
+        first, second = (
+            " + ".join(f"{factor:g} {geometry.joints[joint].name}" for joint, factor in side)
+            for side in (coupling.first, coupling.second)
+        )
+        powers = [f"{c:g}" if k == 0 else f"{c:g} x^{k}" for k, c in enumerate(coupling.polynomial) if c]
+        right = second if coupling.polynomial == (0.0, 1.0) else " + ".join(powers) or "0"
+        where = f" with x = {second}" if second and coupling.polynomial != (0.0, 1.0) else ""
+        lines.append(Check("coupling", "ok", f"{coupling.name}: {first} = {right}{where}"))
+    return lines
+
+
 def spin_notes(geometry: Geometry) -> list[Check]:
     """Which rods can spin between their ball joints."""
     return [

@@ -82,7 +82,8 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
     count = len(time)
     positions, quaternions = np.empty((count, model.nbody, 3)), np.empty((count, model.nbody, 4))
     tool_position, tool_rotation = np.empty((count, 3)), np.empty((count, 9))
-    loops = [loop for loop in range(model.neq) if model.eq_active0[loop]]
+    kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+    loops = [loop for loop in range(model.neq) if model.eq_active0[loop] and model.eq_type[loop] in kinds]
     gap = np.zeros((count, len(loops)))
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for frame in range(count):

@@ -157,7 +157,7 @@ def _application(runs: Sequence[_Run]) -> str:
 
 def _run(told: Told, prefix: str) -> _Run:
     geometry = read_geometry(told.dataset.robot)
-    model = mujoco.MjModel.from_xml_path(str(told.dataset.robot.model_path))
+    model = told.dataset.robot.mjcf_model()
     return _Run(told, prefix, model, _motors(told.result, geometry), _shown(told, prefix, model, geometry))
 
 

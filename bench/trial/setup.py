@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import mujoco
-
 from bench.catalogue import built_in_scenarios
 from bench.effects import CATALOGUE, places_in
 from bench.errors import BenchError
@@ -114,7 +112,7 @@ def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
 
 def _plain_content(robot: Robot) -> dict[str, Any]:
     """Movements about the home pose for a robot without a scenario."""
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     slides = [a.gain_unit.startswith("N/") for a in robot.actuators]
     if any(slides):
         raise BenchError(

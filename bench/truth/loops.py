@@ -16,7 +16,8 @@ def loop_gaps(model: mujoco.MjModel, qpos: Array) -> Array:
 
     For a weld, the distance of the two points that it joins; its rotation is not counted.
     """
-    loops = [i for i in range(model.neq) if model.eq_active0[i]]
+    kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+    loops = [i for i in range(model.neq) if model.eq_active0[i] and int(model.eq_type[i]) in kinds]
     gaps = np.zeros((len(qpos), len(loops)))
     if gaps.size == 0:
         return gaps

@@ -31,6 +31,12 @@ from bench.truth.streams import stream
 Array = NDArray[np.float64]
 
 LOOP_SOFTNESS = 0.002  # s: time constant of a loop's closure; 0.02 to 0.7 µm of opening for a small robot
+CLOSING = (
+    mujoco.mjtEq.mjEQ_CONNECT,
+    mujoco.mjtEq.mjEQ_WELD,
+    mujoco.mjtEq.mjEQ_JOINT,
+    mujoco.mjtEq.mjEQ_TENDON,
+)
 RIGID = (0.9999, 0.99999, 0.001, 0.5, 2.0)  # solimp: next to no compliance
 
 
@@ -159,7 +165,7 @@ def _built(scenario: Scenario) -> Machine:
 
 def home_pose(robot: Robot) -> Array:
     """Pose (nq,) of the keyframe `home`, or the reference pose without one."""
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     return np.array(model.key_qpos[key] if key >= 0 else model.qpos0)
 
@@ -177,7 +183,7 @@ def true_gains(scenario: Scenario) -> Array:
 
 def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
     """The robot's MJCF without what is not the robot, set up for explicit integration and rigid loops."""
-    spec = mujoco.MjSpec.from_file(str(robot.model_path))
+    spec = robot.mjcf_spec()
     for extra in (*spec.actuators, *spec.sensors, *spec.keys):
         spec.delete(extra)
     spec.compiler.fusestatic = False
@@ -190,9 +196,10 @@ def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse Hessian of 4.0.0 is wrong
     option.iterations, option.tolerance = 100, 1e-12
     for equality in spec.equalities:
-        if equality.type not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
+        if equality.type not in CLOSING:
             raise BenchError(
-                f"{robot.model_path}: equality {equality.name!r}: only connect and weld close a loop"
+                f"{robot.model_path}: equality {equality.name!r}: "
+                "only connect, weld, joint and tendon are supported"
             )
         equality.solref = [max(LOOP_SOFTNESS, 2 * step), 1.0]
         equality.solimp = RIGID

@@ -147,6 +147,7 @@ def _tracking_fault(scenario: Scenario, motion: Motion, position: Array) -> str 
     return (
         f"the controller lost joint {robot.joints[joint]} at {motion.time[late]:.3f} s: it is"
         f" {abs(motion.reference[late, joint] - position[late, joint]):.3g} away from its reference"
+        " (controller.tracking_limit allows more)"
     )
 
 
