@@ -6,6 +6,7 @@ from pathlib import Path
 
 from bench.speed import diagnosis, growth, long_log, main_job, regressor, report, six_axes
 from bench.speed.figures import Figure, append_history, figures_table, last_values
+from bench.speed.scheduling import scheduling_figures
 from bench.speed.sweep import sweep_figures
 from bench.sweep.console import table_console
 
@@ -86,6 +87,7 @@ MEASUREMENTS = (
     diagnosis_figures,
     report_figures,
     sweep_figures,
+    scheduling_figures,
 )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from importlib import import_module
 from typing import Any
 
@@ -79,7 +80,13 @@ class DaskPool:
                 found.append(self._done.get_nowait())
         except queue.Empty:
             pass
-        return [self._outcome(key) for key in found]
+        ended = {key: self._futures.pop(key) for key in found}
+        values = self._gathered({key: one for key, one in ended.items() if one.status == "finished"})
+        outcomes = []
+        for key in found:
+            value = values.get(key)
+            outcomes.append(self._failed(key, ended[key]) if value is None else Outcome(key, *value))
+        return outcomes
 
     def close(self) -> None:
         """Give up what is under way and leave the cluster as it was."""
@@ -105,20 +112,40 @@ class DaskPool:
                 time.sleep(1.0)
         raise self._gone()
 
-    def _outcome(self, key: int) -> Outcome:
-        future = self._futures.pop(key)
+    def _gathered(self, futures: dict[int, Any]) -> dict[int, tuple[Any, str | None] | None]:
+        """What `attempt` gave, by key, fetched together; None where the worker is gone that had it, and the next, too.
+
+        As long as the scheduler is there, an answer that takes its time is waited for.
+        """
+
+        async def gather() -> Any:
+            return await self._client.gather(futures, errors="skip", asynchronous=True)
+
+        while futures:
+            try:
+                values: dict[int, tuple[Any, str | None] | None] = self._client.sync(
+                    gather, callback_timeout=CONNECTING
+                )
+            except TimeoutError as late:
+                if self._client.status != "running":
+                    raise self._gone() from late
+            except (OSError, CancelledError) as lost:
+                raise self._gone() from lost
+            else:
+                return values
+        return {}
+
+    def _failed(self, key: int, future: Any) -> Outcome:
+        """Why a task has no value."""
         try:
-            if future.status == "finished":
-                value, fault = future.result(timeout=CONNECTING)
-                return Outcome(key, value, fault)
             error = future.exception(timeout=CONNECTING) if future.status == "error" else None
         except (OSError, TimeoutError) as lost:
             raise self._gone() from lost
-        if error is not None:
-            if isinstance(error, distributed.KilledWorker):
-                return Outcome(key, None, "the worker died, and so did others that tried it again")
-            return Outcome(key, None, f"{type(error).__name__}: {error}")
-        raise self._gone()
+        if error is None:
+            raise self._gone()
+        if isinstance(error, distributed.KilledWorker):
+            return Outcome(key, None, "the worker died, and so did others that tried it again")
+        return Outcome(key, None, f"{type(error).__name__}: {error}")
 
     def _gone(self) -> BenchError:
         return BenchError(

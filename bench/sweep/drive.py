@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -112,34 +113,34 @@ class Driver:
         again = frozenset(journal.failed) if retry_failed else frozenset()
         self._sets = _sets(plan, lambda number: number in journal and number not in again)
         self._limit = max(FEWEST_AHEAD, LOOK_AHEAD * pool.slots)
-        self._window: list[_Set] = []
+        self._waiting: list[_Set] = []
+        self._ready: deque[_RunJob] = deque()
         self._designs: dict[str, _Common] = {}
         self._motions: dict[str, _Common] = {}
+        self._asked: dict[str, dict[str, _Common]] = {}
         self._jobs: dict[int, _CommonJob | _RunJob] = {}
+        self._running = 0
         self._next = 0
 
     def run(self, report: Report, phase: Phase = silent) -> None:
-        """Work until nothing is left."""
-        while True:
-            while len(self._window) < self._limit and (following := next(self._sets, None)) is not None:
-                self._window.append(following)
-            if not self._window and not self._jobs:
-                return
-            for known, needed in (
-                (self._designs, {one.design for one in self._window}),
-                (self._motions, {one.motion for one in self._window}),
-            ):
-                for name in known.keys() - needed:
-                    del known[name]
-            self._window = [one for one in self._window if not self._hand_out(one)]
-            phase(self._doing())
+        """Work until nothing is left; what a finished run costs here does not depend on how many are under way."""
+        left = True
+        while left or self._ready or self._jobs:  # no set waits where nothing is under way
+            while left and len(self._waiting) + len(self._ready) < self._limit:
+                following = next(self._sets, None)
+                left = following is not None
+                if following is not None and not self._placed(following):
+                    self._waiting.append(following)
+            while self._ready and self._running <= self._pool.slots:
+                self._submit_runs(self._ready.popleft())
             if self._jobs:
+                phase(self._doing())
                 for outcome in self._pool.outcomes():
                     self._take(outcome)
             report(self._journal)
 
-    def _hand_out(self, one: _Set) -> bool:
-        """Take the next step towards the runs of a set; whether they are under way, or have failed."""
+    def _placed(self, one: _Set) -> bool:
+        """Take the next step towards the runs of a set; whether they need no more than a free slot, or have failed."""
         first = one.runs[0]
         if one.design not in self._designs and (kept := kept_design(self._folder, one.design)) is not None:
             self._designs[one.design] = _Common(kept, None)
@@ -159,23 +160,22 @@ class Driver:
             if common.fault is not None:
                 return self._fail(one.runs, common.fault)
             motion = Shared(one.motion, common.value)
-        if sum(isinstance(job, _RunJob) for job in self._jobs.values()) > self._pool.slots:
-            return False
-        self._submit_runs(_RunJob(one.runs, design.value, motion))
+        self._ready.append(_RunJob(one.runs, design.value, motion))
         return True
 
     def _doing(self) -> str:
         """What the runs that come next are waiting for."""
-        common = [job.found for job in self._jobs.values() if isinstance(job, _CommonJob)]
-        if any(found is self._designs for found in common):
+        if any(found is self._designs for found in self._asked.values()):
             return "designing trajectories"
-        return "simulating shared motions" if common and len(common) == len(self._jobs) else "runs"
+        return "simulating shared motions" if self._asked and not self._running else "runs"
 
     def _ask(self, job: _CommonJob, task: Callable[[], Task]) -> None:
-        if not any(isinstance(other, _CommonJob) and other.name == job.name for other in self._jobs.values()):
+        if job.name not in self._asked:
+            self._asked[job.name] = job.found
             self._submit(job, task())
 
     def _submit_runs(self, job: _RunJob) -> None:
+        self._running += 1
         self._submit(job, self._work.runs(job.runs, job.design), job.motion)
 
     def _submit(self, job: _CommonJob | _RunJob, task: Task, shared: Shared | None = None) -> None:
@@ -190,16 +190,33 @@ class Driver:
     def _take(self, outcome: Outcome) -> None:
         job = self._jobs.pop(outcome.key)
         if isinstance(job, _CommonJob):
-            job.found[job.name] = _Common(outcome.value, outcome.fault)
-            if job.found is self._designs and outcome.fault is None:
-                keep_design(self._folder, job.name, outcome.value)
-        elif outcome.fault is None:
+            self._take_common(job, outcome)
+            return
+        self._running -= 1
+        if outcome.fault is None:
             self._journal.append(outcome.value)
         elif len(job.runs) > 1:  # one of them is at fault: find out which
             for run in job.runs:
                 self._submit_runs(_RunJob((run,), job.design, job.motion))
         else:
             self._fail(job.runs, outcome.fault)
+
+    def _take_common(self, job: _CommonJob, outcome: Outcome) -> None:
+        """Go on with the sets that waited for a design or a motion; what no set waits for is given up.
+
+        Sets that share something stand side by side: those that are still to come need what the last ones need.
+        """
+        del self._asked[job.name]
+        job.found[job.name] = _Common(outcome.value, outcome.fault)
+        if job.found is self._designs and outcome.fault is None:
+            keep_design(self._folder, job.name, outcome.value)
+        for known, needed in (
+            (self._designs, {one.design for one in self._waiting}),
+            (self._motions, {one.motion for one in self._waiting}),
+        ):
+            for name in known.keys() - needed:
+                del known[name]
+        self._waiting = [one for one in self._waiting if not self._placed(one)]
 
 
 def _sets(plan: Planned, is_done: Callable[[int], bool]) -> Iterator[_Set]:

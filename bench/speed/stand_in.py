@@ -1,0 +1,91 @@
+"""A sweep without any work: rows as wide as real ones, and the process in which Dask's workers live.
+
+Run as a module it is a scheduler or, with its address and a number, so many workers in one process. It prints its
+address, lives until its standard input ends, and prints the processor time that it took meanwhile.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import time
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+from bench.sweep.journal import Row
+from bench.sweep.plan import Run
+from bench.sweep.pool import Task
+from bench.sweep.work import failed_row
+
+LOCAL = "127.0.0.1"
+
+
+@dataclass(frozen=True)
+class NoDesign:
+    """Stands for a design: no trajectories."""
+
+    def __call__(self, _: None) -> dict[str, Any]:
+        """Nothing."""
+        return {}
+
+
+@dataclass(frozen=True)
+class NoRuns:
+    """Stands for identifications: rows at once."""
+
+    runs: tuple[Run, ...]
+
+    def __call__(self, _: None) -> list[Row]:
+        """A row a run."""
+        return [
+            failed_row(run, "") | {"status": "ok", "reason": None, "gain_error": 0.0} for run in self.runs
+        ]
+
+
+@dataclass(frozen=True)
+class NoWork:
+    """The tasks of a sweep that only schedules, journals and sends."""
+
+    def design(self, run: Run) -> Task:  # noqa: ARG002 - the protocol's
+        """Finds nothing."""
+        return NoDesign()
+
+    def motion(self, run: Run, trajectories: Any) -> Task:  # noqa: ARG002 - the protocol's
+        """Simulates nothing."""
+        return NoDesign()
+
+    def runs(self, runs: tuple[Run, ...], trajectories: Any) -> Task:  # noqa: ARG002 - the protocol's
+        """Gives rows at once."""
+        return NoRuns(runs)
+
+    def failed(self, run: Run, reason: str) -> Row:
+        """The row of a run that came to nothing."""
+        return failed_row(run, reason)
+
+
+async def serve(address: str = "", workers: int = 1) -> None:
+    """A scheduler, or so many workers of the one at an address, until the standard input ends."""
+    distributed: Any = import_module("distributed")
+    if address:
+        made = [
+            distributed.Worker(address, nthreads=1, memory_limit=0, dashboard=False) for _ in range(workers)
+        ]
+    else:
+        made = [distributed.Scheduler(host=LOCAL, dashboard=False)]
+    async with AsyncExitStack() as stack:
+        await asyncio.gather(*(stack.enter_async_context(one) for one in made))
+        before = time.process_time()
+        _say(made[0].address)
+        await asyncio.to_thread(sys.stdin.read)
+        _say(f"{time.process_time() - before}")
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    asyncio.run(serve(sys.argv[1], int(sys.argv[2])) if sys.argv[1:] else serve())

@@ -1,0 +1,53 @@
+"""What a run costs beside its own work: the measurement, and that it does not grow with what is under way."""
+
+import pytest
+
+from bench.speed.scheduling import COST_LIMIT, GROWTH_LIMIT, SETTLED, Scheduling, figures_of, measure
+from bench.sweep.drive import Driver
+from tests.sweep_stand_in import Inline, plan_of, run
+
+SEEDS = 40
+ONE = Scheduling("dask", 64, 10_000, 0.8, 2.0, 105.0, 1.5, 1577.0)
+
+
+def test_the_busier_of_driver_and_scheduler_says_how_many_workers_are_fed():
+    assert ONE.fed == pytest.approx(500)
+    assert ONE.hours == pytest.approx(1e6 * 2e-3 / 3600)
+    limits = {figure.name.partition(": ")[2]: figure.limit for figure in figures_of(ONE)}
+    assert limits == {"driver's time a run": COST_LIMIT, "memory gained": GROWTH_LIMIT, "runs a second": None}
+
+
+def test_runs_without_work_are_measured():
+    found = measure("inline", 1, Inline, SETTLED + 100)
+    assert found.runs == SETTLED + 100
+    assert found.driver > 0
+    assert found.rate > 0
+    assert found.row > 1000, "rows are as wide as those of real runs"
+
+
+class OneByOne(Inline):
+    """A pool with many slots whose tasks end one after the other."""
+
+    slots = 500
+
+    def outcomes(self):
+        first, self.tasks = self.tasks[:1], self.tasks[1:]
+        rest, self.tasks = self.tasks, first
+        ended = super().outcomes()
+        self.tasks = rest
+        return ended
+
+
+def test_a_finished_run_does_not_make_the_driver_look_at_all_that_wait(tmp_path, monkeypatch):
+    looked, placed = [], Driver._placed
+
+    def counted(self, one):
+        looked.append(one)
+        return placed(self, one)
+
+    monkeypatch.setattr(Driver, "_placed", counted)
+    plan = plan_of(tmp_path, seeds=SEEDS)
+    finished = run(plan, tmp_path / "out", OneByOne)
+    assert finished.runs == plan.size == 9 * 2 * SEEDS
+    sets, motions = 9 * SEEDS, 3
+    assert len(looked) <= sets * (2 + motions)
