@@ -73,7 +73,7 @@ async def serve(address: str = "", workers: int = 1) -> None:
             distributed.Worker(address, nthreads=1, memory_limit=0, dashboard=False) for _ in range(workers)
         ]
     else:
-        made = [distributed.Scheduler(host=LOCAL, dashboard=False)]
+        made = [distributed.Scheduler(host=LOCAL, dashboard=False, dashboard_address=":0")]
     async with AsyncExitStack() as stack:
         await asyncio.gather(*(stack.enter_async_context(one) for one in made))
         before = time.process_time()
