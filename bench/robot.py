@@ -12,6 +12,7 @@ from pydantic import Field, field_validator, model_validator
 from bench.catalogue import built_in_robots
 from bench.errors import BenchError, meant
 from bench.robot_mjcf import Transmission, robot_model, robot_spec
+from bench.robot_redundancy import redundant_motors
 from bench.toml_input import UserTable, one_line, read_toml
 
 if TYPE_CHECKING:
@@ -210,5 +211,7 @@ def _check_against_mjcf(
             raise BenchError(
                 f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
             )
+    if model.neq and (why := redundant_motors(model, list(seen))):
+        raise BenchError(f"{description}: actuators: {why}")
     if tool and mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, tool.site) < 0:
         raise BenchError(f"{description}: tool.site: {model_path.name} has no site {tool.site!r}")

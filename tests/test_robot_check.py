@@ -324,3 +324,9 @@ def test_command_shows_the_table_before_it_fails(linkage, capsys):
     assert "left_elbow" in out
     assert "✗" in out
     assert err.startswith("bench: robot linkage: home assembled: loop 'tip' is open by ")
+
+
+def test_lengths_in_millimetres_are_suspected(tmp_path):
+    mjcf = SERIAL.replace('pos=".3 0 0"', 'pos="300 0 0"')
+    report = check_robot(write_robot(tmp_path / "r", mjcf, {"shoulder": "N*m/A", "elbow": "N*m/A"}))
+    assert any("lengths of up to 300 m" in check.detail for check in report.checks)

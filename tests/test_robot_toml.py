@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from bench.catalogue import built_in_robots
 from bench.errors import BenchError
 from bench.robot import load_robot
 from bench.toml_input import line_of
@@ -178,3 +179,16 @@ def test_a_path_is_never_taken_for_a_built_in_name(tmp_path: Path) -> None:
     assert load_robot(Path("delta"), relative_to=tmp_path).name == "slider"
     assert load_robot("./delta", relative_to=tmp_path).name == "slider"
     assert load_robot("delta", relative_to=tmp_path).name == "delta"
+
+
+FIVE_BAR = built_in_robots()["five_bar"]
+
+
+def test_more_motors_than_degrees_of_freedom_are_refused_when_the_robot_is_read(tmp_path: Path) -> None:
+    (tmp_path / "five_bar.xml").write_bytes((FIVE_BAR / "five_bar.xml").read_bytes())
+    text = (FIVE_BAR / "robot.toml").read_text(encoding="utf-8")
+    third = '[[actuators]]\njoint = "left_elbow"\ngain = 1.0\ngain_unit = "N*m/A"\n\n[tool]'
+    (tmp_path / "robot.toml").write_text(text.replace("[tool]", third), encoding="utf-8")
+    message = refusal(tmp_path)
+    assert "leave 2 degrees of freedom for 3 motors" in message
+    assert "'left' and 'right' and 'left_elbow' are not independent" in message

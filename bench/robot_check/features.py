@@ -9,6 +9,8 @@ from bench.model.supported import label_of, unsupported_features
 from bench.robot import Robot
 from bench.robot_check.report import Check
 
+LARGE = 20.0  # m: no robot is so large
+
 
 def check_features(compiled: mujoco.MjModel) -> Check:
     """Nothing in the MJCF that the model cannot represent."""
@@ -42,6 +44,11 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
     rotors = [name for name in _joints_with(compiled, ("dof_armature",)) if name not in robot.joints]
     if rotors:
         yield f"rotor inertia (armature) on the passive {', '.join(rotors)}: the model does not know it"
+    if (size := _furthest(compiled)) > LARGE:
+        yield (
+            f"lengths of up to {size:.3g} m: an MJCF is in metres, and lengths look like millimetres or inches; "
+            "divide every pos by 1000, or by 39.37"
+        )
     if compiled.opt.density or compiled.opt.viscosity:
         yield "the air (density, viscosity) slows bodies in the simulator, the model does not know it"
     if compiled.nplugin:
@@ -52,6 +59,14 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
     used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
     for tendon in set(range(compiled.ntendon)) - used:
         yield f"tendon {label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)!r} is ignored"
+
+
+def _furthest(compiled: mujoco.MjModel) -> float:
+    """The longest way from a body or site to its parent, m."""
+    places = [
+        np.linalg.norm(part, axis=1).max(initial=0.0) for part in (compiled.body_pos, compiled.site_pos)
+    ]
+    return float(max(places))
 
 
 def _joints_with(compiled: mujoco.MjModel, fields: tuple[str, ...]) -> list[str]:
