@@ -212,6 +212,46 @@ def velocity_between(geometry, before, after):
     return pin.difference(build_tree(geometry), before, after)
 
 
+# Rods of half the widest way between the ends of the cranks: they are in line in one pose alone.
+IN_LINE = """<mujoco>
+  <compiler angle="radian" autolimits="true"/>
+  <worldbody>
+    <body name="left_crank" pos="-.06 0 0"><joint name="left" axis="0 -1 0" range="2.3 3.8"/><geom size=".03"/>
+      <body name="left_rod" pos=".2 0 0"><joint name="left_elbow" axis="0 -1 0"/><geom size=".03" pos=".1 0 0"/>
+        <site name="tip" pos="{rod} 0 0"/></body></body>
+    <body name="right_crank" pos=".06 0 0"><joint name="right" axis="0 -1 0" range="-.8 .9"/><geom size=".03"/>
+      <body name="right_rod" pos=".2 0 0"><joint name="right_elbow" axis="0 -1 0"/><geom size=".03" pos=".1 0 0"/>
+        <site name="end" pos="{rod} 0 0"/></body></body>
+  </worldbody>
+  <equality><connect name="loop" site1="tip" site2="end"/></equality>
+  <keyframe><key name="home" qpos="{home}"/></keyframe>
+</mujoco>"""
+
+
+def elbows_in_line(folder, rod):
+    left, right = 2.55, 0.53
+    ends = [np.array([x + 0.2 * np.cos(a), 0.2 * np.sin(a)]) for x, a in ((-0.06, left), (0.06, right))]
+    between = ends[1] - ends[0]
+    reach = np.linalg.norm(between) / 2
+    along, rise = np.arctan2(between[1], between[0]), np.arccos(reach / rod)
+    home = f"{left} {along - rise - left:.17g} {right} {np.pi + along + rise - right:.17g}"
+    motors = {"left": "N*m/A", "right": "N*m/A"}
+    return write_robot(folder, IN_LINE.format(rod=rod, home=home), motors)
+
+
+def test_a_singularity_in_a_single_pose_is_found(tmp_path):
+    found = check_robot(elbows_in_line(tmp_path / "touching", 0.26)).singularity
+    assert found.singular_at is not None
+    assert found.singular_at == pytest.approx({"left": np.pi, "right": 0.0}, abs=0.03)
+    assert {"left_elbow", "right_elbow"} <= set(found.loose)
+
+
+def test_rods_a_little_longer_have_none(tmp_path):
+    found = check_robot(elbows_in_line(tmp_path / "longer", 0.27)).singularity
+    assert found.singular_at is None
+    assert found.lowest_at == pytest.approx({"left": np.pi, "right": 0.0}, abs=0.01)
+
+
 def test_sweep_is_closed_and_seeded(tmp_path):
     geometry = read_geometry(spatial(tmp_path / "robot"))
     swept = sweep(geometry)

@@ -1,4 +1,5 @@
-"""How far the robot is from a singularity: at home, and along straight paths through the joint ranges.
+"""How far the robot is from a singularity: at home, along straight paths through the joint ranges, and from the worst
+poses on them downhill.
 
 With the motors held, loop closures hold the rest of a parallel robot; where their Jacobian by the passive
 joints loses rank, they do not. There also end the poses that can be reached in home's assembly mode.
@@ -16,6 +17,7 @@ from bench.model.nodes import robot_length
 from bench.model.states import active_ranges
 from bench.robot_check.machine import to_mujoco
 from bench.robot_check.mobility import amplification, smallest_singular_values, weakest_joints
+from bench.robot_check.refine import refined
 from bench.robot_check.report import Singularity
 
 STEPS = 24  # of a path from home to the edge of the ranges
@@ -62,8 +64,11 @@ def sweep(geometry: Geometry) -> Sweep:
 def singularity_of(geometry: Geometry, swept: Sweep) -> Singularity:
     """Distance from singularity at home and over a sweep."""
     values = smallest_singular_values(geometry, swept.q)
-    lowest = int(np.argmin(values))
     singular = np.concatenate((swept.ends, swept.q[_crossings(geometry, swept)]))
+    lowest_pose, lowest = swept.q[int(np.argmin(values))], float(values.min())
+    if not len(singular):
+        lowest_pose, lowest, found = refined(geometry, swept.q, values)
+        singular = lowest_pose[None] if found else singular
     nearest, travel = None, None
     loose: tuple[str, ...] = ()
     if len(singular):
@@ -77,8 +82,8 @@ def singularity_of(geometry: Geometry, swept: Sweep) -> Singularity:
         home=float(values[0]),
         amplification=amplification(geometry, geometry.home),
         poses=len(swept.q),
-        lowest=float(values[lowest]),
-        lowest_at=_positions(geometry, swept.q[lowest]),
+        lowest=lowest,
+        lowest_at=_positions(geometry, lowest_pose),
         reach=_reach(geometry, swept),
         singular_at=nearest,
         travel=travel,

@@ -1,0 +1,74 @@
+"""From poses that the motors hold badly to those near by that they hold worst: singular poses between scanned ones."""
+
+import numpy as np
+
+from bench.model.follow import Follower, Pose, advance, close, make_follower
+from bench.model.geometry import Geometry
+from bench.model.states import active_ranges
+from bench.robot_check.mobility import smallest_singular_values
+
+STARTS = 6  # poses of the scan, the worst first
+FIRST_STEP, LAST_STEP = 1.0 / 24.0, 1e-5  # of a motor's range
+SINGULAR = 2e-3  # of the smallest singular value at home: lower counts as none
+APART = 0.1  # of a motor's range: nearer poses are not worth a start of their own
+MOST_STEPS = 200
+
+
+def refined(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, float, bool]:
+    """The pose (nq,) with the lowest smallest singular value, that value, and whether it counts as singular.
+
+    poses (N, nq): closed ones, home first; values (N,): their smallest singular values. From the worst of them each
+    motor is moved to and fro by steps that become smaller, as long as the value falls. A move that the closures
+    end is a singular pose, too.
+    """
+    follower = make_follower(geometry)
+    singular = SINGULAR * float(values[0])
+    worst = int(np.argmin(values))
+    found = (poses[worst], float(values[worst]), float(values[worst]) < singular)
+    for number in _starts(geometry, poses, values):
+        pose = close(follower, poses[number])
+        if pose is None:
+            continue
+        q, value, ended = _downhill(follower, pose, float(values[number]))
+        if ended or value < found[1]:
+            found = (q, value, ended or value < singular)
+        if found[2]:
+            break
+    return found
+
+
+def _starts(geometry: Geometry, poses: np.ndarray, values: np.ndarray) -> list[int]:
+    """Numbers of the worst poses, apart from one another."""
+    low, high = active_ranges(geometry)
+    places = poses[:, geometry.active_configuration] / (high - low)
+    starts: list[int] = []
+    for number in np.argsort(values, kind="stable"):
+        if all(np.abs(places[number] - places[other]).max() >= APART for other in starts):
+            starts.append(int(number))
+        if len(starts) == STARTS:
+            break
+    return starts
+
+
+def _downhill(follower: Follower, pose: Pose, value: float) -> tuple[np.ndarray, float, bool]:
+    """The pose (nq,) at the bottom, its smallest singular value, and whether the closures ended on the way."""
+    geometry = follower.geometry
+    low, high = active_ranges(geometry)
+    index = geometry.active_configuration
+    step, ended = FIRST_STEP, False
+    for _ in range(MOST_STEPS):
+        if step < LAST_STEP:
+            break
+        better: Pose | None = None
+        for change in np.concatenate((np.diag(high - low), np.diag(low - high))):
+            target = np.clip(pose.q[index] + step * change, low, high)
+            moved, share = advance(follower, pose, target)
+            own = float(smallest_singular_values(geometry, moved.q[None])[0])
+            ended |= share < 1.0
+            if own < value:
+                better, value = moved, own
+        if better is None:
+            step /= 2.0
+        else:
+            pose = better
+    return pose.q, value, ended
