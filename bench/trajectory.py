@@ -62,6 +62,18 @@ class FourierTrajectory:
             array.setflags(write=False)
             object.__setattr__(self, name, array)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same movement to the last bit."""
+        return isinstance(other, FourierTrajectory) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @property
+    def _content(self) -> tuple[object, ...]:
+        arrays = (array.tobytes() for array in (self.center, self.a, self.b))
+        return (self.a.shape, *arrays, self.base_frequency, self.duration, self.ramp)
+
     @property
     def harmonics(self) -> int:
         """H, the number of harmonics of each joint."""

@@ -89,3 +89,12 @@ def test_a_mistake_is_named(change, named):
 def test_a_missing_key_is_named():
     with pytest.raises(BenchError, match="ramp"):
         FourierTrajectory.from_dict({k: v for k, v in GOOD.items() if k != "ramp"})
+
+
+def test_trajectories_are_compared_by_what_they_are():
+    first, again, other = (random_trajectory(seed, [0.4, -1.0], 0.3, 2.0) for seed in (1, 1, 2))
+    assert first is not again
+    assert first == again
+    assert hash(first) == hash(again)
+    assert first != other
+    assert first != "a trajectory"

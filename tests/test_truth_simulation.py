@@ -12,6 +12,7 @@ from bench.dataset import load_dataset
 from bench.errors import BenchError
 from bench.scenario import load_scenario
 from bench.truth.dataset import as_dataset, truth_path, write_simulation
+from bench.truth.loops import loop_gaps
 from bench.truth.simulate import simulate
 
 RECORDINGS = [
@@ -178,3 +179,13 @@ def test_time_of_a_step_beside_plain_rollout(name, record_property):
     record_property("rollout_us_per_step", 1e6 * plain / simulation.steps)
     record_property("ratio", simulation.seconds / plain)
     assert simulation.steps == len(models) * (4000 + 500) * 4
+
+
+@pytest.mark.parametrize("hidden", [[], [{"effect": "current_delay", "T": 0.001}]], ids=["none", "laws"])
+def test_gaps_on_the_way_are_those_of_the_poses(hidden):
+    simulation = simulate(short(hidden=hidden))
+    assert simulation.machine.laws == bool(hidden)
+    for one in simulation.recordings:
+        model = simulation.machine.models[one.table.payload]
+        np.testing.assert_array_equal(one.motion.gaps, loop_gaps(model, one.motion.qpos))
+        assert one.loop_gap == one.motion.gaps.max() > 0

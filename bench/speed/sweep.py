@@ -18,7 +18,7 @@ from bench.sweep.sweep_file import load_sweep
 from bench.sweep.work import IdentificationWork
 
 RUNS, FEWER = 200, 60
-SECONDS_LIMIT, GAIN_LIMIT, START_LIMIT = 60.0, 1.8, 3.0
+SECONDS_LIMIT, GAIN_LIMIT, START_LIMIT = 38.0, 1.8, 3.0
 SWEEP = """
 base = "five_bar"
 seeds = {runs}

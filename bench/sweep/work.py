@@ -127,7 +127,13 @@ def slim(simulation: Simulation) -> Simulation:
         replace(
             one,
             motion=replace(
-                one.motion, qpos=nothing, qvel=nothing, qacc=nothing, torque=nothing, reference=nothing
+                one.motion,
+                qpos=nothing,
+                qvel=nothing,
+                qacc=nothing,
+                torque=nothing,
+                reference=nothing,
+                gaps=nothing,
             ),
             log=replace(one.log, time=nothing, position=nothing, current=nothing),
         )

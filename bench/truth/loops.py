@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
@@ -9,32 +11,48 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 CHUNK = 2000  # poses at a time
+POINTS = ("xpos", "xmat", "site_xpos")
 
 
 def loop_gaps(model: mujoco.MjModel, qpos: Array) -> Array:
-    """Distance in m between the two halves of each closed loop, (N, loops), at the poses qpos (N, nq).
-
-    For a weld, the distance of the two points that it joins; its rotation is not counted.
-    """
-    kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
-    loops = [i for i in range(model.neq) if model.eq_active0[i] and int(model.eq_type[i]) in kinds]
-    gaps = np.zeros((len(qpos), len(loops)))
-    if gaps.size == 0:
-        return gaps
+    """Distance in m between the two halves of each closed loop, (N, loops), at the poses qpos (N, nq)."""
     batch = Batch(model, min(CHUNK, len(qpos)), 1)
-    points = {name: batch.bind(name) for name in ("xpos", "xmat", "site_xpos")}
+    points = {name: batch.bind(name) for name in POINTS}
+    gaps = [np.zeros((0, len(_loops(model))))]
     for start in range(0, len(qpos), CHUNK):
         poses = qpos[start : start + CHUNK]
         count = len(poses)
         batch.bind("qpos")[:count] = poses
         batch.forward(np.arange(count), stage=int(mujoco.mjtStage.mjSTAGE_POS))
-        for column, loop in enumerate(loops):
-            one, other = _halves(model, loop, points)
-            gaps[start : start + count, column] = np.linalg.norm(one - other, axis=1)[:count]
+        gaps.append(gaps_between(model, {name: one[:count] for name, one in points.items()}))
+    return np.concatenate(gaps)
+
+
+def gaps_between(model: mujoco.MjModel, points: Mapping[str, Array]) -> Array:
+    """The same (N, loops) from the places of bodies and sites: what MuJoCo names as in `POINTS`, (N, …) each.
+
+    For a weld, the distance of the two points that it joins; its rotation is not counted.
+    """
+    loops = _loops(model)
+    gaps = np.zeros((len(points["xpos"]), len(loops)))
+    for column, loop in enumerate(loops):
+        one, other = _halves(model, loop, points)
+        gaps[:, column] = np.linalg.norm(one - other, axis=1)
     return gaps
 
 
-def _halves(model: mujoco.MjModel, loop: int, points: dict[str, Array]) -> tuple[Array, Array]:
+def batch_gaps(models: Sequence[mujoco.MjModel], points: Mapping[str, Array]) -> Array:
+    """The same (R, samples, loops) of R machines, from places (R, samples, …)."""
+    each = [gaps_between(model, {k: one[i] for k, one in points.items()}) for i, model in enumerate(models)]
+    return np.stack(each)
+
+
+def _loops(model: mujoco.MjModel) -> list[int]:
+    kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+    return [i for i in range(model.neq) if model.eq_active0[i] and int(model.eq_type[i]) in kinds]
+
+
+def _halves(model: mujoco.MjModel, loop: int, points: Mapping[str, Array]) -> tuple[Array, Array]:
     """The two points (N, 3), world frame, that equality `loop` (connect or weld) holds together."""
     ids = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
     if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):

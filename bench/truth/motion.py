@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -16,12 +17,14 @@ from bench.toml_input import one_line
 from bench.trajectory import FourierTrajectory
 from bench.truth.assembly import assembled, holding_torque
 from bench.truth.hidden import MOTOR_SIDE
+from bench.truth.loops import POINTS, batch_gaps
 from bench.truth.machine import Machine
 from bench.truth.stepping import States, Stepper
 
 Array = NDArray[np.float64]
 CHUNK = 2000  # steps of one call, about: bounds the memory, whatever the duration
-RECORD = ("qpos", "qvel", "qacc", "actuator_force")
+KEPT = 64  # parts of movements whose reference is kept, at most 0.3 MB each for six motors
+RECORD = ("qpos", "qvel", "qacc", "actuator_force", *POINTS)
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,8 @@ class Motion:
     """(N, n) current reference as it is logged, before noise, in the drive's unit."""
     reference: Array
     """(N, n) reference positions of the actuated joints."""
+    gaps: Array
+    """(N, loops) m, how far every loop stands open."""
 
 
 def simulate_motion(
@@ -82,7 +87,8 @@ def simulate_motion(
     """
     # threads that meet after every step take longer than what they share
     batch = Batch(machine.models[None], len(runs), 1 if machine.laws else max(1, min(threads, len(runs))))
-    batch.set_models([machine.models[run.payload] for run in runs])
+    models = [machine.models[run.payload] for run in runs]
+    batch.set_models(models)
     batch.qpos = np.stack([_first_pose(machine, run) for run in runs])
     stepper = Stepper(batch, machine, [(run.name, run.payload) for run in runs]) if machine.laws else None
     total = timing.settle + max(run.samples for run in runs)
@@ -90,12 +96,13 @@ def simulate_motion(
     chunks = []
     progress.phase("simulating", -(-total // size))
     for first in range(0, total, size):
-        steps = np.arange(first * timing.log_every, min(first + size, total) * timing.log_every)
-        time = timing.step * (steps - timing.settle * timing.log_every).astype(np.float64)
-        command = np.stack([machine.drive.command(*run.trajectory.evaluate(time)) for run in runs])
+        last = min(first + size, total)
+        time = _times(timing, first, last)
+        references = [_reference(run.trajectory, timing, first, last) for run in runs]
+        command = np.stack([machine.drive.command(*one) for one in references])
         try:
             if stepper is None:
-                states = _roll_out(batch, machine, command, timing.log_every)
+                states = _roll_out(batch, machine, models, command, timing.log_every)
             else:
                 states = stepper.advance(time, command, timing.log_every)
         except SimulationError as error:
@@ -109,6 +116,21 @@ def simulate_motion(
         chunks.append(states)
         progress.advance()
     return tuple(_motion(i, run, timing, chunks) for i, run in enumerate(runs))
+
+
+def _times(timing: Timing, first: int, last: int) -> Array:
+    """Instants of all steps from one sample to another, s."""
+    steps = np.arange(first * timing.log_every, last * timing.log_every)
+    return timing.step * (steps - timing.settle * timing.log_every).astype(np.float64)
+
+
+@lru_cache(maxsize=KEPT)
+def _reference(trajectory: FourierTrajectory, timing: Timing, first: int, last: int) -> tuple[Array, ...]:
+    """Positions, velocities and accelerations at these instants; other machines of a sweep have the same ones."""
+    evaluated = trajectory.evaluate(_times(timing, first, last))
+    for array in evaluated:
+        array.setflags(write=False)
+    return evaluated
 
 
 def _first_pose(machine: Machine, run: Run) -> Array:
@@ -139,26 +161,30 @@ def _winding(machine: Machine, model: mujoco.MjModel, torque: Array) -> Array:
     return winding
 
 
-def _roll_out(batch: Batch, machine: Machine, command: Array, every: int) -> States:
+def _roll_out(
+    batch: Batch, machine: Machine, models: Sequence[mujoco.MjModel], command: Array, every: int
+) -> States:
     """Take the steps of command (R, steps, n) in one call and keep one in `every`."""
     motors = command.shape[2]
     control = np.zeros((*command.shape[:2], batch.model.nu))
     control[:, :, :motors] = command
     before = {name: batch.bind(name).copy()[:, None] for name in ("qpos", "qvel")}
     out = batch.rollout(command.shape[1], control, record=RECORD)
-    # states are recorded after their step, forces and accelerations before it
+    # states are recorded after their step; forces, accelerations and places of bodies before it
     qpos, qvel = (
         np.concatenate([before[name], out[name][:, every - 1 : -1 : every]], axis=1) for name in before
     )
     torque = out["actuator_force"][:, ::every, :motors].copy()
-    return States(qpos, qvel, out["qacc"][:, ::every].copy(), torque, torque / machine.drive.true_gains)
+    current = torque / machine.drive.true_gains
+    gaps = batch_gaps(models, {name: out[name][:, ::every] for name in POINTS})
+    return States(qpos, qvel, out["qacc"][:, ::every].copy(), torque, current, gaps)
 
 
 def _motion(index: int, run: Run, timing: Timing, chunks: Sequence[States]) -> Motion:
     own = slice(timing.settle, timing.settle + run.samples)
-    qpos, qvel, qacc, torque, current = (
+    qpos, qvel, qacc, torque, current, gaps = (
         np.concatenate([getattr(states, name)[index] for states in chunks])[own]
-        for name in ("qpos", "qvel", "qacc", "torque", "current")
+        for name in ("qpos", "qvel", "qacc", "torque", "current", "gaps")
     )
     time = timing.step * timing.log_every * np.arange(run.samples, dtype=np.float64)
-    return Motion(time, qpos, qvel, qacc, torque, current, run.trajectory.evaluate(time)[0])
+    return Motion(time, qpos, qvel, qacc, torque, current, run.trajectory.evaluate(time)[0], gaps)

@@ -16,7 +16,6 @@ from bench.robot import Robot
 from bench.scenario import Scenario, per_joint, resolve_trajectories
 from bench.scenario_tables import RecordingTable
 from bench.trajectory import FourierTrajectory
-from bench.truth.loops import loop_gaps
 from bench.truth.machine import Machine, build_machine
 from bench.truth.motion import Motion, Run, Timing, simulate_motion
 from bench.truth.sensors import Log, sense
@@ -113,7 +112,7 @@ def _recorded(
     position = motion.qpos[:, machine.motor_addresses] + machine.drive.offset
     current = motion.current
     model = machine.models[table.payload]
-    gap = float(loop_gaps(model, motion.qpos).max(initial=0.0))
+    gap = float(motion.gaps.max(initial=0.0))
     for fault in (
         _tracking_fault(scenario, motion, position),
         _end_stop_fault(model, motion),

@@ -14,6 +14,7 @@ from bench.errors import BenchError
 from bench.truth.hidden import Clock, Signals
 from bench.truth.indices import live_columns
 from bench.truth.laws import joint_laws
+from bench.truth.loops import POINTS, batch_gaps
 from bench.truth.machine import Machine
 
 Array = NDArray[np.float64]
@@ -29,6 +30,8 @@ class States:
     torque: Array
     current: Array
     """As it is logged."""
+    gaps: Array
+    """(R, samples, loops), as `gaps_between` has them."""
 
 
 class Stepper:
@@ -48,6 +51,7 @@ class Stepper:
         batch.set_models(self._models)
         qpos, qvel, self._applied = (batch.bind(name) for name in ("qpos", "qvel", "qfrc_applied"))
         self._qacc = batch.bind("qacc")
+        self._points = {name: batch.bind(name) for name in POINTS}
         self._qpos, self._qvel = qpos, qvel
         joints = len(machine.dofs)
         self._control = batch.bind("ctrl")[:, :joints]
@@ -90,6 +94,7 @@ class Stepper:
         kp, kv = drive.kp / drive.nominal_gains, drive.kv / drive.nominal_gains
         scratch = np.zeros_like(reference)
         kept: list[tuple[Array, ...]] = []
+        places: dict[str, list[Array]] = {name: [] for name in POINTS}
         for k, now in enumerate(time.tolist()):
             self._clock.time = now
             for refresh in self._refresh:
@@ -113,9 +118,14 @@ class Stepper:
             self._batch.step()
             if keep:
                 kept.append((*before, self._qacc.copy(), torque.copy(), reference.copy()))
+                for name, points in self._points.items():
+                    places[name].append(points.copy())
                 if self._batch.warning.any():  # diverged: the caller tells
                     break
-        return States(*(np.stack(values, axis=1) for values in zip(*kept, strict=True)))
+        stacked = {name: np.stack(points, axis=1) for name, points in places.items()}
+        gaps = batch_gaps(self._models, stacked)
+        qpos, qvel, qacc, forces, logged = (np.stack(values, axis=1) for values in zip(*kept, strict=True))
+        return States(qpos, qvel, qacc, forces, logged, gaps)
 
     def _live(self, source: Array, indices: NDArray[np.signedinteger]) -> Array:
         """Columns of source, brought up to date at every step."""
