@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
@@ -18,7 +18,8 @@ from bench.toml_input import UserTable, one_line, read_toml
 if TYPE_CHECKING:
     import mujoco
 
-GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V"]
+GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V", "N*m/(N*m)", "N/N", "1"]
+TORQUE_LOGS = {"N*m": "N*m/(N*m)", "N": "N/N"}  # units of a gain where torques or forces are logged
 Text = Annotated[str, Field(min_length=1)]
 
 
@@ -88,7 +89,7 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     actuators = tuple(
         Actuator(motor.name, motor.gain, motor.gain_unit, motor.drives) for motor in table.actuators
     )
-    _check_against_mjcf(description, actuators, table.tool, model_path)
+    actuators = _checked(description, actuators, table.tool, model_path)
     return Robot(
         name=table.name,
         folder=description.parent,
@@ -173,9 +174,10 @@ def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
     )
 
 
-def _check_against_mjcf(
+def _checked(
     description: Path, actuators: Sequence[Actuator], tool: _ToolTable | None, model_path: Path
-) -> None:
+) -> tuple[Actuator, ...]:
+    """The actuators, held against the MJCF; a gain of unit 1 has that of a torque for a torque, or force for force."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     try:
@@ -187,6 +189,7 @@ def _check_against_mjcf(
         raise BenchError(f"{description}: actuators: {error}") from None
 
     units = {int(mujoco.mjtJoint.mjJNT_HINGE): "N*m", int(mujoco.mjtJoint.mjJNT_SLIDE): "N"}
+    checked: list[Actuator] = []
     seen: dict[str, int] = {}
     for i, actuator in enumerate(actuators):
         key = f"{description}: actuators[{i}]"
@@ -205,9 +208,11 @@ def _check_against_mjcf(
             raise BenchError(
                 f"{key}.joint: {actuator.joint!r} is a ball or free joint; a motor drives a hinge or slide"
             )
-        if actuator.gain_unit.split("/")[0] != units[kind]:
+        unit = TORQUE_LOGS[units[kind]] if actuator.gain_unit == "1" else actuator.gain_unit
+        checked.append(replace(actuator, gain_unit=unit))
+        if unit.split("/")[0] != units[kind]:
             noun = "slide" if units[kind] == "N" else "hinge"
-            allowed = f'"{units[kind]}/A" or "{units[kind]}/V"'
+            allowed = f'"{units[kind]}/A" or "{units[kind]}/V", or "1" for a log of torques'
             raise BenchError(
                 f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
             )
@@ -215,3 +220,4 @@ def _check_against_mjcf(
         raise BenchError(f"{description}: actuators: {why}")
     if tool and mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, tool.site) < 0:
         raise BenchError(f"{description}: tool.site: {model_path.name} has no site {tool.site!r}")
+    return tuple(checked)

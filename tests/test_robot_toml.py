@@ -71,6 +71,12 @@ def test_the_unspoilt_robot_loads(tmp_path: Path) -> None:
     assert robot.model_path == tmp_path.resolve() / "slider.xml"
 
 
+def test_logs_of_torques_have_gains_of_one(tmp_path: Path) -> None:
+    toml = TOML.replace('"N/A"', '"1"').replace('"N*m/V"', '"1"')
+    units = [actuator.gain_unit for actuator in load_robot(write_robot(tmp_path, toml)).actuators]
+    assert units == ["N/N", "N*m/(N*m)"]
+
+
 def test_the_tool_may_be_left_out(tmp_path: Path) -> None:
     assert load_robot(write_robot(tmp_path, TOML.split("[tool]", maxsplit=1)[0])).tool_site is None
 
