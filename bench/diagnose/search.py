@@ -150,8 +150,7 @@ def _possible(system: System, fit: SetFit) -> bool:
         signed = np.flatnonzero(signs)
         if not len(signed):
             continue
-        sizes = np.linalg.norm(system.fitted.factors[:, :, candidate.columns], axis=(0, 1))
-        share = (values * sizes)[signed]
+        share = (values * candidate.lengths)[signed]
         if share[np.argmax(np.abs(share))] < 0:
             return False
     return True

@@ -1,64 +1,62 @@
-"""All candidate columns in one system, so that any set of effects is solved in well under a millisecond."""
+"""All candidate columns in one system of inner products, so that any set of effects is solved at once.
+
+The system is worked out once: relative to the present model's own solution, so that nothing is lost by forming
+squares, in columns of its own that are orthonormal, with every candidate's column free of them and of unit length,
+so that squares do not spoil the conditioning. A set then costs a Cholesky factorisation of as many rows as it has
+unknowns, whatever the number of samples.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from bench.effects import EffectInstance
-from bench.estimate.current_error import minimised, squared_errors
 from bench.estimate.layout import known_rows, regressor_rows
 from bench.estimate.observation import Observation, effect_rows
 from bench.estimate.prepare import Prepared
 from bench.estimate.solution import Solution
-from bench.estimate.stack import compress
 
 LONGEST_MEMORY = 60  # rows over which errors may be alike
-CONVERGED = 1e-7
+CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
+MOST_STEPS = 50
+DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
+NOTHING = 1e-10  # share of a candidate's column that the model's own must leave
+COLLINEAR = 1e-6  # least pivot of the scaled unknowns of a set that Cholesky's factors are trusted with
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at all the places where it can sit; columns: its places among the system's."""
+    """An effect at all the places where it can sit; columns: its places among the system's. lengths (k,): of its own
+    columns, weighted, where the system's has the length one; zero where the model's own leave nothing of it.
+    """
 
     name: str
     instances: tuple[EffectInstance, ...]
     columns: np.ndarray
+    lengths: np.ndarray
 
 
 @dataclass(frozen=True)
 class Products:
-    """Triangular factors (n, r, C + 2) of every motor's [columns, kappa, current]; rows: how many there are."""
+    """Inner products (n, C + 2, C + 2) of every motor's [columns, torque, error] over so many rows.
 
-    factors: np.ndarray
-    rows: int
-
-
-@dataclass(frozen=True)
-class System:
-    """The equations of the fitted and of the checked recordings, with the columns of all candidates.
-
-    base: how many columns the present model has. start: its solution, whose weights are one over each motor's
-    current error. memory: rows that count as one, since neighbouring errors are alike.
+    torque and error: what the present model's solution needs, and leaves of the current. measured: sum of squares of
+    all currents.
     """
 
-    candidates: tuple[Candidate, ...]
-    base: int
-    start: Solution
-    fitted: Products
-    checked: Products
-    memory: float
-
-    def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
-        """Indices of the base columns and those of the chosen candidates."""
-        return np.concatenate([np.arange(self.base), *(self.candidates[i].columns for i in chosen)])
+    inner: np.ndarray
+    rows: int
+    measured: float
 
 
 @dataclass(frozen=True)
 class SetFit:
     """A set of candidates, solved on the fitted recordings; weighted squares left there and on the checked ones.
 
-    values (k,): coefficients of the set's columns, base first; gains (n,).
+    values (k,): coefficients of the system's columns, base first, beside the present solution; gains (n,).
     """
 
     chosen: tuple[int, ...]
@@ -69,61 +67,217 @@ class SetFit:
     checked: float
 
 
+@dataclass(frozen=True)
+class System:
+    """The equations of the fitted and of the checked recordings, with the columns of all candidates.
+
+    base: how many independent columns the present model has. start: its solution, whose weights are one over each
+    motor's current error. memory: rows that count as one, since neighbouring errors are alike. solved: sets that
+    were asked for already.
+    """
+
+    candidates: tuple[Candidate, ...]
+    base: int
+    start: Solution
+    fitted: Products
+    checked: Products
+    memory: float
+    solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
+
+    def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
+        """Indices of the base columns and those of the chosen candidates."""
+        return np.concatenate([np.arange(self.base), *(self.candidates[i].columns for i in chosen)])
+
+
 def build_system(
-    prepared: Prepared, candidates: Sequence[tuple[EffectInstance, ...]], start: Solution
+    prepared: Prepared, candidates: Sequence[Sequence[EffectInstance]], start: Solution
 ) -> System:
-    """Columns of all recordings, compressed; start: the current-domain solution of the present model."""
-    listed: list[Candidate] = []
-    base = at = prepared.layout.size
-    for instances in candidates:
-        count = sum(len(one.effect.parameters) for one in instances)
-        listed.append(Candidate(instances[0].effect.name, tuple(instances), np.arange(at, at + count)))
-        at += count
+    """The system of a prepared model with its solution `start`; candidates: an effect at its places each."""
     every = [one for instances in candidates for one in instances]
     blocks: dict[str, list[np.ndarray]] = {"identify": [], "validate": []}
     for signals, observation in zip(prepared.signals, prepared.observations, strict=True):
         added = effect_rows(signals, prepared.settings.decimation, every)
-        blocks[observation.use].append(_rows(prepared, observation, added))
-    fitted, checked = (_products(blocks[use]) for use in ("identify", "validate"))
+        blocks[observation.use].append(_rows(prepared, observation, added, start))
+    own = prepared.layout.size
+    scale = start.weights / start.gains
+    weighted = [rows[:, :, :-2] * scale[:, None] for rows in blocks["identify"]]
+    flat = np.concatenate([one.reshape(-1, one.shape[2]) for one in weighted])
+    change, lengths = _orthonormal(flat[:, :own], flat[:, own:])
+    base = change.shape[1] - len(lengths)
+    listed = []
+    at = 0
+    for instances in candidates:
+        some = np.arange(at, at + sum(len(one.effect.parameters) for one in instances))
+        listed.append(Candidate(instances[0].effect.name, tuple(instances), base + some, lengths[some]))
+        at += len(some)
+    rows = {use: [_changed(one, change) for one in found] for use, found in blocks.items()}
+    currents = {
+        use: sum(
+            float(((one.current * one.moving) ** 2).sum()) for one in prepared.observations if one.use == use
+        )
+        for use in rows
+    }
+    fitted, checked = (_products(rows[use], currents[use]) for use in ("identify", "validate"))
     system = System(tuple(listed), base, start, fitted, checked, 1.0)
     largest = solve_set(system, [i for i, one in enumerate(listed) if not one.instances[0].effect.shape])
-    memory = memory_in_rows([_errors(rows, largest, start.weights) for rows in blocks["identify"]])
+    memory = memory_in_rows([_errors(one, largest, start) for one in rows["identify"]])
     return System(system.candidates, base, start, fitted, checked, memory)
 
 
 def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
     """Least squares of the current's error with the base columns and the chosen candidates."""
-    columns = system.columns_of(chosen)
-    start, size = system.start, system.fitted.factors.shape[2]
+    key = tuple(sorted(chosen))
+    if key not in system.solved:
+        system.solved[key] = _solved(system, key)
+    return system.solved[key]
+
+
+def squared_errors(products: Products, fit: SetFit, start: Solution) -> np.ndarray:
+    """Sum of squares (n,) of every motor's current error with a set's solution."""
+    size = products.inner.shape[1]
+    picked = np.append(fit.columns, [size - 2, size - 1])
+    inner = products.inner[:, picked[:, None], picked]
+    return _squares(inner, _errors_by(fit.values, fit.gains, start.gains))
+
+
+def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
+    """Gauss-Newton with step halving, from the best solution that is known of a smaller set."""
+    start, fit_gains = system.start, system.start.gains_fitted
+    columns, size = system.columns_of(chosen), system.fitted.inner.shape[1]
     picked = np.append(columns, [size - 2, size - 1])
-    theta = np.concatenate((start.theta, np.zeros(len(columns) - system.base)))
-    theta, gains = minimised(
-        system.fitted.factors[:, :, picked], theta, start.gains, start.weights, start.gains_fitted, CONVERGED
-    )
+    inner = system.fitted.inner[:, picked[:, None], picked]
     squares = start.weights**2
-    fitted = squared_errors(system.fitted.factors[:, :, picked], theta, gains) @ squares
-    checked = squared_errors(system.checked.factors[:, :, picked], theta, gains) @ squares
-    return SetFit(tuple(chosen), columns, theta, gains, float(fitted), float(checked))
+    values, gains = np.zeros(len(columns)), start.gains
+    smaller = (system.solved.get(chosen[:i] + chosen[i + 1 :]) for i in range(len(chosen)))
+    near = min((one for one in smaller if one is not None), key=lambda one: one.fitted, default=None)
+    if near is not None:
+        values[np.searchsorted(columns, near.columns)], gains = near.values, near.gains
+    cost = float(_squares(inner, _errors_by(values, gains, start.gains)) @ squares)
+    for _ in range(MOST_STEPS):
+        step, by_gain = _step(inner, values, gains, start, fit_gains)
+        share = 1.0 / max(1.0, 2.0 * float(np.abs(by_gain / gains).max()))
+        while share > 1e-6:
+            new_values, new_gains = values + share * step, gains + share * by_gain
+            new = float(_squares(inner, _errors_by(new_values, new_gains, start.gains)) @ squares)
+            if new <= cost * (1 + 1e-12):
+                break
+            share /= 2.0
+        else:
+            break
+        settled = cost - new <= CONVERGED * cost and share == 1.0
+        values, gains, cost = new_values, new_gains, new
+        if settled:
+            break
+    fit = SetFit(chosen, columns, values, gains, cost, 0.0)
+    checked = float(squared_errors(system.checked, fit, start) @ squares)
+    return SetFit(chosen, columns, values, gains, cost, checked)
 
 
-def _rows(prepared: Prepared, observation: Observation, added: np.ndarray) -> np.ndarray:
-    """[phi, candidates, kappa, current] of one recording, (M, n, C + 2), zero where a joint stands still."""
+def _step(
+    inner: np.ndarray, values: np.ndarray, gains: np.ndarray, start: Solution, fit_gains: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Steps of Gauss and Newton of values (k,) and gains (n,), from inner products (n, k + 2, k + 2)."""
+    k, n = len(values), len(gains)
+    error = _errors_by(values, gains, start.gains)
+    share = (
+        start.weights**2 / gains
+    )  # of a unit of torque in the weighted squares, with another of the gains to come
+    by_error = (inner @ error[:, :, None])[:, :, 0]
+    right = share @ by_error[:, :k]
+    normal = np.tensordot(share / gains, inner[:, :k, :k], axes=1)
+    if fit_gains:
+        torque = np.zeros((n, k + 2))
+        torque[:, :k], torque[:, k] = values, 1.0
+        torque /= gains[:, None]
+        by_torque = (inner @ torque[:, :, None])[:, :, 0]
+        across = -(share / gains)[:, None] * by_torque[:, :k]
+        own = share / gains * (torque * by_torque).sum(axis=1)
+        normal = np.block([[normal, across.T], [across, np.diag(own)]])
+        right = np.append(right, -share * (torque * by_error).sum(axis=1))
+    step = _least(normal, right)
+    return step[:k], step[k:] if fit_gains else np.zeros(n)
+
+
+def _least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solution of normal equations, scaled to a unit diagonal; the smallest where they do not determine it."""
+    diagonal = np.diag(normal)
+    lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scaled = normal / np.outer(lengths, lengths)
+    try:
+        factor = cho_factor(scaled, lower=True, check_finite=False)
+    except LinAlgError:
+        factor = None
+    if factor is not None and np.diag(factor[0]).min() > COLLINEAR:
+        return np.asarray(cho_solve(factor, right / lengths, check_finite=False)) / lengths
+    values, vectors = np.linalg.eigh(scaled)
+    kept = values > COLLINEAR**2 * values[-1]
+    along = vectors[:, kept]
+    return np.asarray(along @ ((along.T @ (right / lengths)) / values[kept])) / lengths
+
+
+def _errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """By what every motor's current error is combined from [columns, torque, error]: (n, k + 2)."""
+    errors = np.ones((len(gains), len(values) + 2))
+    errors[:, :-2] = -values / gains[:, None]
+    errors[:, -2] = 1.0 / start - 1.0 / gains
+    return errors
+
+
+def _squares(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Sum of squares (n,) of what errors (n, k) combine, never below what rounding leaves of nothing."""
+    combined = (inner @ errors[:, :, None])[:, :, 0]
+    return np.asarray(np.maximum((errors * combined).sum(axis=1), TINY))
+
+
+def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution) -> np.ndarray:
+    """[phi, candidates, torque, error] of one recording, (M, n, C + 2), zero where a joint stands still."""
     phi = regressor_rows(observation, prepared.layout)
-    known = known_rows(observation, prepared.dataset.payloads)
-    parts = (phi, added, known[:, :, None], observation.current[:, :, None])
+    torque = phi @ start.theta + known_rows(observation, prepared.dataset.payloads)
+    error = observation.current - torque / start.gains
+    parts = (phi, added, torque[:, :, None], error[:, :, None])
     return np.concatenate(parts, axis=2) * observation.moving[:, :, None]
 
 
-def _products(blocks: Sequence[np.ndarray]) -> Products:
-    rows = np.concatenate(blocks)
-    factors = compress(rows[:, :, :-2], rows[:, :, -2], rows[:, :, -1])
-    return Products(factors, int(np.any(rows != 0.0, axis=2).sum()))
+def _orthonormal(own: np.ndarray, added: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How columns (R, p) and (R, k) are combined to columns apart: (p + k, b + k), of which b are orthonormal.
+
+    Also the lengths (k,) of the added columns over those of what the own leave of them.
+    """
+    p, k = own.shape[1], added.shape[1]
+    triangle = np.linalg.qr(np.concatenate((own, added), axis=1), mode="r")
+    norms = np.linalg.norm(triangle[:, :p], axis=0)
+    norms[norms == 0.0] = 1.0
+    _, singular, vectors = np.linalg.svd(triangle[:p, :p] / norms)
+    kept = singular > DEPENDENT * singular[0]
+    basis = vectors[kept].T / singular[kept] / norms[:, None]
+    lengths = np.linalg.norm(triangle[:, p:], axis=0)
+    within = basis.T @ triangle[:p, :p].T @ triangle[:p, p:]
+    left = np.linalg.norm(triangle[:, p:] - triangle[:, :p] @ (basis @ within), axis=0)
+    left = np.where(left > NOTHING * lengths, left, 0.0)
+    scales = np.divide(1.0, left, out=np.zeros(k), where=left > 0.0)
+    change = np.zeros((p + k, basis.shape[1] + k))
+    change[:p, : basis.shape[1]] = basis
+    change[:p, basis.shape[1] :] = -basis @ within * scales
+    change[p + np.arange(k), basis.shape[1] + np.arange(k)] = scales
+    return change, lengths * scales
 
 
-def _errors(rows: np.ndarray, fit: SetFit, weights: np.ndarray) -> np.ndarray:
+def _changed(rows: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Rows with their columns combined anew, torque and error as they are."""
+    return np.concatenate((rows[:, :, :-2] @ change, rows[:, :, -2:]), axis=2)
+
+
+def _products(blocks: Sequence[np.ndarray], measured: float) -> Products:
+    by_motor = [np.ascontiguousarray(rows.transpose(1, 0, 2)) for rows in blocks]
+    inner = np.sum([rows.transpose(0, 2, 1) @ rows for rows in by_motor], axis=0)
+    return Products(inner, sum(int(np.any(rows != 0.0, axis=2).sum()) for rows in blocks), measured)
+
+
+def _errors(rows: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
     """Weighted current errors (M, n) of one recording."""
-    modelled = (rows[:, :, fit.columns] @ fit.values + rows[:, :, -2]) / fit.gains
-    return np.asarray((rows[:, :, -1] - modelled) * weights)
+    picked = np.append(fit.columns, [rows.shape[2] - 2, rows.shape[2] - 1])
+    errors = _errors_by(fit.values, fit.gains, start.gains)
+    return np.asarray(np.einsum("mjc,jc->mj", rows[:, :, picked], errors) * start.weights)
 
 
 def memory_in_rows(errors: Sequence[np.ndarray]) -> float:

@@ -7,9 +7,8 @@ import numpy as np
 from bench.diagnose.candidates import Proposal
 from bench.diagnose.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnose.search import Found, Scored, close, contains, material, score
-from bench.diagnose.system import SetFit, System, solve_set
+from bench.diagnose.system import SetFit, System, solve_set, squared_errors
 from bench.effects.names import begun, spoken
-from bench.estimate.current_error import squared_errors
 
 DOMINANT = 3.0
 MUCH_LEFT = (
@@ -66,10 +65,8 @@ def _percent(share: float) -> str:
 
 def checked_error(system: System, fit: SetFit) -> float:
     """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
-    factors = system.checked.factors
-    size = factors.shape[2]
-    error = squared_errors(factors[:, :, np.append(fit.columns, [size - 2, size - 1])], fit.values, fit.gains)
-    measured = float((factors[:, :, size - 1] ** 2).sum())
+    measured = system.checked.measured
+    error = squared_errors(system.checked, fit, system.start)
     return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 
