@@ -1,15 +1,15 @@
 """The effects that a model might lack, each with the shape that suits the data best."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.effects import Effect, EffectInstance, places_in
+from bench.effects import Effect, EffectInstance, RobotSignals, places_in
 from bench.estimate.partial import PartialRegression, partial_regression
 from bench.estimate.prepare import Prepared
 from bench.estimate.quick import candidate_columns, linearised, solved_quickly
-from bench.estimate.settle import best_shape
+from bench.estimate.shapes import best_shape
 from bench.progress import SILENT, Progress
 
 INVISIBLE = 1e-4  # of a column's length: less left beside the model's own columns cannot be told from them
@@ -31,15 +31,18 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Context:
-    """A model beside which effects are given their shape: its equations, and what it leaves."""
+    """A model beside which effects are given their shape: its equations, with what such effects see of the recordings,
+    and what it leaves.
+    """
 
     prepared: Prepared
     left: PartialRegression
 
 
-def context_of(prepared: Prepared, fit_gains: bool) -> Context:
-    """Solve the prepared equations and keep what they leave."""
-    return Context(prepared, partial_regression(*solved_quickly(prepared, fit_gains)))
+def context_of(prepared: Prepared, near: tuple[RobotSignals, ...], fit_gains: bool) -> Context:
+    """Solve the prepared equations and keep what they leave; near: what effects see that are searched for."""
+    left = partial_regression(*solved_quickly(prepared, fit_gains))
+    return Context(replace(prepared, signals=near), left)
 
 
 def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> list[Proposal]:

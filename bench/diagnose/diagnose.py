@@ -1,6 +1,6 @@
 """Which effects a model lacks, judged on recordings that were not fitted."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -8,23 +8,21 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
-from bench.diagnose.candidates import Context, Proposal, context_of, propose, shaped
+from bench.diagnose.candidates import Proposal
 from bench.diagnose.encoder_noise import encoder_error
-from bench.diagnose.partner import beside, partners
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
-from bench.diagnose.restart import restarted
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
-from bench.diagnose.search import NEEDED, Found, search
+from bench.diagnose.rounds import first_round, problem_of, searched
+from bench.diagnose.search import Found
 from bench.diagnose.split import with_judged_parts
-from bench.diagnose.system import System, build_system, solve_set
+from bench.diagnose.system import System
 from bench.diagnose.unexplained import unexplained
 from bench.diagnose.verdicts import checked_error, verdicts
 from bench.effects import CATALOGUE, Effect, EffectInstance
 from bench.estimate.identify import fit, gains_can_be_fitted
 from bench.estimate.prepare import Prepared, prepare, with_effects
-from bench.estimate.quick import solved_quickly
 from bench.estimate.result import Identification, relative_error
-from bench.estimate.settle import present_model, settled
+from bench.estimate.settle import settled
 from bench.estimate.summary import ROBOT
 from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
@@ -55,11 +53,13 @@ def diagnose(
     progress.phase("fitting the model as it is")
     start = settled(start, fit_gains)
     before = fit(start, fit_gains=fit_gains)
+    problem = problem_of(start, fit_gains)
+    first = first_round(problem, catalogue, progress)
     barred: dict[str, str] = {}
     while True:
-        model, proposals, system, found = _searched(start, catalogue, fit_gains, barred, progress)
+        last = searched(problem, first, barred, progress)
         progress.phase("fitting what was found")
-        model, after = _where_it_shows(start, model, fit_gains)
+        model, after = _where_it_shows(start, last.model, fit_gains)
         added = model.effects[len(start.effects) :]
         out = impossible_effects(after, added)
         if not out:
@@ -71,6 +71,7 @@ def diagnose(
             break
         barred |= out
     progress.phase("judging every effect")
+    proposals, system, found = last.proposals, last.system, last.found
     places: dict[str, tuple[str, ...]] = {}
     for one in added:
         at = (one.joint,) if one.joint else dataset.robot.joints
@@ -94,147 +95,6 @@ def diagnose(
         before=before,
         after=after,
     )
-
-
-def _searched(
-    start: Prepared,
-    catalogue: Mapping[str, Effect],
-    fit_gains: bool,
-    barred: Collection[str],
-    progress: Progress,
-) -> tuple[Prepared, list[Proposal], System, Found]:
-    """Search, linearise about what was found, and search again until the same is found.
-
-    barred: effects that may not be found: of an impossible sign, or superfluous.
-    """
-    progress.phase("searching, round 1", len(catalogue))
-    proposals = propose(context_of(start, fit_gains), catalogue, progress)
-    system, found = _judged(start, start, proposals, fit_gains, barred)
-    tried: list[frozenset[int]] = []
-    for _ in range(ROUNDS):
-        model, proposals, system, found = _again(start, proposals, system, found, fit_gains, barred, progress)
-        tried.append(frozenset(found.best.fit.chosen))
-        progress.phase("searching for partners")
-        better = _with_partner(start, model, proposals, found, fit_gains, barred)
-        if better is None or frozenset(better[2].best.fit.chosen) in tried:
-            break
-        proposals, system, found = better
-    return model, proposals, system, found
-
-
-def _again(
-    start: Prepared,
-    proposals: list[Proposal],
-    system: System,
-    found: Found,
-    fit_gains: bool,
-    barred: Collection[str],
-    progress: Progress,
-) -> tuple[Prepared, list[Proposal], System, Found]:
-    """Linearise about what was found, and search again, until the same is found: the settled model with it."""
-    seen: list[set[str]] = []
-    for _ in range(ROUNDS - 1):
-        chosen = [proposals[i] for i in found.best.fit.chosen]
-        if not chosen or {one.name for one in chosen} in seen[:-1]:
-            break
-        seen.append({one.name for one in chosen})
-        progress.phase(f"searching, round {len(seen) + 1}", len(proposals))
-        model = _with(start, proposals, found.best.fit.chosen, fit_gains)
-        proposals = _reshaped(start, model, proposals, system, found, fit_gains, progress)
-        system, found = _judged(start, model, proposals, fit_gains, barred)
-        if {proposals[i].name for i in found.best.fit.chosen} == {one.name for one in chosen}:
-            break
-    return _with(start, proposals, found.best.fit.chosen, fit_gains), proposals, system, found
-
-
-def _with(start: Prepared, proposals: Sequence[Proposal], chosen: Sequence[int], fit_gains: bool) -> Prepared:
-    """The starting model with some of the proposals, settled."""
-    instances = [one for i in chosen for one in proposals[i].instances]
-    return settled(with_effects(start, (*start.effects, *instances)), fit_gains)
-
-
-def _with_partner(
-    start: Prepared,
-    model: Prepared,
-    proposals: Sequence[Proposal],
-    found: Found,
-    fit_gains: bool,
-    barred: Collection[str],
-) -> tuple[list[Proposal], System, Found] | None:
-    """What is found when an effect joins the model and all shapes are settled anew; None if nothing better is."""
-    chosen = found.best.fit.chosen
-    for i in partners(model, proposals, chosen, fit_gains):
-        if proposals[i].name in barred:
-            continue
-        joined = _with(start, proposals, (*chosen, i), fit_gains)
-        reshaped = beside(proposals, joined, len(start.effects))
-        system, wider = _judged(start, joined, reshaped, fit_gains, barred)
-        if wider.best.total > found.best.total + NEEDED:
-            return reshaped, system, wider
-    return None
-
-
-def _judged(
-    start: Prepared,
-    model: Prepared,
-    proposals: Sequence[Proposal],
-    fit_gains: bool,
-    barred: Collection[str],
-) -> tuple[System, Found]:
-    """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
-    _, solution = solved_quickly(model, fit_gains)
-    about = with_effects(start, start.effects, present_model(model, solution))
-    stack, own = solved_quickly(about, fit_gains)
-    own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
-    system = build_system(about, [one.instances for one in proposals], own)
-    usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
-    return system, search(system, usable)
-
-
-def _reshaped(
-    start: Prepared,
-    model: Prepared,
-    proposals: Sequence[Proposal],
-    system: System,
-    found: Found,
-    fit_gains: bool,
-    progress: Progress,
-) -> list[Proposal]:
-    """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
-
-    An effect that could stand for a found one is given the shape that it would have without that one; the
-    others the shape that explains most of what the found set leaves.
-    """
-    own = len(start.effects)
-    added = model.effects[own:]
-    contexts: dict[int | None, Context] = {None: context_of(model, fit_gains)}
-    result = []
-    for i, proposal in enumerate(proposals):
-        progress.advance()
-        if i in found.best.fit.chosen:
-            instances = tuple(one for one in added if one.effect.name == proposal.name)
-            result.append(replace(proposal, instances=instances))
-            continue
-        effect = proposal.instances[0].effect
-        if proposal.absorbed or not (effect.shape or effect.depends_on_model):
-            result.append(proposal)
-            continue
-        rival = _rival(system, found, i)
-        if rival not in contexts:
-            name = proposals[rival].name if rival is not None else ""
-            others = [one for one in added if one.effect.name != name]
-            contexts[rival] = context_of(with_effects(model, (*start.effects, *others)), fit_gains)
-        result.append(replace(proposal, instances=shaped(contexts[rival], proposal.instances)))
-    return result
-
-
-def _rival(system: System, found: Found, i: int) -> int | None:
-    """The found effect in whose place effect i does best, where that is better than most of what it explains."""
-    best = found.best.fit
-    swaps = {k: solve_set(system, (*(c for c in best.chosen if c != k), i)).fitted for k in best.chosen}
-    rival = min(swaps, key=lambda k: swaps[k])
-    without = solve_set(system, tuple(c for c in best.chosen if c != rival)).fitted
-    return rival if swaps[rival] < 0.5 * (without + best.fitted) else None
 
 
 def _where_it_shows(start: Prepared, model: Prepared, fit_gains: bool) -> tuple[Prepared, Identification]:

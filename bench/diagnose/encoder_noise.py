@@ -6,8 +6,9 @@ import numpy as np
 
 from bench.estimate.column_errors import shaken
 from bench.estimate.effect_columns import robot_signals
+from bench.estimate.effect_rows import effect_rows
 from bench.estimate.measured import measure
-from bench.estimate.observation import effect_rows, observe
+from bench.estimate.observation import observe
 from bench.estimate.prepare import Prepared
 from bench.estimate.quick import solved_quickly
 from bench.estimate.summary import modelled_series

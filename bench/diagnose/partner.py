@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.candidates import Proposal
+from bench.diagnose.candidates import Context, Proposal
 from bench.estimate.newton import with_shape_columns
 from bench.estimate.partial import partial_regression
 from bench.estimate.prepare import Prepared
@@ -16,12 +16,13 @@ MOST = 2  # effects that are tried
 
 
 def partners(
-    model: Prepared, proposals: Sequence[Proposal], found: Collection[int], fit_gains: bool
+    model: Prepared, context: Context, proposals: Sequence[Proposal], found: Collection[int], fit_gains: bool
 ) -> list[int]:
     """Proposals (indices) that would explain much of what the settled model leaves, the most first.
 
     Beside the model's columns stand the derivatives by its shape parameters: a time constant that was found without a
-    viscous friction has taken its part, and would leave it there. found: what the model has already.
+    viscous friction has taken its part, and would leave it there. context: of the model; found: what the model has
+    already.
     """
     stack, solution = solved_quickly(model, fit_gains)
     bent, extended = with_shape_columns(model, stack, solution, np.arange(model.layout.size))
@@ -29,7 +30,7 @@ def partners(
         return []
     left = partial_regression(bent, extended)
     shares = {
-        i: left.explained(candidate_columns(model, one.instances))[1] / left.sum_of_squares
+        i: left.explained(candidate_columns(context.prepared, one.instances))[1] / left.sum_of_squares
         for i, one in enumerate(proposals)
         if i not in found and not one.absorbed
     }

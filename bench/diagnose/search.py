@@ -136,7 +136,7 @@ def _special_case(system: System, simple: Sequence[int], general: Sequence[int])
 
 def contains(whole: Candidate, part: Candidate) -> bool:
     """Whether the second effect is declared a special case of the first."""
-    return part.name in whole.instances[0].effect.contains
+    return part.instances[0].effect.name in whole.instances[0].effect.contains
 
 
 def _possible(system: System, fit: SetFit) -> bool:

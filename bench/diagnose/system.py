@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from bench.effects import EffectInstance
+from bench.effects import EffectInstance, RobotSignals
+from bench.estimate.effect_rows import effect_rows
 from bench.estimate.layout import known_rows, regressor_rows
-from bench.estimate.observation import Observation, effect_rows
+from bench.estimate.observation import Observation
 from bench.estimate.prepare import Prepared
 from bench.estimate.solution import Solution
 
@@ -29,11 +30,11 @@ TINY = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at all the places where it can sit; columns: its places among the system's. lengths (k,): of its own
+    """An effect at all the places where it can sit; columns: its
+    places among the system's. lengths (k,): of its own
     columns, weighted, where the system's has the length one; zero where the model's own leave nothing of it.
     """
 
-    name: str
     instances: tuple[EffectInstance, ...]
     columns: np.ndarray
     lengths: np.ndarray
@@ -90,13 +91,25 @@ class System:
 
 
 def build_system(
-    prepared: Prepared, candidates: Sequence[Sequence[EffectInstance]], start: Solution
+    prepared: Prepared,
+    near: Sequence[RobotSignals],
+    candidates: Sequence[Sequence[EffectInstance]],
+    exact: Sequence[EffectInstance],
+    start: Solution,
 ) -> System:
-    """The system of a prepared model with its solution `start`; candidates: an effect at its places each."""
+    """The system of a prepared model with its solution `start`; candidates: an effect at its places each, or nothing.
+
+    exact: instances whose columns are as the fit has them; those of the others are of the recordings seen `near`.
+    """
     every = [one for instances in candidates for one in instances]
+    as_fitted = np.concatenate(
+        [np.zeros(0, dtype=bool), *(np.full(len(one.effect.parameters), one in exact) for one in every)]
+    )
+    decimation = prepared.settings.decimation
     blocks: dict[str, list[np.ndarray]] = {"identify": [], "validate": []}
-    for signals, observation in zip(prepared.signals, prepared.observations, strict=True):
-        added = effect_rows(signals, prepared.settings.decimation, every)
+    for signals, nearly, observation in zip(prepared.signals, near, prepared.observations, strict=True):
+        added = effect_rows(nearly, decimation, every)
+        added[:, :, as_fitted] = effect_rows(signals, decimation, [one for one in every if one in exact])
         blocks[observation.use].append(_rows(prepared, observation, added, start))
     own = prepared.layout.size
     scale = start.weights / start.gains
@@ -108,7 +121,7 @@ def build_system(
     at = 0
     for instances in candidates:
         some = np.arange(at, at + sum(len(one.effect.parameters) for one in instances))
-        listed.append(Candidate(instances[0].effect.name, tuple(instances), base + some, lengths[some]))
+        listed.append(Candidate(tuple(instances), base + some, lengths[some]))
         at += len(some)
     rows = {use: [_changed(one, change) for one in found] for use, found in blocks.items()}
     currents = {
@@ -119,7 +132,8 @@ def build_system(
     }
     fitted, checked = (_products(rows[use], currents[use]) for use in ("identify", "validate"))
     system = System(tuple(listed), base, start, fitted, checked, 1.0)
-    largest = solve_set(system, [i for i, one in enumerate(listed) if not one.instances[0].effect.shape])
+    plain = [i for i, one in enumerate(listed) if one.instances and not one.instances[0].effect.shape]
+    largest = solve_set(system, plain)
     memory = memory_in_rows([_errors(one, largest, start) for one in rows["identify"]])
     return System(system.candidates, base, start, fitted, checked, memory)
 
@@ -244,7 +258,7 @@ def _orthonormal(own: np.ndarray, added: np.ndarray) -> tuple[np.ndarray, np.nda
     Also the lengths (k,) of the added columns over those of what the own leave of them.
     """
     p, k = own.shape[1], added.shape[1]
-    triangle = np.linalg.qr(np.concatenate((own, added), axis=1), mode="r")
+    triangle = np.asarray(np.linalg.qr(np.concatenate((own, added), axis=1), mode="r"))
     norms = np.linalg.norm(triangle[:, :p], axis=0)
     norms[norms == 0.0] = 1.0
     _, singular, vectors = np.linalg.svd(triangle[:p, :p] / norms)

@@ -8,8 +8,9 @@ import numpy as np
 from bench.discriminate.rivals import Rival
 from bench.effects import EffectInstance, RobotSignals, effect_columns
 from bench.estimate.effect_columns import robot_signals
+from bench.estimate.effect_rows import effect_rows
 from bench.estimate.measured import Measured, passive_rates
-from bench.estimate.observation import Observation, effect_rows, observe
+from bench.estimate.observation import Observation, observe
 from bench.estimate.standstill import bridged, standstills
 from bench.model.motion import Motion
 from bench.recording import Recording

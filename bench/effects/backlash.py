@@ -35,6 +35,9 @@ class Backlash(Effect):
     b: float = 0.0
     r: float = 0.0
 
+    def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:  # noqa: ARG002 - everywhere
+        return SMALLEST, LARGEST
+
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         torque, acceleration = own_torque(robot, joint)
         rotor = self.r * apparent_inertia(torque, acceleration)

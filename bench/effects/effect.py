@@ -109,6 +109,12 @@ class Effect(ABC):
         names = {parameter.name for parameter in self.parameters}
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name in names}
 
+    def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:  # noqa: ARG002 - by default none
+        """Two values of its one parameter between and beside which a search takes the columns, linearised about the
+        parameter's value, to follow a straight line; None where they are to be computed for each value.
+        """
+        return None
+
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         """Where to search a shape parameter at a joint; samples: of every fitted recording, none elsewhere."""
         unit = 1.0
@@ -133,15 +139,20 @@ class ActuatorEffect(Effect):
     def torque(self, joint: JointSignals) -> np.ndarray:
         """One column (N, p) for each parameter: its torque or force at a parameter value of one."""
 
+    def own_column(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        """`torque` (N, p) at a joint. Raises BenchError where it has another shape."""
+        torque = self.torque(robot.joints[joint])
+        shape = len(robot.time), len(self.parameters)
+        if torque.shape != shape:
+            raise BenchError(
+                f"effect {self.name!r}: torque has the shape {torque.shape} instead of {shape}, a column for each "
+                "parameter"
+            )
+        return torque
+
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """Columns (N, n, p) with `torque` in the joint's own row and zero elsewhere."""
-        torque = self.torque(robot.joints[joint])
-        names = list(robot.joints)
-        columns = np.zeros((len(robot.time), len(names), len(self.parameters)))
-        if torque.shape != (len(columns), len(self.parameters)):
-            raise BenchError(
-                f"effect {self.name!r}: torque has the shape {torque.shape} instead of "
-                f"{(len(columns), len(self.parameters))}, a column for each parameter"
-            )
-        columns[:, names.index(joint)] = torque
+        torque = self.own_column(robot, joint)
+        columns = np.zeros((len(torque), len(robot.joints), torque.shape[1]))
+        columns[:, list(robot.joints).index(joint)] = torque
         return columns

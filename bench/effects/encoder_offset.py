@@ -8,7 +8,7 @@ from bench.effects.effect import Effect, EffectParameter
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
-SMALLEST, LARGEST = 1e-3, 0.2  # rad (m for a slide, a tenth of that): step of the difference
+SMALLEST, NEAR, LARGEST = 1e-3, 0.02, 0.2  # rad (m for a slide, a tenth of that): step of the difference
 SLIDE = 0.1
 
 
@@ -28,6 +28,10 @@ class EncoderOffset(Effect):
     depends_on_model = True
 
     offset: float = 0.0
+
+    def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
+        size = NEAR * (1.0 if robot.joints[joint].rotates else SLIDE)
+        return -size, size
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         unit = 1.0 if robot.joints[joint].rotates else SLIDE

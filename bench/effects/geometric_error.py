@@ -9,7 +9,7 @@ from bench.effects.effect import Effect, EffectParameter
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
-SMALLEST, LARGEST = 1e-3, 0.05  # of the length: step of the difference
+SMALLEST, NEAR, LARGEST = 1e-3, 0.01, 0.05  # of the length: step of the difference
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,10 @@ class GeometricError(Effect):
     depends_on_model = True
 
     dl: float = 0.0
+
+    def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
+        size = NEAR * lengths(robot.geometry)[joint].length
+        return -size, size
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         body = lengths(robot.geometry)[joint]

@@ -32,16 +32,23 @@ def motion_cutoff(robot: RobotSignals, joint: str) -> float:
 
     MARGIN times that below which all but a ten-thousandth of the acceleration's power lies, inside the band.
     """
-    coarse = robot.coarse
-    band = robot.joints[joint].band
+    coarse, band = robot.coarse, robot.joints[joint].band
     acceleration = coarse.acceleration[:, list(robot.joints).index(joint)]
-    frequency, power = periodogram(acceleration, 1.0 / coarse.interval, window="hann")
+    highest = motion_band(acceleration, coarse.interval, band)
+    return WIDER * band if highest == band else float(min(MARGIN * highest, WIDER * band))
+
+
+def motion_band(acceleration: np.ndarray, interval: float, band: float) -> float:
+    """Hz: below it lies all but a ten-thousandth of the power that an acceleration (K,) has inside a band.
+
+    The band itself where there is none. interval: s, between samples.
+    """
+    frequency, power = periodogram(acceleration, 1.0 / interval, window="hann")
     inside = frequency <= band
     held = np.cumsum(power[inside])
     if not held[-1] > 0.0:
-        return WIDER * band
-    highest = frequency[inside][np.searchsorted(held, HELD * held[-1])]
-    return float(min(MARGIN * highest, WIDER * band))
+        return band
+    return float(frequency[inside][np.searchsorted(held, HELD * held[-1])])
 
 
 def torque_behind(
@@ -84,6 +91,6 @@ def slopes(robot: RobotSignals, joint: str) -> np.ndarray:
         for order, step in enumerate(steps):
             shift = np.zeros_like(found)
             shift[order, :, at] = step
-            found[order] = robot.torque_change(shift)[:: robot.every] / step
+            found[order] = robot.coarse_change(shift) / step
         robot.noted[key] = found
     return robot.noted[key]

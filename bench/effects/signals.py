@@ -3,7 +3,7 @@
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -105,6 +105,9 @@ class RobotSignals:
     the present model.
     """
 
+    expands: ClassVar[bool] = False
+    """Whether what a search tries needs to be right to second order only, in an effect's value."""
+
     joints: Mapping[str, JointSignals]
     geometry: Geometry
     moved: Callable[[], Motion]
@@ -191,11 +194,20 @@ class RobotSignals:
         shift (3, K, n): what is added to the coarse positions, velocities and accelerations. Evaluated at the
         coarse samples. Raises BenchError where the loops cannot be closed after the change.
         """
+        return self.refined(self.coarse_change(shift, gravity=gravity, geometry=geometry))
+
+    def coarse_change(
+        self,
+        shift: np.ndarray | None = None,
+        *,
+        gravity: np.ndarray | None = None,
+        geometry: Geometry | None = None,
+    ) -> np.ndarray:
+        """As `torque_change`, at the coarse samples (K, n)."""
         here = self.coarse
         moved: tuple[np.ndarray | None, ...] = (None, None, None)
         if shift is not None:
             moved = tuple(
                 x + dx for x, dx in zip((here.position, here.velocity, here.acceleration), shift, strict=True)
             )
-        changed = self.torque(*moved, gravity=gravity, geometry=geometry, every=self.every)
-        return self.refined(changed - here.torque)
+        return self.torque(*moved, gravity=gravity, geometry=geometry, every=self.every) - here.torque

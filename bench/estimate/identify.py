@@ -13,13 +13,14 @@ from bench.estimate.absorbed import identifiable_columns
 from bench.estimate.column_errors import column_errors
 from bench.estimate.deviations import Deviations, uncertainty
 from bench.estimate.effect_columns import robot_signals
+from bench.estimate.effect_rows import effect_rows
 from bench.estimate.essential import essential_columns, expanded, reduced
 from bench.estimate.estimators import DEFAULT_METHOD, Request, solve
 from bench.estimate.identifiability import check_gains_identifiable
 from bench.estimate.layout import known_rows, regressor_rows
 from bench.estimate.measured import measure
 from bench.estimate.newton import with_shape_columns
-from bench.estimate.observation import effect_rows, observe
+from bench.estimate.observation import observe
 from bench.estimate.prepare import Prepared as Prepared
 from bench.estimate.prepare import prepare as prepare
 from bench.estimate.result import Identification

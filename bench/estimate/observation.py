@@ -1,18 +1,16 @@
 """The observation matrix of every recording, sampled, filtered and decimated (equations 9 and 12)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from bench.effects import ActuatorEffect, EffectInstance, RobotSignals, effect_columns
 from bench.estimate.measured import Measured
-from bench.estimate.standstill import around, bridged, bridged_part, moving_rows
+from bench.estimate.standstill import around, bridged_part, moving_rows
 from bench.model.model import IdentificationModel
 from bench.model.motion import blocks_of
 from bench.model.regressor import projected_regressor
-from bench.signals.decimation import Decimation, decimate, decimated_indices
+from bench.signals.decimation import Decimation, decimated_indices
 
 PART = 5120  # samples worked on together, at most: their columns stay in the processor's cache
 
@@ -96,35 +94,3 @@ def all_currents(measured: Measured) -> np.ndarray:
         rows = np.repeat(measured.current[seen][:, None, :], n, axis=1)
         decimation.push(bridged_part(rows, seen, part, measured.gaps, length).reshape(-1, n * n))
     return decimation.finish().reshape(-1, n, n)
-
-
-def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
-    """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne)."""
-    samples, n = len(signals.time), len(signals.joints)
-    nothing = np.zeros((len(decimated_indices(samples, decimation)), n, 0))
-    return np.concatenate([nothing, *(_rows_of(signals, decimation, one) for one in effects)], axis=2)
-
-
-def _rows_of(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray:
-    """The rows (M, n, k) of one effect, computed only where they are not known yet."""
-    alone = isinstance(instance.effect, ActuatorEffect)  # which sees its own motor, and no other joint move
-    passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
-    kept = signals.passing if passing else signals.lasting
-    key = instance.effect, instance.joint, decimation
-    try:
-        rows = kept.get(key)
-    except TypeError:  # a user's class need not be hashable
-        return _computed(signals, decimation, instance)
-    if rows is None:
-        rows = _computed(signals, decimation, instance)
-        kept.keep(key, rows)
-    return rows
-
-
-def _computed(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray:
-    columns = effect_columns(instance, signals)
-    flat = bridged(columns, signals.gaps).reshape(len(columns), -1)
-    filled = np.flatnonzero(flat.any(axis=0))
-    rows = np.zeros((len(decimated_indices(len(columns), decimation)), flat.shape[1]))
-    rows[:, filled] = decimate(flat[:, filled], decimation)
-    return rows.reshape(len(rows), *columns.shape[1:])

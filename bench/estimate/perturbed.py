@@ -34,7 +34,7 @@ def perturbed_rows(
         columns.tobytes(),
         *(None if one is None else _digest([one]) for one in active),
         None if gravity is None else gravity.tobytes(),
-        None if geometry is None else _digest(_numbers(geometry)),
+        None if geometry is None else geometry_key(geometry),
     )
     rows = measured.perturbed.get(key)
     if rows is not None:
@@ -92,6 +92,11 @@ def _numbers(geometry: Geometry) -> list[bytes]:
         if anchor is not None:
             found += [anchor.placement.rotation.tobytes(), anchor.placement.translation.tobytes()]
     return found
+
+
+def geometry_key(geometry: Geometry) -> bytes:
+    """What tells a geometry from another, gravity included."""
+    return _digest(_numbers(geometry))
 
 
 def _digest(parts: Sequence[np.ndarray | bytes]) -> bytes:

@@ -10,9 +10,10 @@ from bench.dataset import Dataset
 from bench.effects import Effect, EffectInstance, RobotSignals, catalogue_for, places_in, select_effects
 from bench.errors import BenchError
 from bench.estimate.effect_columns import PresentModel, declared_parameters, robot_signals
+from bench.estimate.effect_rows import effect_rows
 from bench.estimate.layout import ParameterLayout, parameter_layout
 from bench.estimate.measured import Measured, measure
-from bench.estimate.observation import Observation, effect_rows, observe
+from bench.estimate.observation import Observation, observe
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model

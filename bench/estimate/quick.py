@@ -8,9 +8,9 @@ import numpy as np
 from bench.effects import EffectInstance
 from bench.estimate.absorbed import identifiable_columns
 from bench.estimate.current_error import current_error
+from bench.estimate.effect_rows import effect_rows
 from bench.estimate.essential import reduced, with_zeros
 from bench.estimate.least_squares import weighted_least_squares
-from bench.estimate.observation import effect_rows
 from bench.estimate.prepare import Prepared
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack, stack_observations

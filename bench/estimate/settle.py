@@ -2,18 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
-from bench.effects import EffectInstance, JointSamples, ShapeParameter
+from bench.effects import EffectInstance
 from bench.estimate.effect_columns import PresentModel
-from bench.estimate.joint_samples import joint_samples
-from bench.estimate.newton import NEARBY, stepped, within_reach
-from bench.estimate.partial import PartialRegression, partial_regression
+from bench.estimate.newton import stepped
+from bench.estimate.partial import partial_regression
 from bench.estimate.prepare import Prepared, with_effects
-from bench.estimate.quick import candidate_columns, linearised, reshaped, solved_quickly, spread
+from bench.estimate.quick import linearised, solved_quickly, spread
+from bench.estimate.shapes import best_shape
 from bench.estimate.solution import Solution
 
 MOST_ROUNDS = 6
@@ -118,64 +116,3 @@ def _shaped(prepared: Prepared, fit_gains: bool) -> Prepared:
         partial = partial_regression(stack, solution)
         instances[i] = best_shape(prepared, instance, partial)
     return with_effects(prepared, instances) if tuple(instances) != prepared.effects else prepared
-
-
-def best_shape(
-    prepared: Prepared, instance: EffectInstance, partial: PartialRegression, refine: bool = True
-) -> EffectInstance:
-    """The instance with the shape values that explain most of what is left.
-
-    Every combination of discrete values is tried, and with each the other parameters, one after the other.
-    """
-    samples = joint_samples(prepared, instance, partial)
-    shape = instance.effect.shape
-    free = [parameter for parameter in shape if not parameter.discrete]
-    if not free:
-        free = list(shape)
-    choices = [list(one.candidates) for one in shape if one not in free]
-    best, least = instance, np.inf
-    for chosen in product(*choices):
-        names = [one.name for one in shape if one not in free]
-        tried = reshaped(instance, dict(zip(names, chosen, strict=True)))
-        for parameter in free:
-            tried, cost = _searched(prepared, tried, parameter, samples, partial, refine=refine)
-        if cost < least:
-            best, least = tried, cost
-    return best
-
-
-def _searched(
-    prepared: Prepared,
-    instance: EffectInstance,
-    parameter: ShapeParameter,
-    samples: tuple[JointSamples, ...],
-    partial: PartialRegression,
-    *,
-    refine: bool,
-) -> tuple[EffectInstance, float]:
-    """One shape parameter at its best value, and minus the squares that are explained with it.
-
-    The present value competes, so that what the effect explains never becomes less.
-    """
-
-    def unexplained(value: float) -> float:
-        changed = reshaped(instance, {parameter.name: float(value)})
-        return -partial.explained(candidate_columns(prepared, [changed]))[1]
-
-    brackets = instance.effect.brackets(parameter, samples)
-    if not parameter.discrete and any(low < high for low, _, high in brackets):
-        present = instance.effect.shape_values()[parameter.name]
-        low, high = within_reach(present, brackets)
-        near = (max(present * (1.0 - NEARBY), low), present, min(present * (1.0 + NEARBY), high))
-        brackets = (*brackets, near)
-    costs = [unexplained(value) for _, value, _ in brackets]
-    best = int(np.argmin(costs))
-    (low, found, high), cost = brackets[best], costs[best]
-    if refine and low < high:
-        tolerance = 1e-4 * max(abs(low), abs(high))
-        result = minimize_scalar(
-            unexplained, bounds=(low, high), method="bounded", options={"xatol": tolerance}
-        )
-        if result.fun < cost:
-            found, cost = float(result.x), float(result.fun)
-    return reshaped(instance, {parameter.name: found}), cost

@@ -6,6 +6,8 @@ equations of a joint at standstill are replaced, before that filter, by the stra
 just before and just after: columns and current alike, which keeps every linear model true.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from bench.signals.decimation import decimate
@@ -51,7 +53,7 @@ def standstills(
     return tuple(found)
 
 
-def bridged(rows: np.ndarray, gaps: Gaps) -> np.ndarray:
+def bridged(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
     """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy.
 
     The line goes through the means of the samples on either side, those in the middle of a side weighing most

@@ -172,6 +172,22 @@ class Path:
         )
 
 
+def motion_beside(
+    geometry: Geometry,
+    near: Motion,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+) -> Motion:
+    """The motion at samples that need not follow each other, from `near` where it is nearly the same.
+
+    Active positions, velocities and accelerations are (N, n) each. Raises BenchError where the closures cannot be found
+    from there.
+    """
+    track = _Track(near.time, position - geometry.active_offset, velocity, acceleration)
+    return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
+
+
 def rates_at(
     geometry: Geometry, time: np.ndarray, q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
 ) -> Motion:

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects import ActuatorEffect, EffectInstance, JointSignals
 from bench.estimate.effect_columns import robot_signals
-from bench.estimate.observation import effect_rows
+from bench.estimate.effect_rows import effect_rows
 from bench.estimate.standstill import bridged_part
 from bench.signals.decimation import decimate
 from bench.workbench.directions import Directions

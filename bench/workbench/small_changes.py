@@ -39,12 +39,24 @@ class SmallChanges(RobotSignals):
         """As `RobotSignals.torque_change`, linear in `shift`, which comes alone."""
         if shift is None:
             return self._smooth(self._at_few(gravity=gravity, geometry=geometry), self.time)
+        return self.refined(self.coarse_change(shift))
+
+    def coarse_change(
+        self,
+        shift: np.ndarray | None = None,
+        *,
+        gravity: np.ndarray | None = None,
+        geometry: object = None,
+    ) -> np.ndarray:
+        """As `RobotSignals.coarse_change`, likewise."""
+        if shift is None:
+            return self._smooth(self._at_few(gravity=gravity, geometry=geometry), self.coarse.time)
         change = np.zeros_like(self.coarse.torque)
         for order, motor in zip(*np.nonzero(shift.any(axis=1)), strict=True):
             values = shift[order, :, motor]
             slope = self._slope((int(order), int(motor)))
             change += slope * values.reshape(-1, *(1,) * (slope.ndim - 1))
-        return self.refined(change)
+        return change
 
     def _slope(self, key: Key) -> np.ndarray:
         if key not in self.slopes:
