@@ -34,21 +34,21 @@ def motion_cutoff(robot: RobotSignals, joint: str) -> float:
     """
     coarse, band = robot.coarse, robot.joints[joint].band
     acceleration = coarse.acceleration[:, list(robot.joints).index(joint)]
-    highest = motion_band(acceleration, coarse.interval, band)
+    highest = motion_band(acceleration, coarse.interval, band, HELD)
     return WIDER * band if highest == band else float(min(MARGIN * highest, WIDER * band))
 
 
-def motion_band(acceleration: np.ndarray, interval: float, band: float) -> float:
-    """Hz: below it lies all but a ten-thousandth of the power that an acceleration (K,) has inside a band.
+def motion_band(values: np.ndarray, interval: float, band: float, share: float) -> float:
+    """Hz: below it lies such a share of the power that a joint's rates (K,) have inside a band.
 
     The band itself where there is none. interval: s, between samples.
     """
-    frequency, power = periodogram(acceleration, 1.0 / interval, window="hann")
+    frequency, power = periodogram(values, 1.0 / interval, window="hann")
     inside = frequency <= band
     held = np.cumsum(power[inside])
     if not held[-1] > 0.0:
         return band
-    return float(frequency[inside][np.searchsorted(held, HELD * held[-1])])
+    return float(frequency[inside][np.searchsorted(held, share * held[-1])])
 
 
 def torque_behind(

@@ -6,6 +6,7 @@ tried then costs a product with its parameters. A shift of an active joint count
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -25,9 +26,12 @@ from bench.model.regressor import payload_transform, projected_regressor
 from bench.signals.decimation import fit_band
 
 TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
+MOTION = 0.999  # of a velocity's power inside the fit's band: the rest is taken for noise, or for little
+FINENESS = 16.0  # samples in a period of the highest frequency of the motion
 SHARE = 0.1  # of the RMS speed, likewise
 OWN = ("passing", "noted")  # what signals keep of their own, for changes that are exact
 MOST_BYTES = 128_000_000  # of what is kept
+KEPT = np.float32  # small changes need no more digits
 
 
 class Nearby:
@@ -67,7 +71,8 @@ class Nearby:
             step = self._step(order, motor)
             more, less = (self._moved(order, motor, sign * step) for sign in (1.0, -1.0))
             first = (more - less) / (2.0 * step)
-            second = (more + less - 2.0 * self._rows(self._model.geometry, self._tree)) / step**2
+            second = (more + less - 2.0 * self._own) / step**2
+            first, second = first.astype(KEPT), second.astype(KEPT)
             self._kept.keep((order, motor, 1), first)
             self._kept.keep((order, motor, 2), second)
         return first, second
@@ -95,7 +100,7 @@ class Nearby:
         rows = self._kept.get(key)
         if rows is None:
             more = replace(own, gravity=own.gravity + np.eye(3)[axis])
-            rows = self._rows(more, self._tree) - self._rows(own, self._tree)
+            rows = (self._rows(more, self._tree) - self._own).astype(KEPT)
             self._kept.keep(key, rows)
         return rows
 
@@ -105,9 +110,13 @@ class Nearby:
         rows = self._kept.get(key)
         if rows is None:
             tree = motion_beside(geometry, self._tree, *self._active)
-            rows = self._rows(geometry, tree) - self._rows(self._model.geometry, self._tree)
+            rows = (self._rows(geometry, tree) - self._own).astype(KEPT)
             self._kept.keep(key, rows)
         return rows
+
+    @cached_property
+    def _own(self) -> np.ndarray:
+        return self._rows(self._model.geometry, self._tree)
 
     def _step(self, order: int, motor: int) -> float:
         own = self._model.geometry
@@ -210,11 +219,14 @@ class NearbySignals(RobotSignals):
 
 
 def _few_samples(measured: Measured) -> np.ndarray:
-    """Samples of a recording between which its motion is smooth, first and last included."""
+    """Samples of a recording between which its motion is smooth, first and last included.
+
+    What noise adds to a small change is far smaller than itself, and need not be followed.
+    """
     rate, samples = measured.recording.rate, len(measured.time)
     band = fit_band(rate, measured.settings.decimation)
     coarse = max(1, int(rate / (OVERSAMPLING * band)))
-    acceleration = measured.acceleration[::coarse]
-    highest = max(motion_band(one, coarse / rate, band) for one in acceleration.T)
-    step = coarse * max(1, int(rate / (OVERSAMPLING * highest) / coarse))
+    velocity = measured.velocity[::coarse]
+    highest = max(motion_band(one, coarse / rate, band, MOTION) for one in velocity.T)
+    step = coarse * max(1, int(rate / (FINENESS * highest) / coarse))
     return np.unique(np.append(np.arange(0, samples, step), samples - 1))
