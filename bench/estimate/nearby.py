@@ -52,11 +52,9 @@ class Nearby:
             np.concatenate([getattr(one, name)[few] for one, few in every])
             for name in ("position", "velocity", "acceleration")
         ]
-        trees = [(one.tree, few) for one, few in every]
+        trees = [one.tree.at(few) for one, few in every]
         parts = ("time", "q", "v", "a", "jacobian")
-        self._tree = Motion(
-            *(np.concatenate([getattr(tree, name)[few] for tree, few in trees]) for name in parts)
-        )
+        self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
         self._kept = KeptRows(MOST_BYTES)
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
