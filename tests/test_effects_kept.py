@@ -8,9 +8,9 @@ import pytest
 
 from bench.effects import CATALOGUE, EffectInstance, RobotSignals
 from bench.effects.body_length import lengths, with_length
-from bench.effects.evaluate import effect_columns
+from bench.effects.evaluate import columns_at_motors
 from bench.effects.kept import KeptRows
-from bench.estimate import observation
+from bench.estimate import effect_rows
 from bench.model.motion import motion_of
 from tests.effects_kit import moving_robot, rigid_torque
 
@@ -40,13 +40,13 @@ def test_effects_are_computed_once_for_a_model_and_again_for_another(
     ]
     calls: list[str] = []
 
-    def counted(one: EffectInstance, seen: RobotSignals) -> np.ndarray:
+    def counted(one: EffectInstance, seen: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
         calls.append(one.request)
-        return effect_columns(one, seen)
+        return columns_at_motors(one, seen)
 
-    monkeypatch.setattr(observation, "effect_columns", counted)
-    first = observation.effect_rows(robot, 10, effects)
-    np.testing.assert_array_equal(observation.effect_rows(robot, 10, effects[::-1])[:, :, ::-1], first)
+    monkeypatch.setattr(effect_rows, "columns_at_motors", counted)
+    first = effect_rows.effect_rows(robot, 10, effects)
+    np.testing.assert_array_equal(effect_rows.effect_rows(robot, 10, effects[::-1])[:, :, ::-1], first)
     assert calls == ["viscous_friction", "encoder_offset"]
     assert robot.lasting is measured.kept
 

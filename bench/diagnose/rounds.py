@@ -30,7 +30,7 @@ class Problem:
 
     def context(self, model: Prepared) -> Context:
         """What a model leaves, for effects to be given their shape beside it."""
-        return context_of(model, self.nearby.signals(model), self.fit_gains)
+        return context_of(model, self.nearby.signals(model.present, model.signals), self.fit_gains)
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The starting model with some of the proposals, settled."""
@@ -62,7 +62,7 @@ class Round:
 def problem_of(start: Prepared, fit_gains: bool) -> Problem:
     """The search for what a settled starting model lacks."""
     start = at_its_solution(start, fit_gains)
-    return Problem(start, fit_gains, Nearby(start))
+    return Problem(start, fit_gains, Nearby(start.model, start.measured))
 
 
 def at_its_solution(model: Prepared, fit_gains: bool) -> Prepared:
@@ -141,7 +141,8 @@ def _judged(
     own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
     exact = model.effects[len(start.effects) :]
     listed = [() if one.absorbed else one.instances for one in proposals]
-    system = build_system(about, problem.nearby.signals(model), listed, exact, own)
+    near = problem.nearby.signals(model.present, model.signals)
+    system = build_system(about, near, listed, exact, own)
     return Round(model, proposals, system, _search(system, proposals, barred))
 
 

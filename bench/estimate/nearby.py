@@ -5,6 +5,7 @@ is computed once for a dataset, at as few samples as the motion needs, of all re
 tried then costs a product with its parameters. A shift of an active joint counts to second order.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
@@ -19,8 +20,8 @@ from bench.effects.signals import OVERSAMPLING
 from bench.estimate.effect_columns import PresentModel
 from bench.estimate.measured import Measured
 from bench.estimate.perturbed import geometry_key
-from bench.estimate.prepare import Prepared
 from bench.model.geometry import Geometry
+from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_beside
 from bench.model.regressor import payload_transform, projected_regressor
 from bench.signals.decimation import fit_band
@@ -41,8 +42,7 @@ class Nearby:
     base parameters' columns, then those of a payload in the tool frame, zero without a tool.
     """
 
-    def __init__(self, prepared: Prepared) -> None:
-        model, measured = prepared.model, prepared.measured
+    def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
         self.few = tuple(_few_samples(one) for one in measured)
         ends = np.cumsum([0, *map(len, self.few)])
         self.part = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
@@ -75,13 +75,10 @@ class Nearby:
             self._kept.keep((order, motor, 2), second)
         return first, second
 
-    def signals(self, prepared: Prepared) -> tuple[RobotSignals, ...]:
-        """Every recording of a prepared dataset, as effects see it that are searched for beside its present model."""
-        if self._seen is None or self._seen[0] is not prepared.present:
-            self._seen = (
-                prepared.present,
-                tuple(self._nearby(prepared.present, i, seen) for i, seen in enumerate(prepared.signals)),
-            )
+    def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
+        """Every recording, `seen` beside the present model, as effects see it that are searched for."""
+        if self._seen is None or self._seen[0] is not present:
+            self._seen = present, tuple(self._nearby(present, i, one) for i, one in enumerate(seen))
         return self._seen[1]
 
     def _nearby(self, present: PresentModel, index: int, seen: RobotSignals) -> RobotSignals:

@@ -184,7 +184,7 @@ def motion_beside(
     Active positions, velocities and accelerations are (N, n) each. Raises BenchError where the closures cannot be found
     from there.
     """
-    track = Track(near.time, position - geometry.active_offset, velocity, acceleration)
+    track = Track(near.time, position, velocity, acceleration, geometry.active_offset)
     return _solved(geometry, closures_of(geometry), track, _beside(geometry, near, track))
 
 

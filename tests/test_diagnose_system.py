@@ -1,0 +1,73 @@
+"""Sets of effects, solved from inner products, are what the rows themselves give."""
+
+import numpy as np
+import pytest
+
+from bench.diagnose.system import Candidate, Products, System, _changed, _orthonormal, _products, solve_set
+from bench.diagnose.system import squared_errors as left_by
+from bench.estimate.current_error import minimised, squared_errors
+from bench.estimate.solution import Solution
+from bench.estimate.stack import compress
+
+TRUE = np.array([3.3, 2.8])
+OWN, ADDED = 5, 6
+
+
+def rows_of(seed, noise):
+    """Columns of a model, columns that it lacks, a known load and currents (M, n, ...)."""
+    random = np.random.default_rng(seed)
+    columns = random.standard_normal((600, 2, OWN + ADDED)) * 10.0 ** np.arange(-3, OWN + ADDED - 3)
+    columns[:, :, OWN + 2] += 1e3 * columns[:, :, 1]  # all but taken up by the model
+    columns[:, :, OWN + 5] = 2.0 * columns[:, :, OWN + 4]  # the same effect twice
+    kappa = random.standard_normal((600, 2))
+    theta = np.append(random.standard_normal(OWN), np.zeros(ADDED)) / 10.0 ** np.arange(-3, OWN + ADDED - 3)
+    theta[OWN], theta[OWN + 1] = 1e-2, -2e-3
+    current = (columns @ theta + kappa) / TRUE
+    return columns, kappa, current + noise * current.std() * random.standard_normal(current.shape)
+
+
+@pytest.fixture(params=[1e-2, 1e-6])
+def known(request):
+    """A system of two motors, and the factors of its rows."""
+    columns, kappa, current = rows_of(3, request.param)
+    factors = compress(columns, kappa, current)
+    weights = np.array([2.0, 0.5])
+    own = factors[:, :, [*range(OWN), -2, -1]]
+    theta, gains = minimised(own, np.zeros(OWN), np.array([3.0, 3.0]), weights, True)
+    start = Solution(theta, gains, weights, "current", True)
+    torque = columns[:, :, :OWN] @ theta + kappa
+    rows = np.concatenate((columns, torque[:, :, None], (current - torque / gains)[:, :, None]), axis=2)
+    flat = (rows[:, :, :-2] * (weights / gains)[:, None]).reshape(-1, OWN + ADDED)
+    change, sizes = _orthonormal(flat[:, :OWN], flat[:, OWN:])
+    products = _products([_changed(rows, change)], float((current**2).sum()))
+    listed = tuple(Candidate((), np.array([OWN + i]), sizes[[i]]) for i in range(ADDED))
+    return System(listed, OWN, start, products, products, 1.0), factors
+
+
+@pytest.mark.parametrize("chosen", [(), (0,), (1,), (0, 1), (1, 2), (0, 1, 2, 3), (0, 4, 5)])
+def test_a_set_is_solved_as_from_its_rows(known, chosen):
+    system, factors = known
+    picked = [*range(OWN), *(OWN + i for i in chosen), -2, -1]
+    own = factors[:, :, picked]
+    start = system.start
+    theta, gains = minimised(
+        own, np.append(start.theta, np.zeros(len(chosen))), start.gains, start.weights, True
+    )
+    found = solve_set(system, chosen)
+    np.testing.assert_allclose(found.gains, gains, rtol=1e-4)
+    wanted = squared_errors(own, theta, gains)
+    np.testing.assert_allclose(found.fitted, wanted @ start.weights**2, rtol=1e-5)
+    np.testing.assert_allclose(left_by(system.fitted, found, start), wanted, rtol=1e-3)
+
+
+def test_an_order_makes_no_difference_and_nothing_is_solved_twice(known):
+    system, _ = known
+    assert solve_set(system, (3, 0, 1)) is solve_set(system, (0, 1, 3))
+
+
+def test_products_say_how_many_rows_they_are_of():
+    rows = np.ones((4, 2, 3))
+    rows[1, 0] = 0.0
+    found = _products([rows, rows], 1.0)
+    assert isinstance(found, Products)
+    assert found.rows == 14

@@ -1,0 +1,57 @@
+"""What a search takes for small changes is what the changes are, to second order."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.effects import CATALOGUE, EffectInstance, effect_columns
+from bench.effects.body_length import lengths
+from bench.estimate.effect_rows import effect_rows
+from bench.estimate.nearby import Nearby
+from tests.effects_kit import moving_robot
+
+DECIMATION = 20
+VALUES = {
+    "geometric_error": {"dl": 0.003},
+    "encoder_offset": {"offset": 0.03},
+    "backlash": {"b": 0.005},
+    "base_tilt": {"tilt_x": 0.05, "tilt_y": -0.03},
+    "drive_flexibility": {"C": 2e-4},
+}
+
+
+@pytest.fixture(scope="module", params=["five_bar", "delta", "two_link"])
+def seen(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("robots")
+    robot, model, measured, present = moving_robot(request.param, folder, samples=3001)
+    return robot, Nearby(model, [measured]).signals(present, [robot])[0], model
+
+
+@pytest.mark.parametrize("name", sorted(VALUES))
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_columns_of_a_search_are_those_of_a_fit(seen, name, share):
+    exact, near, model = seen
+    values = {key: share * value for key, value in VALUES[name].items()}
+    places = {"geometric_error": list(lengths(model.geometry)), "base_tilt": [""]}
+    for joint in places.get(name, list(exact.joints)):
+        one = EffectInstance(CATALOGUE[name].about(values), joint, name)
+        wanted, found = (effect_rows(each, DECIMATION, [one]) for each in (exact, near))
+        scale = np.sqrt((wanted**2).mean()) or 1.0
+        assert np.sqrt(((found - wanted) ** 2).mean()) < 0.01 * scale, joint
+
+
+def test_effects_that_need_no_model_are_the_same_to_the_last_digit(seen):
+    exact, near, _ = seen
+    one = EffectInstance(CATALOGUE["stribeck_friction"], next(iter(exact.joints)), "")
+    np.testing.assert_array_equal(effect_rows(near, DECIMATION, [one]), effect_rows(exact, DECIMATION, [one]))
+
+
+def test_columns_filtered_together_are_those_of_each_alone(seen):
+    exact, *_ = seen
+    names = ("viscous_friction", "stribeck_friction", "cogging_torque", "encoder_offset")
+    every = [EffectInstance(CATALOGUE[name], joint, "") for name in names for joint in exact.joints]
+    together = effect_rows(exact, DECIMATION, every)
+    alone = np.concatenate([effect_rows(replace(exact), DECIMATION, [one]) for one in every], axis=2)
+    assert effect_columns(every[0], exact).shape == (len(exact.time), len(exact.joints), 1)
+    np.testing.assert_allclose(together, alone, atol=1e-9 * np.abs(alone).max())
