@@ -9,6 +9,11 @@ from bench.model.supported import label_of, unsupported_features
 from bench.robot import Robot
 from bench.robot_check.report import Check
 
+FORCES = {  # fields of MuJoCo's model, effect at a motor, effect at a joint without one
+    "spring (stiffness)": (("jnt_stiffness", "jnt_stiffnesspoly"), "joint_spring", "passive_spring"),
+    "damping": (("dof_damping", "dof_dampingpoly"), "viscous_friction", "passive_viscous_friction"),
+    "friction (frictionloss)": (("dof_frictionloss",), "coulomb_friction", "passive_coulomb_friction"),
+}
 LARGE = 20.0  # m: no robot is so large
 
 
@@ -32,15 +37,21 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
         if not compiled.eq_active0[index]:
             label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
             yield f"equality {label!r} is inactive and ignored"
-    forces = {
-        "spring (stiffness)": ("jnt_stiffness", "jnt_stiffnesspoly"),
-        "damping": ("dof_damping", "dof_dampingpoly"),
-        "friction (frictionloss)": ("dof_frictionloss",),
-    }
-    for what, fields in forces.items():
+    for what, (fields, at_motor, elsewhere) in FORCES.items():
         named = _joints_with(compiled, fields)
-        if named:
-            yield f"{what} on {', '.join(named)}: the simulator will add it, the model does not know it"
+        if not named:
+            continue
+        driven = [f"{at_motor}:{name}" for name in named if name in robot.joints]
+        passive = [f"{elsewhere}:{name}" for name in named if name not in robot.joints]
+        yield (
+            f"{what} on {', '.join(named)}: the simulator will add it, the model does not know it; fit it with "
+            f"--with {' --with '.join(driven + passive)}"
+            + (
+                " (bench/effects/README.md has passive_spring)"
+                if passive and what.startswith("spring")
+                else ""
+            )
+        )
     rotors = [name for name in _joints_with(compiled, ("dof_armature",)) if name not in robot.joints]
     if rotors:
         yield f"rotor inertia (armature) on the passive {', '.join(rotors)}: the model does not know it"

@@ -1,0 +1,58 @@
+"""A spring that the MJCF has in a joint without a motor: simulated, told by the check, and fitted."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from bench.catalogue import built_in_robots
+from bench.effects import catalogue_for
+from bench.estimate.identify import identify
+from bench.estimate.result import Identification
+from bench.excite.scenario import designer
+from bench.robot import load_robot
+from bench.robot_check.check import check_robot
+from bench.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+STIFFNESS, RELAXED = 1.5, 0.4
+
+
+@pytest.fixture(scope="module")
+def sprung(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The built-in five-bar with a spring at its left elbow."""
+    folder = tmp_path_factory.mktemp("sprung")
+    source = built_in_robots()["five_bar"]
+    text = (source / "five_bar.xml").read_text(encoding="utf-8")
+    spring = f'stiffness="{STIFFNESS}" springref="{RELAXED}"'
+    changed = text.replace('<joint name="left_elbow"/>', f'<joint name="left_elbow" {spring}/>')
+    assert changed != text
+    (folder / "five_bar.xml").write_text(changed, encoding="utf-8")
+    (folder / "robot.toml").write_text((source / "robot.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def found(sprung: Path, project_root: Path) -> Identification:
+    """Measurements of it, identified with the spring of the effects' README as an effect of one's own."""
+    text = (project_root / "bench" / "effects" / "README.md").read_text(encoding="utf-8")
+    (source,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    (sprung / "passive_spring.py").write_text(source, encoding="utf-8")
+    scenario = load_scenario("five_bar", {"robot": str(sprung)})
+    dataset = as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
+    effects = ["passive_spring:left_elbow"]
+    return identify(dataset, effects, catalogue=catalogue_for((sprung / "passive_spring.py",)))
+
+
+def test_the_check_tells_how_to_fit_it(sprung: Path) -> None:
+    notes = [check.detail for check in check_robot(load_robot(sprung)).checks if check.verdict == "note"]
+    assert any("--with passive_spring:left_elbow" in note for note in notes)
+
+
+def test_its_stiffness_is_found(found: Identification) -> None:
+    spring = found.effect_parameters["passive_spring"]["left_elbow"]
+    assert spring["k"].unit == "N*m/rad"
+    assert spring["k"].value == pytest.approx(STIFFNESS, rel=0.02)
+    assert spring["kq0"].value == pytest.approx(STIFFNESS * RELAXED, abs=0.03 * STIFFNESS)
+    assert found.drive_gains["left"].value == pytest.approx(3.3, rel=0.003)
