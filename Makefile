@@ -35,7 +35,7 @@ imports: $(INSTALLED)
 	$(BIN)/lint-imports --no-logo
 
 tests: $(INSTALLED)
-	$(BIN)/pytest --quiet --numprocesses 2
+	$(BIN)/pytest --quiet --numprocesses 2 --dist worksteal
 
 test-kernels: $(INSTALLED)
 	$(BIN)/python -m tests.kernels

@@ -55,7 +55,8 @@ def main() -> int:
     for kernel, name in chosen.items():
         click.echo(f"{kernel} (runs as {name}):")
         ignored = [f"--ignore-glob=*/test_{one}.py" for one in OTHERS]
-        command = [sys.executable, "-m", "pytest", "--quiet", "--numprocesses", "2", *ignored]
+        workers = ["--numprocesses", "2", "--dist", "worksteal"]
+        command = [sys.executable, "-m", "pytest", "--quiet", *workers, *ignored]
         if subprocess.run(command, env=os.environ | {CHOICE: kernel}, check=False).returncode:
             failed.append(kernel)
     click.echo(f"failed under: {', '.join(failed)}" if failed else f"passed under: {', '.join(chosen)}")
