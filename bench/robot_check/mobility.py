@@ -78,15 +78,14 @@ def coupling_lines(geometry: Geometry) -> list[Check]:
 
 def spin_notes(geometry: Geometry) -> list[Check]:
     """Which rods can spin between their ball joints."""
-    return [
-        Check(
-            "note",
-            "note",
-            f"body {geometry.joints[spin.joint].body!r} spins about the line through its joints while the motors "
-            "are held: taken as not spinning, which is exact for a rod whose mass lies on that line",
-        )
-        for spin in idle_spins(geometry)
-    ]
+    bodies = [repr(geometry.joints[spin.joint].body) for spin in idle_spins(geometry)]
+    if not bodies:
+        return []
+    told = (
+        f"{', '.join(bodies)}: free to spin about the line through the joints at both ends, the motors held"
+    )
+    exact = "taken as not spinning, which is exact where a rod's mass lies on that line"
+    return [Check("note", "note", f"{told}; {exact}")]
 
 
 def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
