@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.estimate.payload_parameters import payload_columns
-from bench.excite.limits import Limits, feasible_motion, limits_of
+from bench.excite.limits import Limits, feasible_motion, keeps_clear, limits_of
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion
@@ -201,7 +201,7 @@ def _shrunk(
     time = _times(movement, dense)
     for _ in range(MOST_SHRINKS):
         motion = feasible_motion(model.geometry, limits, trajectory, time)
-        if motion is not None:
+        if motion is not None and (not dense or keeps_clear(model.geometry, limits, motion)):
             return trajectory, motion
         trajectory = replace(trajectory, a=trajectory.a * SHRINK, b=trajectory.b * SHRINK)
     raise BenchError(

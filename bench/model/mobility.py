@@ -106,6 +106,25 @@ def scaled_jacobians(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return np.asarray(jacobian)
 
 
+def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
+    """Of the scaled loop Jacobian by the passive joints at q (N, nq): (N,). Zero: some joint is not held."""
+    passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
+    if not passive.shape[2]:
+        return np.full(len(q), np.inf)
+    if passive.shape[1] < passive.shape[2]:
+        return np.zeros(len(q))
+    return np.asarray(np.linalg.svd(passive, compute_uv=False)[:, -1])
+
+
+def least_held(geometry: Geometry, q: np.ndarray, count: int) -> np.ndarray:
+    """Of the poses q (N, nq) the numbers (count,) of those where the determinant by the passive joints is smallest."""
+    passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
+    if passive.shape[1] != passive.shape[2]:
+        passive = passive.transpose(0, 2, 1) @ passive
+    _, sizes = np.linalg.slogdet(passive)
+    return np.asarray(np.argsort(sizes, kind="stable")[:count])
+
+
 def column_scales(geometry: Geometry) -> np.ndarray:
     """(nv,): the robot's length [m] where a tree velocity is a length per time, else 1."""
     scales = np.ones(geometry.nv)

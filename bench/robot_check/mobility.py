@@ -22,14 +22,6 @@ def component_names(geometry: Geometry) -> tuple[str, ...]:
     return tuple(names)
 
 
-def smallest_singular_values(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """Of the scaled loop Jacobian by the passive joints at q (N, nq): (N,). Zero: some joint is not held."""
-    passive = scaled_jacobians(geometry, q)[:, :, geometry.passive]
-    if passive.shape[1] < passive.shape[2]:
-        return np.zeros(len(q))
-    return np.asarray(np.linalg.svd(passive, compute_uv=False)[:, -1])
-
-
 def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
     """Count equations and their rank, the largest over the poses q (N, nq)."""
     spins = len(idle_spins(geometry))

@@ -4,8 +4,8 @@ import numpy as np
 
 from bench.model.follow import Follower, Pose, advance, close, make_follower
 from bench.model.geometry import Geometry
+from bench.model.mobility import smallest_singular_values
 from bench.model.states import active_ranges
-from bench.robot_check.mobility import smallest_singular_values
 
 STARTS = 6  # poses of the scan, the worst first
 FIRST_STEP, LAST_STEP = 1.0 / 24.0, 1e-5  # of a motor's range

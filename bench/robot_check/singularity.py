@@ -12,11 +12,11 @@ import numpy as np
 
 from bench.model.follow import advance, home_pose, make_follower
 from bench.model.geometry import Geometry
-from bench.model.mobility import column_scales, scaled_jacobians
+from bench.model.mobility import column_scales, scaled_jacobians, smallest_singular_values
 from bench.model.nodes import robot_length
 from bench.model.states import active_ranges
 from bench.robot_check.machine import to_mujoco
-from bench.robot_check.mobility import amplification, smallest_singular_values, weakest_joints
+from bench.robot_check.mobility import amplification, weakest_joints
 from bench.robot_check.refine import refined
 from bench.robot_check.report import Singularity
 
