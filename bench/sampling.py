@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import make_interp_spline
+
+from bench.interpolation import cubic_spline
 
 FEWEST = 100  # samples: filters and decimation need some to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
@@ -105,7 +106,7 @@ def on_uniform_grid(
     away = np.abs(time - grid).max() / (grid[1] - grid[0])
     if away <= UNIFORM:
         return time, position, current, dict(extra)
-    read = np.asarray(make_interp_spline(time, np.hstack([position, current]), k=3)(grid))
+    read = cubic_spline(time, np.hstack([position, current]))(grid)
     n = position.shape[1]
     if away < 0.5 and _roughness(read[:, :n]) > SMOOTHER * _roughness(position):
         return grid, position, current, dict(extra)

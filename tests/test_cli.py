@@ -14,6 +14,18 @@ from bench.cli.lazy import LazyCommand, LazyGroup
 from bench.errors import BenchError
 from bench.files import atomic_path
 
+SLOW = {
+    "jinja2",
+    "matplotlib",
+    "rerun",
+    "scipy.interpolate",
+    "scipy.io",
+    "scipy.optimize",
+    "scipy.signal",
+    "scipy.sparse",
+    "scipy.spatial",
+    "scipy.stats",
+}
 HEAVY = {"matplotlib", "mujoco", "numpy", "pinocchio", "pyarrow", "pydantic", "rerun", "rich", "scipy"}
 
 
@@ -62,6 +74,17 @@ def test_help_lists_every_command_and_imports_nothing_heavy(capsys):
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_help_of_a_command_imports_nothing_heavy(name):
     assert heavy_imports(name, "--help") == []
+
+
+@pytest.mark.parametrize("name", ["identify", "diagnose"])
+def test_what_is_slow_to_import_and_not_needed_is_not_imported(name, tmp_path):
+    program = (
+        "import sys; from bench.cli import main\n"
+        f"code = main([{name!r}, {str(tmp_path / 'nothing')!r}])\n"
+        f"print(code, *sorted({SLOW!r} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["2"]
 
 
 def test_import_bench_is_light():

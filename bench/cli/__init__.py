@@ -5,6 +5,7 @@ the table below and imports none of them. To add a command: write `bench/cli/NAM
 command, and give it a line in `COMMANDS` with the first sentence of its docstring as its help.
 """
 
+import os
 import signal
 import sys
 import threading
@@ -90,6 +91,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     130 and 143: interrupted or terminated; files that were being written are left as they were.
     A reader of standard output who leaves early changes nothing of this.
     """
+    os.environ.setdefault(
+        "MUJOCO_GL", "disable"
+    )  # no command draws with MuJoCo, whose windows take time to import
     try:
         with _leaving_on_termination(), forgiving_output():
             result = cli.main(args=arguments, prog_name="bench", standalone_mode=False)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import signal
 
 from bench.compare.memory import independent_rows
 from bench.compare.motor import MotorSeries
+from bench.signals.spectrum import hann_spectrum
 
 SURPRISING = 1e-6  # probability of so strong a line by chance
 WORTH_NAMING = 0.15  # of the squared error
@@ -57,7 +57,7 @@ def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
     for one in series:
         filled = np.zeros(int(one.row[-1] - one.row[0]) + 1)
         filled[one.row - one.row[0]] = one.error
-        frequency, density = signal.welch(filled, one.rate, nperseg=length, detrend=False)
+        frequency, density = hann_spectrum(filled, one.rate, length, centred=False)
         densities.append(density * len(filled) / len(one.row))
         weights.append(len(one.row))
     noise = np.average([one.noise**2 / one.band for one in series], weights=weights)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.stats import chi2
 
+from bench.chi_squared import tail
 from bench.compare.memory import correlations, memory
 from bench.compare.motor import MotorSeries
 
@@ -141,4 +141,4 @@ def _dependence(
     found = max(share - size / independent, 0.0)
     low, high = int(np.argmin(means)), int(np.argmax(means))
     ends = (float(means[low]), float(bins.center[low]), float(means[high]), float(bins.center[high]))
-    return Dependence(series[0].joint, variable, found, *ends, bool(named)), left, float(chi2.sf(ratio, size))
+    return Dependence(series[0].joint, variable, found, *ends, bool(named)), left, tail(ratio, size)

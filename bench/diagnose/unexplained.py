@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.stats import chi2
 
+from bench.chi_squared import exceeded_with
 from bench.diagnose.result import Unexplained
 from bench.estimate.result import CurrentSeries, Identification, relative_error
 from bench.recording import Recording
@@ -142,7 +142,7 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
     # the sum of squares of bin means is close to a scaled chi-squared; its tail is carried on from its moments
     mean, variance = chance.mean(), chance.var()
     freedom = 2.0 * mean**2 / max(variance, 1e-300)
-    limit = mean / freedom * float(chi2.isf(SURPRISING, freedom))
+    limit = mean / freedom * exceeded_with(SURPRISING, freedom)
     return between(errors) / limit
 
 
@@ -170,4 +170,4 @@ def _lasting(series: Sequence[CurrentSeries]) -> bool:
             correlation = (errors[lag:] * errors[:-lag]).sum(axis=0) / np.where(scale > 0, scale, 1.0)
             squares += float((correlation**2 * one.moving.sum(axis=0)).sum())
             count += correlation.size
-    return count > 0 and squares > float(chi2.isf(SURPRISING, count))
+    return count > 0 and squares > exceeded_with(SURPRISING, count)

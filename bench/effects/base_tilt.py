@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from bench.effects.effect import Effect, EffectParameter
 from bench.effects.signals import RobotSignals
@@ -50,4 +49,6 @@ class BaseTilt(Effect):
 
 
 def _turned(vector: np.ndarray, axis: int, angle: float) -> np.ndarray:
-    return np.asarray(Rotation.from_rotvec(angle * np.eye(3)[axis]).apply(vector))
+    along = np.eye(3)[axis]
+    part = vector[axis] * along
+    return part + np.cos(angle) * (vector - part) + np.sin(angle) * np.cross(along, vector)

@@ -1,8 +1,9 @@
 """An inertia on a spring that a torque deflects."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.linalg import solve_banded
+
+from bench.interpolation import cubic_spline
 
 FINER = 4  # samples for each given one: a torque is then nearly straight between two
 
@@ -19,7 +20,7 @@ def deflection(
     time = interval * np.arange(len(settled))
     fine = interval / FINER * np.arange((len(settled) - 1) * FINER + 1)
     step = interval / FINER
-    aim = CubicSpline(time, settled, axis=0)(fine)
+    aim = cubic_spline(time, settled)(fine)
     slope = np.diff(aim, axis=0) / step
     period = np.sqrt(np.interp(fine[:-1] + 0.5 * step, time, squared_period))
     lag = 2.0 * damping * period[:, None] * slope

@@ -1,11 +1,11 @@
 """Motors and links that do not move together: the torque that the difference of their positions makes."""
 
 import numpy as np
-from scipy.signal import periodogram
 
 from bench.effects.signals import OVERSAMPLING, WIDER, RobotSignals
 from bench.signals.differentiation import central_difference
 from bench.signals.filtering import low_pass
+from bench.signals.spectrum import hann_spectrum
 
 ORDER = 4  # of the low-pass and, twice that, of the differences
 HELD = 0.9999  # of the acceleration's power inside the fit's band
@@ -43,7 +43,7 @@ def motion_band(values: np.ndarray, interval: float, band: float, share: float) 
 
     The band itself where there is none. interval: s, between samples.
     """
-    frequency, power = periodogram(values, 1.0 / interval, window="hann")
+    frequency, power = hann_spectrum(values, 1.0 / interval, len(values), centred=True)
     inside = frequency <= band
     held = np.cumsum(power[inside])
     if not held[-1] > 0.0:

@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import ClassVar, Protocol
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from bench.effects.kept import KeptRows
+from bench.interpolation import cubic_spline
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion
 from bench.signals.filtering import low_pass
@@ -180,7 +180,7 @@ class RobotSignals:
         """Smooth values (K, ...) at the coarse samples, at every sample (N, ...): a cubic spline."""
         if self.every == 1:
             return values
-        return np.asarray(CubicSpline(self.time[:: self.every], values, axis=0)(self.time))
+        return cubic_spline(self.time[:: self.every], values)(self.time)
 
     def torque_change(
         self,

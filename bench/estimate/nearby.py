@@ -11,7 +11,6 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from bench.effects import RobotSignals
 from bench.effects.kept import KeptRows
@@ -20,6 +19,7 @@ from bench.effects.signals import OVERSAMPLING
 from bench.estimate.effect_columns import PresentModel
 from bench.estimate.measured import Measured
 from bench.estimate.perturbed import geometry_key
+from bench.interpolation import cubic_spline
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_beside
@@ -210,7 +210,7 @@ class NearbySignals(RobotSignals):
         few = self.nearby.few[self.index]
         if len(few) == len(time):
             return values
-        return np.asarray(CubicSpline(self.time[few], values, axis=0)(time))
+        return cubic_spline(self.time[few], values)(time)
 
 
 def _few_samples(measured: Measured) -> np.ndarray:

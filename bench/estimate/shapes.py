@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from bench.effects import Bracket, EffectInstance, JointSamples, ShapeParameter
+from bench.estimate.bounded import minimum_between
 from bench.estimate.joint_samples import joint_samples
 from bench.estimate.newton import NEARBY, within_reach
 from bench.estimate.partial import PartialRegression
@@ -70,14 +70,9 @@ def _searched(
             unexplained = _between_nodes(columns, brackets[best], partial)
         else:
             unexplained = _exactly(columns, partial)
-        result = minimize_scalar(
-            unexplained,
-            bounds=(low, high),
-            method="bounded",
-            options={"xatol": TOLERANCE * max(abs(low), abs(high))},
-        )
-        if result.fun < cost:
-            found, cost = float(result.x), float(result.fun)
+        place, value = minimum_between(unexplained, low, high, TOLERANCE * max(abs(low), abs(high)))
+        if value < cost:
+            found, cost = place, value
     return reshaped(instance, {parameter.name: found}), cost
 
 

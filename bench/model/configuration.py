@@ -5,8 +5,8 @@ in the body's own frame, and a free joint's linear velocity is in that frame too
 """
 
 import numpy as np
-from scipy.interpolate import PPoly
 
+from bench.interpolation import PiecewisePolynomial
 from bench.model.geometry import Geometry, Joint
 from bench.model.kinematics import rotation_of
 from bench.model.scalars import Vector, cross, turned
@@ -63,7 +63,7 @@ def configuration_rates(
     return first, second
 
 
-def hermite(time: np.ndarray, q: np.ndarray, first: np.ndarray, second: np.ndarray) -> PPoly:
+def hermite(time: np.ndarray, q: np.ndarray, first: np.ndarray, second: np.ndarray) -> PiecewisePolynomial:
     """Quintic through configurations q (nq, M) at times (M,) with their first and second derivatives.
 
     Called with times (K,) it gives (K, nq); quaternions are to be normalised.
@@ -82,7 +82,7 @@ def hermite(time: np.ndarray, q: np.ndarray, first: np.ndarray, second: np.ndarr
             p0,
         )
     )
-    return PPoly(np.ascontiguousarray(coefficients.transpose(0, 2, 1)), time)
+    return PiecewisePolynomial(np.ascontiguousarray(coefficients.transpose(0, 2, 1)), time)
 
 
 def _quaternion(joint: Joint) -> slice:

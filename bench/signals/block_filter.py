@@ -11,9 +11,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from bench.signals.filtering import extended_end, extended_start, resting_states
+from bench.signals.sections import filtered, one_by_one
 
 FloatArray = NDArray[np.float64]
 
@@ -90,9 +90,9 @@ class RunningFilter:
         way = way[self._run(way, len(way) - 1) :]
         columns = way.shape[1]
         state = self._state.reshape(*resting.shape, columns)
-        end, _ = signal.sosfilt(self._sections, way, axis=0, zi=state)
+        end, _ = filtered(self._sections, way, state)
         initial = resting[:, :, None] * end[-1]
-        end, initial = signal.sosfilt(self._sections, end[::-1], axis=0, zi=initial)
+        end, initial = filtered(self._sections, end[::-1], initial)
         kept = [*self._kept, np.asarray(end[::-1][:: self._factor], dtype=float)]
         if self._passed:
             blocks = _blocks(self._sections.tobytes(), self._factor)
@@ -162,17 +162,16 @@ def _blocks(key: bytes, factor: int) -> _Blocks:
     length, size = block_length(factor), 2 * len(sections)
     # Every column a run of its own: a unit impulse at each sample, then a unit of each state.
     impulses = np.concatenate((np.eye(length), np.zeros((length, size))), axis=1)
-    states = np.concatenate((np.zeros((size, length)), np.eye(size)), axis=1).reshape(-1, 2, length + size)
-    outputs, after = signal.sosfilt(sections, impulses, axis=0, zi=states)
-    after = after.reshape(size, -1)
-    filtered, initial = outputs[:, :length], outputs[:, length:]
+    states = np.concatenate((np.zeros((size, length)), np.eye(size)), axis=1)
+    outputs, after = one_by_one(sections, impulses, states)
+    passed, initial = outputs[:, :length], outputs[:, length:]
     fed, carry = after[:, :length], after[:, length:]
     back = fed[:, ::-1]
-    kept = filtered[::-1, ::-1][::factor]
+    kept = passed[::-1, ::-1][::factor]
     return _Blocks(
         length=length,
         carry=np.ascontiguousarray(carry),
-        taken=np.concatenate((fed, back @ filtered, kept @ filtered)),
+        taken=np.concatenate((fed, back @ passed, kept @ passed)),
         turned=back @ initial,
         ahead=kept @ initial,
         behind=np.ascontiguousarray(initial[::-1][::factor]),

@@ -11,11 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from bench.errors import BenchError
 from bench.signals.block_filter import RunningFilter, kept_samples
 from bench.signals.filtering import check_length, too_short
+from bench.signals.sections import chebyshev, response
 
 FloatArray = NDArray[np.float64]
 
@@ -92,11 +92,10 @@ def noise_bandwidth(factor: int) -> float:
     if factor == 1:
         return 1.0
     frequency = np.linspace(0, min(2 * BAND / factor, 1), 20001)
-    _, h = signal.freqz_sos(_sections(factor), worN=np.pi * frequency)
+    h = response(_sections(factor), np.pi * frequency)
     return float(np.trapezoid(np.abs(h) ** 4, frequency))
 
 
 @lru_cache(maxsize=64)
 def _sections(factor: int) -> FloatArray:
-    sections = signal.cheby1(ORDER, RIPPLE, BAND / factor, output="sos")
-    return np.asarray(sections, dtype=float)
+    return chebyshev(ORDER, RIPPLE, BAND / factor)

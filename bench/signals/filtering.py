@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from bench.errors import BenchError
+from bench.signals.sections import at_rest, butterworth, filtered
 
 FloatArray = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def forward_backward(sections: FloatArray, x: FloatArray, order: int, what: str)
     start = resting_states(sections.tobytes())[(..., *(None,) * (x.ndim - 1))]
     way = extended_end(extended_start(x, 3 * order), 3 * order)
     for _ in range(2):
-        way = signal.sosfilt(sections, way, axis=0, zi=start * way[0])[0][::-1]
+        way = filtered(sections, way, start * way[0])[0][::-1]
     return np.ascontiguousarray(way[3 * order : len(way) - 3 * order])
 
 
@@ -107,10 +107,10 @@ def extended_end(x: FloatArray, length: int) -> FloatArray:
 @lru_cache(maxsize=64)
 def _butterworth(order: int, cutoff: float) -> FloatArray:
     """Second-order sections of a low-pass, its cut-off as a share of half the rate."""
-    return np.asarray(signal.butter(order, cutoff, output="sos"), dtype=float)
+    return butterworth(order, cutoff)
 
 
 @lru_cache(maxsize=64)
 def resting_states(sections: bytes) -> FloatArray:
     """States (n_sections, 2) of second-order sections that have seen ones for ever."""
-    return np.asarray(signal.sosfilt_zi(np.frombuffer(sections).reshape(-1, 6)), dtype=float)
+    return at_rest(np.frombuffer(sections).reshape(-1, 6))

@@ -9,7 +9,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy import fft, signal
 
 from bench.errors import BenchError
 
@@ -19,12 +18,22 @@ SHORTEST = 100  # samples of a record from which a spectrum is estimated
 SEGMENTS = 3  # a segment is this fraction of the record, of a short record more; they overlap by four fifths
 SEGMENT = 6.0  # s, the shortest segment if the record has it: a line is then 1 Hz wide on either side
 KAISER = 20.0  # side lobes below -150 dB: the floor of a 20-bit encoder lies 130 dB below the motion
-# Below 0.26 of half the rate 118 dB down, and a second difference against large slow motions.
-HIGH_PASS = np.convolve(signal.firwin(33, 0.5, window=("kaiser", 12.0), pass_zero=False), [-1.0, 2.0, -1.0])
+TAPS, TAPER = 33, 12.0  # of the high-pass of a quarter of the rate, by the window method
 NEIGHBOURS = 10  # samples left out on either side of one that stands out
 CLIP = 4.0  # standard deviations; white noise passes but for 6 samples in 100,000
 LOBE = 13  # frequencies over which a window of that kind smears a line
 OUTLIER = 3.0  # a density this many times the floor is a signal, not noise
+
+
+def _high_pass() -> FloatArray:
+    """Below 0.26 of half the rate 118 dB down, with a second difference against large slow motions."""
+    place = np.arange(TAPS) - TAPS // 2
+    ideal = np.sinc(place) - 0.5 * np.sinc(0.5 * place)
+    taps = ideal * np.kaiser(TAPS, TAPER)
+    return np.convolve(taps / (taps @ np.cos(np.pi * place)), [-1.0, 2.0, -1.0])
+
+
+HIGH_PASS = _high_pass()
 
 
 def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
@@ -41,16 +50,31 @@ def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     if len(x) < SHORTEST:
         raise BenchError(f"spectrum: {len(x)} samples are too few, it needs at least {SHORTEST}")
     length = min(len(x), max(SHORTEST, len(x) // SEGMENTS, int(SEGMENT * rate)))
-    window = _window(length)
-    step = length - length * 4 // 5
+    return _averaged(x, rate, _window(length), length - length * 4 // 5, centred=True)
+
+
+def hann_spectrum(x: FloatArray, rate: float, length: int, *, centred: bool) -> tuple[FloatArray, FloatArray]:
+    """The same of one signal x (N,), from Hann's windows of so many samples that overlap by half: (F,) both.
+
+    centred: whether each segment's mean is taken away first.
+    """
+    window = np.hanning(length + 1)[:-1]
+    frequency, density = _averaged(x[:, None], rate, window, length - length // 2, centred=centred)
+    return frequency, density[:, 0]
+
+
+def _averaged(
+    x: FloatArray, rate: float, window: FloatArray, step: int, *, centred: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Averaged periodogram of the columns of x (N, n), in windows that begin every `step` samples."""
+    length = len(window)
     starts = range(0, len(x) - length + 1, step)
     channels = np.ascontiguousarray(x.T)
     power = np.zeros((len(channels), length // 2 + 1))
     for start in starts:
         segment = channels[:, start : start + length]
-        centred = segment - segment.mean(axis=1, keepdims=True)
-        centred *= window
-        lines = fft.rfft(centred, axis=1, overwrite_x=True)
+        level = segment.mean(axis=1, keepdims=True) if centred else 0.0
+        lines = np.fft.rfft((segment - level) * window, axis=1)
         power += lines.real**2 + lines.imag**2
     density = (power / len(starts)).T * (2.0 / (rate * (window @ window)))
     density[0] /= 2.0
@@ -62,7 +86,7 @@ def power_spectrum(x: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
 
 @lru_cache(maxsize=16)
 def _window(length: int) -> FloatArray:
-    return np.asarray(signal.get_window(("kaiser", KAISER), length), dtype=float)
+    return np.kaiser(length + 1, KAISER)[:-1]
 
 
 def noise_density(x: FloatArray, rate: float) -> FloatArray:

@@ -4,7 +4,7 @@ import os
 import sys
 from pathlib import Path
 
-from bench.speed import diagnosis, growth, long_log, main_job, regressor, report, six_axes
+from bench.speed import diagnosis, growth, long_log, main_job, regressor, report, six_axes, start_up
 from bench.speed.figures import Figure, append_history, figures_table, last_values
 from bench.speed.scheduling import scheduling_figures
 from bench.speed.sweep import sweep_figures
@@ -79,7 +79,16 @@ def growth_figures() -> list[Figure]:
     ]
 
 
+def start_up_figures() -> list[Figure]:
+    """From the command to the moment when its dataset is read."""
+    return [
+        Figure(f"start of bench {command}", start_up.measure(command), "s", start_up.LIMIT)
+        for command in start_up.COMMANDS
+    ]
+
+
 MEASUREMENTS = (
+    start_up_figures,
     regressor_figures,
     main_job_figures,
     long_log_figures,

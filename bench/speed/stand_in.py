@@ -11,9 +11,9 @@ import sys
 import time
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
+from bench.sweep.dask_pool import distributed
 from bench.sweep.journal import Row
 from bench.sweep.plan import Run
 from bench.sweep.pool import Task
@@ -67,7 +67,6 @@ class NoWork:
 
 async def serve(address: str = "", workers: int = 1) -> None:
     """A scheduler, or so many workers of the one at an address, until the standard input ends."""
-    distributed: Any = import_module("distributed")
     if address:
         made = [
             distributed.Worker(address, nthreads=1, memory_limit=0, dashboard=False) for _ in range(workers)

@@ -7,9 +7,9 @@ them follows the motion smoothly, and so does what a changed geometry takes: bot
 from dataclasses import dataclass, field, fields
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from bench.effects import RobotSignals
+from bench.interpolation import cubic_spline
 
 THINNER = 6  # coarse samples between two at which a change is computed
 TURN, SLIDE = 1e-4, 1e-5  # rad, m: shift of a joint for the difference quotient
@@ -79,7 +79,7 @@ class SmallChanges(RobotSignals):
         return changed - self.coarse.torque[::THINNER]
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
-        return np.asarray(CubicSpline(self.coarse.time[::THINNER], values, axis=0)(time))
+        return cubic_spline(self.coarse.time[::THINNER], values)(time)
 
 
 def small_changes(signals: RobotSignals) -> SmallChanges:
