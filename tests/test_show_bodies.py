@@ -130,7 +130,7 @@ def rgba(archetype):
 def test_positions_go_to_mujoco_and_back(name, tmp_path):
     robot = robot_named(name, tmp_path)
     geometry = read_geometry(robot)
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     qpos = np.random.default_rng(1).normal(size=(5, model.nq))
     np.testing.assert_allclose(
         to_mujoco(geometry.joints, from_mujoco(geometry.joints, qpos)), qpos, rtol=0, atol=1e-15
@@ -141,7 +141,7 @@ def test_positions_go_to_mujoco_and_back(name, tmp_path):
 def test_mujoco_finds_the_loops_closed_and_the_motors_where_they_were_logged(name, tmp_path):
     robot = robot_named(name, tmp_path)
     geometry = read_geometry(robot)
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     time, position, velocity, acceleration = movement(geometry, samples=41)
     tree = motion_of(geometry, time, position, velocity, acceleration)
     qpos = to_mujoco(geometry.joints, tree.q)
@@ -175,7 +175,7 @@ def test_the_box_holds_every_shape(model):
 def test_frames_come_at_fifty_hertz_whatever_the_rate(tmp_path):
     robot = robot_named("serial", tmp_path)
     geometry = read_geometry(robot)
-    model = mujoco.MjModel.from_xml_path(str(robot.model_path))
+    model = robot.mjcf_model()
     for rate, step in ((1000.0, 20), (100.0, 2), (40.0, 1)):
         time = np.arange(round(4.0 * rate)) / rate
         position = 0.1 * np.sin(time)[:, None] + np.zeros(len(robot.joints))

@@ -66,7 +66,7 @@ def test_currents_are_all_there_to_the_last_bit(written):
 
 def test_loops_are_closed_in_every_frame(written):
     path, _, dataset = written
-    model = mujoco.MjModel.from_xml_path(str(dataset.robot.model_path))
+    model = dataset.robot.mjcf_model()
     assert model.neq
     for recording in dataset.recordings:
         bodies = f"/{Path(recording.name).stem}/robot/bodies"
@@ -81,7 +81,7 @@ def test_loops_are_closed_in_every_frame(written):
 
 def test_motors_turn_as_logged_fifty_times_a_second(written):
     path, result, dataset = written
-    model = mujoco.MjModel.from_xml_path(str(dataset.robot.model_path))
+    model = dataset.robot.mjcf_model()
     border = result.settings.border[0]
     for recording in dataset.recordings:
         for j, joint in enumerate(dataset.robot.joints):
@@ -106,7 +106,7 @@ def test_a_payload_is_drawn_where_it_is_carried_with_its_mass(written):
     np.testing.assert_allclose(center, DISC.center_of_mass, atol=1e-8)
     (size,) = static_value(path, ball, "Ellipsoids3D:half_sizes")
     np.testing.assert_allclose(4.0 / 3.0 * np.pi * np.prod(size) * PAYLOAD_DENSITY, DISC.mass, rtol=1e-5)
-    model = mujoco.MjModel.from_xml_path(str(dataset.robot.model_path))
+    model = dataset.robot.mjcf_model()
     site = model.site(dataset.robot.tool_site)
     body = model.body(site.bodyid[0]).name
     _, positions, rotations = poses(path, f"/loaded/robot/bodies/{body}")

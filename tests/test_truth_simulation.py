@@ -91,7 +91,7 @@ def test_truth_names_the_machine_as_its_mjcf_describes_it(simulation):
     from bench.truth.report import truth
 
     told = truth(simulation)
-    model = mujoco.MjModel.from_xml_path(str(simulation.robot.model_path))
+    model = simulation.robot.mjcf_model()
     assert list(told["bodies"]) == [model.body(i).name for i in range(1, model.nbody)]
     crank = told["bodies"]["left_crank"]
     assert crank["mass"] == 1.216
