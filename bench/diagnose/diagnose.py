@@ -12,7 +12,7 @@ from bench.diagnose.candidates import Proposal
 from bench.diagnose.encoder_noise import encoder_error
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
-from bench.diagnose.rounds import first_round, problem_of, searched
+from bench.diagnose.rounds import Problem, first_round, problem_of, searched
 from bench.diagnose.search import Found
 from bench.diagnose.split import with_judged_parts
 from bench.diagnose.system import System
@@ -20,7 +20,7 @@ from bench.diagnose.unexplained import unexplained
 from bench.diagnose.verdicts import checked_error, verdicts
 from bench.effects import CATALOGUE, Effect, EffectInstance
 from bench.estimate.identify import fit, gains_can_be_fitted
-from bench.estimate.prepare import Prepared, prepare, with_effects
+from bench.estimate.prepare import Prepared, prepare
 from bench.estimate.result import Identification, relative_error
 from bench.estimate.settle import settled
 from bench.estimate.summary import ROBOT
@@ -59,12 +59,12 @@ def diagnose(
     while True:
         last = searched(problem, first, barred, progress)
         progress.phase("fitting what was found")
-        model, after = _where_it_shows(start, last.model, fit_gains)
+        model, after = _where_it_shows(problem, last.model)
         added = model.effects[len(start.effects) :]
         out = impossible_effects(after, added)
         if not out:
             names = list(dict.fromkeys(one.effect.name for one in added))
-            fits = _fits(start, added, before, after, fit_gains)
+            fits = _fits(problem, added, before, after)
             ladder = _ladder(names, fits)
             out = superfluous_effect(ladder)
         if not out:
@@ -97,18 +97,18 @@ def diagnose(
     )
 
 
-def _where_it_shows(start: Prepared, model: Prepared, fit_gains: bool) -> tuple[Prepared, Identification]:
+def _where_it_shows(problem: Problem, model: Prepared) -> tuple[Prepared, Identification]:
     """The found effects without the joints at which they are nothing or have an impossible sign."""
+    fit_gains = problem.fit_gains
     result = fit(model, fit_gains=fit_gains)
-    own, added = model.effects[: len(start.effects)], model.effects[len(start.effects) :]
+    added = model.effects[len(problem.start.effects) :]
     kept = [one for one in added if _shows(result, one)]
     for one in added:
         if not any(other.effect.name == one.effect.name for other in kept):
             kept.append(one)
     if len(kept) == len(added):
         return model, result
-    ordered = [one for one in added if one in kept]
-    model = settled(with_effects(start, (*own, *ordered)), fit_gains)
+    model = problem.with_instances([one for one in added if one in kept])
     return model, fit(model, fit_gains=fit_gains)
 
 
@@ -157,11 +157,7 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
 
 
 def _fits(
-    start: Prepared,
-    added: Sequence[EffectInstance],
-    before: Identification,
-    after: Identification,
-    fit_gains: bool,
+    problem: Problem, added: Sequence[EffectInstance], before: Identification, after: Identification
 ) -> Fits:
     """The starting model with some of the found effects, by name, each such set fitted once."""
 
@@ -172,7 +168,7 @@ def _fits(
         chosen = [one for one in added if one.effect.name in names]
         if len(chosen) == len(added):
             return after
-        return fit(with_effects(start, (*start.effects, *chosen)), fit_gains=fit_gains)
+        return fit(problem.with_instances(chosen), fit_gains=problem.fit_gains)
 
     return fitted
 

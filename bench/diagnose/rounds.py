@@ -8,9 +8,9 @@ from bench.diagnose.partner import beside, partners
 from bench.diagnose.restart import restarted
 from bench.diagnose.search import NEEDED, Found, search
 from bench.diagnose.system import System, build_system, solve_set
-from bench.effects import Effect
+from bench.effects import Effect, EffectInstance
 from bench.estimate.nearby import Nearby
-from bench.estimate.prepare import Prepared, with_effects
+from bench.estimate.prepare import Prepared, seen_nearby, with_effects
 from bench.estimate.quick import solved_quickly
 from bench.estimate.settle import present_model, settled
 from bench.progress import SILENT, Progress
@@ -34,9 +34,14 @@ class Problem:
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The starting model with some of the proposals, settled."""
-        instances = [one for i in chosen for one in proposals[i].instances]
-        model = with_effects(self.start, (*self.start.effects, *instances))
-        return at_its_solution(settled(model, self.fit_gains), self.fit_gains)
+        return self.with_instances([one for i in chosen for one in proposals[i].instances])
+
+    def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
+        """The starting model with these effects, settled: first as it is known nearby, then as it is."""
+        near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
+        near = settled(near, self.fit_gains)
+        model = with_effects(self.start, near.effects, near.present)
+        return at_its_solution(settled(model, self.fit_gains, nearly=near.settled), self.fit_gains)
 
 
 @dataclass(frozen=True)
@@ -112,7 +117,7 @@ def _again(problem: Problem, here: Round, barred: Collection[str], progress: Pro
         before = here.names
         here = _judged(problem, model, proposals, barred)
         if here.names == before:
-            break
+            return here
     return replace(here, model=problem.with_proposals(here.proposals, here.chosen))
 
 

@@ -13,6 +13,7 @@ from bench.estimate.effect_columns import PresentModel, declared_parameters, rob
 from bench.estimate.effect_rows import effect_rows
 from bench.estimate.layout import ParameterLayout, parameter_layout
 from bench.estimate.measured import Measured, measure
+from bench.estimate.nearby import Nearby
 from bench.estimate.observation import Observation, observe
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.guess import guessed_parameters
@@ -26,7 +27,8 @@ class Prepared:
 
     measured and observations go together, one for each recording that can be used. present: the model that
     effects are linearised about; signals: what they see of each recording. settled: whether effects that are not
-    linear have their shape and are linearised about this very model.
+    linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
+    taken from, in place of what effects compute exactly.
     """
 
     dataset: Dataset
@@ -39,6 +41,7 @@ class Prepared:
     present: PresentModel
     signals: tuple[RobotSignals, ...]
     settled: bool = False
+    nearby: Nearby | None = None
 
     @property
     def left_aside(self) -> tuple[str, ...]:
@@ -109,6 +112,8 @@ def with_effects(
         present = prepared.present
     else:
         signals = tuple(robot_signals(prepared.model, one, present) for one in prepared.measured)
+        if prepared.nearby is not None:
+            signals = prepared.nearby.signals(present, signals)
     observations = tuple(
         replace(observation, effects=effect_rows(seen, prepared.settings.decimation, effects))
         for seen, observation in zip(signals, prepared.observations, strict=True)
@@ -124,6 +129,12 @@ def with_effects(
         signals=signals,
         settled=False,
     )
+
+
+def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
+    """The same with small changes of the torque taken from what is known nearby."""
+    signals = nearby.signals(prepared.present, prepared.signals)
+    return replace(prepared, signals=signals, nearby=nearby, settled=False)
 
 
 def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:

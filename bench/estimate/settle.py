@@ -13,6 +13,7 @@ from bench.estimate.prepare import Prepared, with_effects
 from bench.estimate.quick import linearised, solved_quickly, spread
 from bench.estimate.shapes import best_shape
 from bench.estimate.solution import Solution
+from bench.estimate.stack import Stack
 
 MOST_ROUNDS = 6
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
@@ -39,19 +40,24 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
     )
 
 
-def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
+def settled(prepared: Prepared, fit_gains: bool, *, nearly: bool = False) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
     At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
-    as the errors become smaller by them (see newton.py), and are searched again where they do not.
+    as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
+    the present model are nearly right, so that no search comes first.
     """
     instances = prepared.effects
     curved = [one for one in instances if one.effect.shape or one.effect.depends_on_model]
     if prepared.settled or not curved:
         return prepared
-    plain = with_effects(prepared, [one for one in instances if one not in curved])
-    present = present_model(plain, solved_quickly(plain, fit_gains)[1])
+    present = prepared.present
     before: tuple[np.ndarray, ...] | None = None
+    if nearly:
+        before = _state(prepared, *solved_quickly(prepared, fit_gains))
+    else:
+        plain = with_effects(prepared, [one for one in instances if one not in curved])
+        present = present_model(plain, solved_quickly(plain, fit_gains)[1])
     last = instances
     for _ in range(MOST_ROUNDS):
         prepared = with_effects(prepared, instances, present)
@@ -68,12 +74,17 @@ def settled(prepared: Prepared, fit_gains: bool) -> Prepared:
             instances, last = _eased(last, instances, about), instances
         else:
             instances = tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
-        curves = [_curved_values(one) for one in instances]
-        now = (solution.gains, np.concatenate(curves), spread(stack, solution))
+        now = _state(replace(prepared, effects=instances), stack, solution)
         if before is not None and _alike(now, before):
             break
         before = now
     return replace(with_effects(prepared, instances, present), settled=True)
+
+
+def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
+    """What must stay as it is for a model to be settled: gains, values that are not linear, and RMS errors."""
+    curves = [_curved_values(one) for one in prepared.effects]
+    return solution.gains, np.concatenate(curves), spread(stack, solution)
 
 
 def _curved_values(instance: EffectInstance) -> tuple[float, ...]:
