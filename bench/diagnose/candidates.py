@@ -91,11 +91,8 @@ def _about_their_values(
 
 def _visible(context: Context, instance: EffectInstance) -> bool:
     """Whether anything of an effect's columns is left beside those that the model has."""
-    left = context.left
-    columns = candidate_columns(context.prepared, [instance])
-    whole = np.linalg.norm(columns * (left.moving * left.weights)[:, :, None], axis=(0, 1))
-    remains = np.linalg.norm(left.left(columns), axis=0)
-    return bool(np.any(remains > INVISIBLE * np.maximum(whole, np.finfo(float).tiny)))
+    found = context.left.products(candidate_columns(context.prepared, [instance]))
+    return bool(np.any(found.left > INVISIBLE))
 
 
 def _taken_up_by(context: Context, instance: EffectInstance) -> str:

@@ -20,7 +20,7 @@ from bench.estimate.prepare import Prepared
 from bench.estimate.solution import Solution
 
 LONGEST_MEMORY = 60  # rows over which errors may be alike
-CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
+CONVERGED = 1e-6  # share of the cost by which a step must lower it, to be followed by another
 MOST_STEPS = 50
 DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
 NOTHING = 1e-10  # share of a candidate's column that the model's own must leave

@@ -4,7 +4,7 @@ from collections.abc import Hashable
 
 import numpy as np
 
-MOST_BYTES = 48_000_000
+MOST_BYTES = 20_000_000
 
 
 class KeptRows:

@@ -16,6 +16,7 @@ from bench.effects import RobotSignals
 from bench.effects.kept import KeptRows
 from bench.effects.play import motion_band
 from bench.effects.signals import OVERSAMPLING
+from bench.errors import BenchError
 from bench.estimate.effect_columns import PresentModel
 from bench.estimate.measured import Measured
 from bench.estimate.perturbed import geometry_key
@@ -56,6 +57,7 @@ class Nearby:
         parts = ("time", "q", "v", "a", "jacobian")
         self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
         self._kept = KeptRows(MOST_BYTES)
+        self._barred: dict[bytes, str] = {}
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
     def shifted(self, order: int, motor: int) -> tuple[np.ndarray, np.ndarray]:
@@ -102,9 +104,15 @@ class Nearby:
     def changed(self, geometry: Geometry) -> np.ndarray:
         """What other lengths add to the matrix. Raises BenchError where the loops cannot be closed with them."""
         key = geometry_key(geometry)
+        if key in self._barred:
+            raise BenchError(self._barred[key])
         rows = self._kept.get(key)
         if rows is None:
-            tree = motion_beside(geometry, self._tree, *self._active)
+            try:
+                tree = motion_beside(geometry, self._tree, *self._active)
+            except BenchError as error:
+                self._barred[key] = str(error)
+                raise
             rows = (self._rows(geometry, tree) - self._own).astype(KEPT)
             self._kept.keep(key, rows)
         return rows

@@ -1,12 +1,48 @@
 """What further columns would explain, without solving the whole system again (Frisch, Waugh and Lovell)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from bench.estimate.absorbed import DEPENDENT
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack
+
+ROUNDING = 1e-6  # share of a column's length: inner products tell no less from nothing
+COLLINEAR = 1e-12  # of the largest singular value of inner products of unit columns
+
+
+@dataclass(frozen=True)
+class Products:
+    """Of columns of which only what is left beside others counts: inner products (k, k), those with what is to be
+    explained (k,), and the lengths (k,) of the whole columns.
+    """
+
+    inner: np.ndarray
+    towards: np.ndarray
+    lengths: np.ndarray
+
+    @property
+    def left(self) -> np.ndarray:
+        """Share (k,) of every column's length that is left."""
+        left = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
+        return np.divide(left, self.lengths, out=np.zeros_like(left), where=self.lengths > 0.0)
+
+    def explained(self) -> tuple[np.ndarray, float]:
+        """Least-squares coefficients (k,), and the sum of squares that they explain.
+
+        A column of which nothing is left explains nothing: what rounding leaves of it would, by chance.
+        """
+        values = np.zeros(len(self.towards))
+        kept = np.flatnonzero(self.left > ROUNDING)
+        if not len(kept):
+            return values, 0.0
+        norms = np.sqrt(np.diag(self.inner)[kept])
+        normal = self.inner[np.ix_(kept, kept)] / np.outer(norms, norms)
+        right = self.towards[kept] / norms
+        found = np.linalg.lstsq(normal, right, rcond=COLLINEAR)[0]
+        values[kept] = found / norms
+        return values, float(right @ found)
 
 
 @dataclass(frozen=True)
@@ -23,24 +59,28 @@ class PartialRegression:
     weights: np.ndarray
     moving: np.ndarray
 
-    def left(self, columns: np.ndarray) -> np.ndarray:
-        """Columns (M, n, k) as weighted rows (R, k), without what the basis explains of them."""
-        rows = (columns * (self.moving * self.weights)[:, :, None]).reshape(-1, columns.shape[2])
-        return np.asarray(rows - self.basis @ (self.basis.T @ rows))
+    @cached_property
+    def _by_motor(self) -> tuple[np.ndarray, np.ndarray]:
+        """The basis (n, M, f) and the remainder (n, M), motor by motor."""
+        samples, n = self.moving.shape
+        basis = self.basis.reshape(samples, n, -1).transpose(1, 0, 2)
+        return np.ascontiguousarray(basis), np.ascontiguousarray(self.remainder.reshape(samples, n).T)
+
+    def products(self, columns: np.ndarray) -> Products:
+        """Inner products of columns (M, n, k), weighted, without what the basis explains of them."""
+        basis, remainder = self._by_motor
+        k = columns.shape[2]
+        whole, within, towards = np.zeros((k, k)), np.zeros((basis.shape[2], k)), np.zeros(k)
+        for j in np.flatnonzero(columns.any(axis=(0, 2))):
+            rows = columns[:, j] * (self.moving[:, j] * self.weights[j])[:, None]
+            whole += rows.T @ rows
+            within += basis[j].T @ rows
+            towards -= remainder[j] @ rows
+        return Products(whole - within.T @ within, towards, np.sqrt(np.diag(whole)))
 
     def explained(self, columns: np.ndarray) -> tuple[np.ndarray, float]:
-        """Least-squares coefficients (k,) of further columns, and the sum of squares that they explain.
-
-        A column that the basis takes up explains nothing: what rounding leaves of it would, by chance.
-        """
-        rows = self.left(columns)
-        norms = np.linalg.norm(rows, axis=0)
-        sizes = np.linalg.norm(columns * (self.moving * self.weights)[:, :, None], axis=(0, 1))
-        dependent = norms <= DEPENDENT * sizes
-        rows[:, dependent], norms[dependent] = 0.0, 1.0
-        values = np.linalg.lstsq(rows / norms, -self.remainder, rcond=1e-9)[0] / norms
-        fitted = rows @ values
-        return values, float(-self.remainder @ fitted)
+        """Least-squares coefficients (k,) of further columns, and the sum of squares that they explain."""
+        return self.products(columns).explained()
 
     @property
     def sum_of_squares(self) -> float:

@@ -9,7 +9,7 @@ from bench.effects import Bracket, EffectInstance, JointSamples, ShapeParameter
 from bench.estimate.bounded import minimum_between
 from bench.estimate.joint_samples import joint_samples
 from bench.estimate.newton import NEARBY, within_reach
-from bench.estimate.partial import PartialRegression
+from bench.estimate.partial import PartialRegression, Products
 from bench.estimate.prepare import Prepared
 from bench.estimate.quick import candidate_columns, reshaped
 
@@ -99,10 +99,10 @@ def _between_nodes(
     nodes = np.clip(np.exp(places) if logarithmic else places, low, high)
     signs = (-1.0) ** steps
     signs[[0, -1]] *= 0.5
-    rows = partial.left(columns(nodes.tolist()))
-    count = rows.shape[1] // NODES
-    inner = (rows.T @ rows).reshape(NODES, count, NODES, count)
-    towards = -(rows.T @ partial.remainder).reshape(NODES, count)
+    every = partial.products(columns(nodes.tolist()))
+    count = len(every.towards) // NODES
+    inner, towards = every.inner.reshape(NODES, count, NODES, count), every.towards.reshape(NODES, count)
+    lengths = every.lengths.reshape(NODES, count)
 
     def unexplained(value: float) -> float:
         off = (np.log(value) if logarithmic else value) - places
@@ -110,10 +110,6 @@ def _between_nodes(
         weights = near.astype(float) if near.any() else signs / off
         weights /= weights.sum()
         normal = np.einsum("a,aibj,b->ij", weights, inner, weights)
-        right = weights @ towards
-        lengths = np.sqrt(np.diag(normal))
-        lengths[lengths == 0.0] = 1.0
-        values = np.linalg.lstsq(normal / np.outer(lengths, lengths), right / lengths, rcond=1e-12)[0]
-        return -float(right / lengths @ values)
+        return -Products(normal, weights @ towards, np.abs(weights) @ lengths).explained()[1]
 
     return unexplained

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import lstsq
 
 from bench.estimate.stack import Stack
 
@@ -56,4 +57,5 @@ def scaled_lstsq(rows: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Least squares with every column scaled to unit length, so that units do not decide the rank."""
     norms = np.linalg.norm(rows, axis=0)
     norms[norms == 0.0] = 1.0
-    return np.asarray(np.linalg.lstsq(rows / norms, right, rcond=1e-13)[0] / norms)
+    found = lstsq(rows / norms, right, cond=1e-13, lapack_driver="gelsy", check_finite=False)[0]
+    return np.asarray(found / norms)
