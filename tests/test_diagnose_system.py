@@ -1,9 +1,11 @@
 """Sets of effects, solved from inner products, are what the rows themselves give."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from bench.diagnose.system import Candidate, Products, System, _changed, _orthonormal, _products, solve_set
+from bench.diagnose.system import Candidate, System, _orthonormal, _products, _triangle, solve_set
 from bench.diagnose.system import squared_errors as left_by
 from bench.estimate.current_error import minimised, squared_errors
 from bench.estimate.solution import Solution
@@ -26,7 +28,7 @@ def rows_of(seed, noise):
     return columns, kappa, current + noise * current.std() * random.standard_normal(current.shape)
 
 
-@pytest.fixture(params=[1e-2, 1e-6])
+@pytest.fixture(params=[1e-2, 1e-4])
 def known(request):
     """A system of two motors, and the factors of its rows."""
     columns, kappa, current = rows_of(3, request.param)
@@ -37,9 +39,10 @@ def known(request):
     start = Solution(theta, gains, weights, "current", True)
     torque = columns[:, :, :OWN] @ theta + kappa
     rows = np.concatenate((columns, torque[:, :, None], (current - torque / gains)[:, :, None]), axis=2)
-    flat = (rows[:, :, :-2] * (weights / gains)[:, None]).reshape(-1, OWN + ADDED)
-    change, sizes = _orthonormal(flat[:, :OWN], flat[:, OWN:])
-    products = _products([_changed(rows, change)], float((current**2).sum()))
+    change, sizes = _orthonormal(_triangle([rows[:200], rows[200:]], start), OWN)
+    seen = SimpleNamespace(use="identify", current=current, moving=np.ones(current.shape, dtype=bool))
+    prepared = SimpleNamespace(present=SimpleNamespace(gains=gains), observations=[seen])
+    products = _products(prepared, [rows[:100], rows[100:]], change, "identify")
     listed = tuple(Candidate((), np.array([OWN + i]), sizes[[i]]) for i in range(ADDED))
     return System(listed, OWN, start, products, products, 1.0), factors
 
@@ -68,11 +71,3 @@ def test_a_set_is_solved_as_from_its_rows(known, chosen):
 def test_an_order_makes_no_difference_and_nothing_is_solved_twice(known):
     system, _ = known
     assert solve_set(system, (3, 0, 1)) is solve_set(system, (0, 1, 3))
-
-
-def test_products_say_how_many_rows_they_are_of():
-    rows = np.ones((4, 2, 3))
-    rows[1, 0] = 0.0
-    found = _products([rows, rows], 1.0)
-    assert isinstance(found, Products)
-    assert found.rows == 14

@@ -20,7 +20,7 @@ from bench.estimate.prepare import Prepared
 from bench.estimate.solution import Solution
 
 LONGEST_MEMORY = 60  # rows over which errors may be alike
-CONVERGED = 1e-6  # share of the cost by which a step must lower it, to be followed by another
+CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
 MOST_STEPS = 50
 DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
 NOTHING = 1e-10  # share of a candidate's column that the model's own must leave
@@ -111,11 +111,7 @@ def build_system(
         added = effect_rows(nearly, decimation, every)
         added[:, :, as_fitted] = effect_rows(signals, decimation, [one for one in every if one in exact])
         blocks[observation.use].append(_rows(prepared, observation, added, start))
-    own = prepared.layout.size
-    scale = start.weights / start.gains
-    weighted = [rows[:, :, :-2] * scale[:, None] for rows in blocks["identify"]]
-    flat = np.concatenate([one.reshape(-1, one.shape[2]) for one in weighted])
-    change, lengths = _orthonormal(flat[:, :own], flat[:, own:])
+    change, lengths = _orthonormal(_triangle(blocks["identify"], start), prepared.layout.size)
     base = change.shape[1] - len(lengths)
     listed = []
     at = 0
@@ -123,18 +119,11 @@ def build_system(
         some = np.arange(at, at + sum(len(one.effect.parameters) for one in instances))
         listed.append(Candidate(tuple(instances), base + some, lengths[some]))
         at += len(some)
-    rows = {use: [_changed(one, change) for one in found] for use, found in blocks.items()}
-    currents = {
-        use: sum(
-            float(((one.current * one.moving) ** 2).sum()) for one in prepared.observations if one.use == use
-        )
-        for use in rows
-    }
-    fitted, checked = (_products(rows[use], currents[use]) for use in ("identify", "validate"))
+    fitted, checked = (_products(prepared, blocks[use], change, use) for use in ("identify", "validate"))
     system = System(tuple(listed), base, start, fitted, checked, 1.0)
     plain = [i for i, one in enumerate(listed) if one.instances and not one.instances[0].effect.shape]
     largest = solve_set(system, plain)
-    memory = memory_in_rows([_errors(one, largest, start) for one in rows["identify"]])
+    memory = memory_in_rows([_errors(one, change, largest, start) for one in blocks["identify"]])
     return System(system.candidates, base, start, fitted, checked, memory)
 
 
@@ -252,13 +241,23 @@ def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start
     return np.concatenate(parts, axis=2) * observation.moving[:, :, None]
 
 
-def _orthonormal(own: np.ndarray, added: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How columns (R, p) and (R, k) are combined to columns apart: (p + k, b + k), of which b are orthonormal.
+def _triangle(blocks: Sequence[np.ndarray], start: Solution) -> np.ndarray:
+    """Triangular factor of all columns but torque and error, every motor's rows weighted."""
+    triangle = np.zeros((0, blocks[0].shape[2] - 2))
+    for rows in blocks:
+        weighted = rows[:, :, :-2] * (start.weights / start.gains)[:, None]
+        together = np.concatenate((triangle, weighted.reshape(-1, triangle.shape[1])))
+        triangle = np.asarray(np.linalg.qr(together, mode="r"))
+    return triangle
 
-    Also the lengths (k,) of the added columns over those of what the own leave of them.
+
+def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
+    """How columns are combined to columns apart, from their triangular factor: (p + k, b + k), of which the first b
+    are orthonormal and span the first p, and the others have the length one and nothing of these.
+
+    Also the lengths (k,) of the last k columns over those of what the first leave of them.
     """
-    p, k = own.shape[1], added.shape[1]
-    triangle = np.asarray(np.linalg.qr(np.concatenate((own, added), axis=1), mode="r"))
+    k = triangle.shape[1] - p
     norms = np.linalg.norm(triangle[:, :p], axis=0)
     norms[norms == 0.0] = 1.0
     _, singular, vectors = np.linalg.svd(triangle[:p, :p] / norms)
@@ -276,22 +275,24 @@ def _orthonormal(own: np.ndarray, added: np.ndarray) -> tuple[np.ndarray, np.nda
     return change, lengths * scales
 
 
-def _changed(rows: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """Rows with their columns combined anew, torque and error as they are."""
-    return np.concatenate((rows[:, :, :-2] @ change, rows[:, :, -2:]), axis=2)
+def _products(prepared: Prepared, blocks: Sequence[np.ndarray], change: np.ndarray, use: str) -> Products:
+    """Of all recordings of a use, their columns combined by `change`."""
+    size = change.shape[1] + 2
+    inner = np.zeros((len(prepared.present.gains), size, size))
+    for rows in blocks:
+        for j, motor in enumerate(rows.transpose(1, 0, 2)):
+            changed = np.concatenate((motor[:, :-2] @ change, motor[:, -2:]), axis=1)
+            inner[j] += changed.T @ changed
+    seen = [one for one in prepared.observations if one.use == use]
+    measured = sum(float(((one.current * one.moving) ** 2).sum()) for one in seen)
+    return Products(inner, sum(int(one.moving.sum()) for one in seen), measured)
 
 
-def _products(blocks: Sequence[np.ndarray], measured: float) -> Products:
-    by_motor = [np.ascontiguousarray(rows.transpose(1, 0, 2)) for rows in blocks]
-    inner = np.sum([rows.transpose(0, 2, 1) @ rows for rows in by_motor], axis=0)
-    return Products(inner, sum(int(np.any(rows != 0.0, axis=2).sum()) for rows in blocks), measured)
-
-
-def _errors(rows: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
+def _errors(rows: np.ndarray, change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
     """Weighted current errors (M, n) of one recording."""
-    picked = np.append(fit.columns, [rows.shape[2] - 2, rows.shape[2] - 1])
     errors = _errors_by(fit.values, fit.gains, start.gains)
-    return np.asarray(np.einsum("mjc,jc->mj", rows[:, :, picked], errors) * start.weights)
+    combined = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
+    return np.asarray(np.einsum("mjc,jc->mj", rows, combined) * start.weights)
 
 
 def memory_in_rows(errors: Sequence[np.ndarray]) -> float:

@@ -12,7 +12,7 @@ from bench.estimate.standstill import bridged
 from bench.signals.decimation import decimate, decimated_indices
 
 FURTHEST = 5.0  # times its nodes: as far as an effect's columns are taken to follow a line
-TOGETHER = 32_000_000  # bytes of columns that are filtered together, at most
+TOGETHER = 8_000_000  # bytes of columns that are filtered together, at most
 
 
 def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:

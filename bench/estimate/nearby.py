@@ -29,10 +29,10 @@ from bench.signals.decimation import fit_band
 
 TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
 MOTION = 0.999  # of a velocity's power inside the fit's band: the rest is taken for noise, or for little
-FINENESS = 16.0  # samples in a period of the highest frequency of the motion
+FINENESS = 10.0  # samples in a period of the highest frequency of the motion
 SHARE = 0.1  # of the RMS speed, likewise
 OWN = ("passing", "noted")  # what signals keep of their own, for changes that are exact
-MOST_BYTES = 128_000_000  # of what is kept
+MOST_BYTES = 80_000_000  # of what is kept
 KEPT = np.float32  # small changes need no more digits
 
 
@@ -60,22 +60,30 @@ class Nearby:
         self._barred: dict[bytes, str] = {}
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
-    def shifted(self, order: int, motor: int) -> tuple[np.ndarray, np.ndarray]:
-        """First and second derivatives of the matrix by one active position (order 0), velocity or acceleration.
+    def shifted(self, order: int, motor: int) -> np.ndarray:
+        """Derivative of the matrix by one active position (order 0), velocity (1) or acceleration (2).
 
         Raises BenchError where the loops cannot be closed beside the motion.
         """
-        first = self._kept.get((order, motor, 1))
-        second = self._kept.get((order, motor, 2))
-        if first is None or second is None:
+        return self._differences(order, motor)[0]
+
+    def bent(self, motor: int) -> np.ndarray:
+        """Second derivative of the matrix by one active position. Raises BenchError as `shifted` does."""
+        return self._differences(0, motor)[1]
+
+    def _differences(self, order: int, motor: int) -> list[np.ndarray]:
+        keys = [(order, motor, 1)] if order else [(order, motor, 1), (order, motor, 2)]
+        kept = [self._kept.get(key) for key in keys]
+        found = [rows for rows in kept if rows is not None]
+        if len(found) < len(keys):
             step = self._step(order, motor)
             more, less = (self._moved(order, motor, sign * step) for sign in (1.0, -1.0))
-            first = (more - less) / (2.0 * step)
-            second = (more + less - 2.0 * self._own) / step**2
-            first, second = first.astype(KEPT), second.astype(KEPT)
-            self._kept.keep((order, motor, 1), first)
-            self._kept.keep((order, motor, 2), second)
-        return first, second
+            found = [((more - less) / (2.0 * step)).astype(KEPT)]
+            if not order:
+                found.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT))
+            for key, rows in zip(keys, found, strict=True):
+                self._kept.keep(key, rows)
+        return found
 
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
         """Every recording, `seen` beside the present model, as effects see it that are searched for."""
@@ -204,15 +212,20 @@ class NearbySignals(RobotSignals):
             )
         return np.asarray(rows[nearby.part[self.index]] @ self.parameters)
 
-    def _slopes(self, order: int, motor: int) -> tuple[np.ndarray, np.ndarray]:
-        """First and second derivatives (K, n) of the torque by a shift, at the coarse samples."""
+    def _slopes(self, order: int, motor: int) -> tuple[np.ndarray, np.ndarray | float]:
+        """First and second derivatives (K, n) of the torque by a shift, at the coarse samples.
+
+        Velocities and accelerations enter in proportion, or nearly so.
+        """
         keys = ("slope", order, motor), ("bend", order, motor)
         if keys[0] not in self.noted:
-            part = self.nearby.part[self.index]
-            for key, rows in zip(keys, self.nearby.shifted(order, motor), strict=True):
-                self.noted[key] = self._smooth(rows[part] @ self.parameters, self.coarse.time)
-        first, second = (self.noted[key] for key in keys)
-        return first, second
+            self.noted[keys[0]] = self._noted(self.nearby.shifted(order, motor))
+            if not order:
+                self.noted[keys[1]] = self._noted(self.nearby.bent(motor))
+        return self.noted[keys[0]], self.noted.get(keys[1], 0.0)
+
+    def _noted(self, rows: np.ndarray) -> np.ndarray:
+        return self._smooth(rows[self.nearby.part[self.index]] @ self.parameters, self.coarse.time)
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
         few = self.nearby.few[self.index]
