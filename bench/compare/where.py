@@ -11,6 +11,7 @@ from bench.compare.profile import Dependence, dependences
 from bench.compare.regions import regions
 from bench.dataset import Dataset
 from bench.estimate.result import Identification
+from bench.threads import on_one_thread
 
 MATERIAL = 1.15  # times the noise: an error below holds nothing to look for
 
@@ -47,6 +48,7 @@ class WhereItFails:
     motors: tuple[MotorErrors, ...]
 
 
+@on_one_thread
 def where_it_fails(dataset: Dataset, result: Identification) -> WhereItFails:
     """Where the errors of an identified model are concentrated, motor by motor, and what they follow.
 

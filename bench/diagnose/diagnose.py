@@ -26,12 +26,14 @@ from bench.estimate.settle import settled
 from bench.estimate.summary import ROBOT
 from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
+from bench.threads import on_one_thread
 
 ROUNDS = 6  # of searching, each about the model that the last one found
 
 Fits = Callable[[frozenset[str]], Identification]
 
 
+@on_one_thread
 def diagnose(
     dataset: Dataset,
     effects: Sequence[str] = (),

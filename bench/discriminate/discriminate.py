@@ -24,6 +24,7 @@ from bench.excite.limits import feasible_motion
 from bench.payload import Payload
 from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
+from bench.threads import on_one_thread
 
 LONGEST, SHORTEST = 30.0, 5.0  # s: of a motion whose duration is not given
 ALIKE = 3e-4  # of what an effect does: the other one does it all if it leaves less
@@ -35,6 +36,7 @@ FAINT = 0.5  # nats that a motion promises: less is worth no recording
 SURE = 3.0  # deviations of a parameter that has the wrong sign
 
 
+@on_one_thread
 def discriminate(
     dataset: Dataset,
     requests: tuple[str, str],

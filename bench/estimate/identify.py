@@ -30,8 +30,10 @@ from bench.estimate.stack import Stack, stack_observations
 from bench.estimate.summary import summarise
 from bench.recording import Recording
 from bench.signals.settings import FilterSettings
+from bench.threads import on_one_thread
 
 
+@on_one_thread
 def identify(
     dataset: Dataset,
     effects: Sequence[str] = (),
@@ -56,6 +58,7 @@ def identify(
     return fit(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
 
 
+@on_one_thread
 def fit(
     prepared: Prepared,
     method: str = DEFAULT_METHOD,

@@ -21,6 +21,7 @@ from bench.estimate.solution import Solution
 from bench.estimate.summary import ROBOT, modelled_series
 from bench.files import finite, write_text_atomically
 from bench.signals.settings import FilterSettings
+from bench.threads import on_one_thread
 
 FORMAT = 1
 
@@ -142,6 +143,7 @@ def _number(value: Any) -> float:
     return float(value)
 
 
+@on_one_thread
 def apply_model(
     dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
 ) -> Comparison:

@@ -16,12 +16,14 @@ from bench.estimate.prepare import Prepared, prepare
 from bench.estimate.result import Identification
 from bench.estimate.solution import scaled_lstsq, torque_system
 from bench.estimate.stack import triangular_factors
+from bench.threads import on_one_thread
 
 LARGE = 0.05  # relative error from which it is worth a try
 SWAPPED = "are probably swapped"
 BETTER = 0.5  # of the error: what a swap must bring it down to
 
 
+@on_one_thread
 def swapped_notes(dataset: Dataset, result: Identification, prepared: Prepared | None = None) -> list[str]:
     """A sentence on the two motors whose columns, exchanged, bring the error down most; none where none do.
 

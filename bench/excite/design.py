@@ -15,6 +15,7 @@ from bench.model.regressor import projected_regressor
 from bench.payload import Payload
 from bench.progress import SILENT, Progress
 from bench.robot import Robot
+from bench.threads import on_one_thread
 from bench.trajectory import FourierTrajectory, random_trajectory
 
 STARTS = 12  # random sets of trajectories, the best of which is improved
@@ -53,6 +54,7 @@ class Designed:
     condition: float
 
 
+@on_one_thread
 def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: Progress = SILENT) -> Designed:
     """Trajectories inside all limits; those of fitted recordings make the condition number small.
 

@@ -9,6 +9,7 @@ from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
 from bench.effects import catalogue_for
 from bench.effects.effect import Effect
+from bench.threads import on_one_thread
 from bench.workbench.encode import doubles, floats, short_triangle, triangle
 from bench.workbench.found import FoundModel, found_models
 from bench.workbench.reduce import Reduced
@@ -19,6 +20,7 @@ from bench.workbench.variants import shape_order
 VERSION = 1
 
 
+@on_one_thread
 def page_data(
     dataset: Dataset, diagnosis: Diagnosis, catalogue: Mapping[str, Effect] | None = None
 ) -> dict[str, Any]:
