@@ -28,7 +28,7 @@ def rows_of(seed, noise):
     return columns, kappa, current + noise * current.std() * random.standard_normal(current.shape)
 
 
-@pytest.fixture(params=[1e-2, 1e-4])
+@pytest.fixture(params=[1e-2, 1e-4, 1e-6])
 def known(request):
     """A system of two motors, and the factors of its rows."""
     columns, kappa, current = rows_of(3, request.param)
