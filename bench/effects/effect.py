@@ -30,12 +30,14 @@ class EffectParameter:
     """A parameter of an effect.
 
     In its unit `{effort}` is N*m or N, `{angle}` rad or m, `{turn}` turn or m, `{drive}` that of the current.
-    positive: a negative value would be physically impossible, such as a friction that drives.
+    positive: a negative value would be physically impossible, such as a friction that drives. below: a value, in that
+    unit, from which on the effect would be another name for what it is made of, and its size means nothing.
     """
 
     name: str
     unit: str
     positive: bool = False
+    below: float = float("inf")
 
     def unit_at(self, rotates: bool, drive: str = "A") -> str:
         """The unit at a hinge (True) or at a slide (False)."""
@@ -71,7 +73,8 @@ class Effect(ABC):
     place: where it sits, with a set of parameters for each: "actuator" (joint with a motor), "passive" (joint
     without), "body" (with a length), "payload", or once for the "robot". contains: effects that are special
     cases of this one; it must earn its extra parameters against them. depends_on_model: its columns use the
-    present model's torque or gain. before_torque: it stands between the current reference and the torque.
+    present model's torque or gain. before_torque: it stands between the current reference and the torque,
+    and no part of the torque that effects see as needed.
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
     columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,

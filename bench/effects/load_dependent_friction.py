@@ -7,20 +7,29 @@ import numpy as np
 from bench.effects.effect import ActuatorEffect, EffectParameter
 from bench.effects.signals import JointSignals
 
+MOST = 0.7  # more would be no friction beside the load, but another name for it
+
 
 @dataclass(frozen=True)
 class LoadDependentFriction(ActuatorEffect):
-    """tau = mu |g i| sign(qd): what a gear under load loses, proportional to the motor torque g i.
+    """tau = mu |tau_m| sign(qd), tau_m = tau_l + tau: what a gear under load loses, proportional to the motor's torque.
 
-    mu: dimensionless, positive; 1 - mu is about the gear's efficiency. g i: drive gain times current, low-passed
-    to twice the fit's band, since the size of noise does not average out. Valid for mu well below one, away
-    from standstill. Source: Hamon, Gautier and Garrec, "Dynamic identification of robots with a dry friction
-    model depending on load and velocity", IROS 2010.
+    mu: dimensionless, positive; 1 - mu is about the gear's efficiency. tau_l: load, the torque that the present model
+    needs, this friction aside; were it made of the current itself, that would be explained by itself. With
+    x = sign(tau_m qd) the motor needs tau_m = tau_l / (1 - mu x), so that the column is x tau_l / (1 - mu x), about
+    mu = 0 the load's size against the motion; only x, whether the motor drives or brakes, is taken from the current.
+    Valid for mu well below one, away from standstill. Source: Hamon, Gautier and Garrec, "Dynamic identification of
+    robots with a dry friction model depending on load and velocity", IROS 2010.
     """
 
     name = "load_dependent_friction"
-    parameters = (EffectParameter("mu", "1", positive=True),)
+    parameters = (EffectParameter("mu", "1", positive=True, below=MOST),)
     depends_on_model = True
+    before_torque = True
+
+    mu: float = 0.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
-        return (np.abs(joint.motor_torque) * np.sign(joint.velocity))[:, None]
+        drives = np.sign(joint.motor_torque * joint.velocity)
+        share = float(np.clip(self.mu, -MOST, MOST))
+        return (drives * joint.needed_torque / (1.0 - share * drives))[:, None]

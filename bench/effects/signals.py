@@ -44,7 +44,8 @@ class JointSignals:
     def needed_torque(self) -> np.ndarray:
         """What the present model and its effects ask of the motor (N,), N*m or N: free of the current's noise.
 
-        Without the effects that stand between current and torque, and without what lies above the fit's band.
+        Without the effects that stand between current and torque or ask for it themselves, and without what lies above
+        the fit's band.
         """
         return self._smooth(self.needs())
 
@@ -56,6 +57,10 @@ class JointSignals:
     def _smooth(self, values: np.ndarray) -> np.ndarray:
         cutoff = WIDER * self.band
         return values if cutoff >= 0.45 * self.rate else low_pass(values, self.rate, cutoff)
+
+
+class AskedWithinError(Exception):
+    """An effect asked for the torque that the model needs while that was being added up from its effects."""
 
 
 class TorqueModel(Protocol):

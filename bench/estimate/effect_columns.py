@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
 from bench.effects.encoder_offset import EncoderOffset
+from bench.effects.signals import AskedWithinError
 from bench.errors import BenchError
 from bench.estimate.measured import Measured
 from bench.estimate.payload_parameters import payload_columns
@@ -47,7 +48,11 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
     rate = measured.recording.rate
     kinds = {joint.name: joint.kind for joint in model.geometry.joints}
 
+    adding = False
+
     def needed_at(j: int) -> np.ndarray:
+        if adding:
+            raise AskedWithinError
         return needed()[:, j]
 
     joints = {
@@ -92,10 +97,19 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
 
     @cache
     def needed() -> np.ndarray:
+        nonlocal adding
         total = signals.refined(signals.coarse.torque)
-        for instance, values in present.effects:
-            if not instance.effect.before_torque:
-                total = total + effect_columns(instance, signals) @ values
+        adding = True
+        try:
+            for instance, values in present.effects:
+                if instance.effect.before_torque:
+                    continue
+                try:
+                    total = total + effect_columns(instance, signals) @ values
+                except AskedWithinError:  # it is made of this very torque
+                    continue
+        finally:
+            adding = False
         return total
 
     mass = 0.0 if payload is None else float(present.declared[payload][0])

@@ -16,7 +16,7 @@ from bench.workbench.found import FoundModel
 
 NEGLIGIBLE = 3e-5  # of the torque: smaller changes are left out
 MOST_RIGID, FEW_RIGID = 6, 1
-MOST_NEEDED, FEW_NEEDED = 6, 2
+MOST_NEEDED, FEW_NEEDED = 12, 2
 REWEIGHTINGS = 3  # of the motors, by what a model leaves
 FIRST = 10.0  # times that the model without any effect counts
 

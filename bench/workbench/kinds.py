@@ -28,6 +28,7 @@ from bench.workbench.variants import (
     Variants,
     branches_of,
     linear,
+    of_needed,
     scale_of,
     searchable,
     shape_order,
@@ -39,6 +40,7 @@ from bench.workbench.variants import (
 
 LENGTH = 0.02  # of a body's length: errors of it up to that size are told apart
 ANGLE, SLIDE = 0.05, 0.005  # rad, m: likewise of a joint's zero
+SHARE = 0.3  # of the torque that the model needs: likewise of an effect in proportion to it
 MANY = 8  # effects through the loops: more are told apart less finely
 SAME = 1e-9  # of columns: what rounding leaves of a sum
 
@@ -95,7 +97,10 @@ class Kinds:
         effect = instance.effect
         if effect.about({parameter.name: 0.0 for parameter in effect.parameters}) is effect:
             return linear(instance, "none", False, "needed")
-        if [one.unit for one in effect.parameters] != ["s"]:
+        units = [one.unit for one in effect.parameters]
+        if units == ["1"]:
+            return of_needed(instance, SHARE)
+        if units != ["s"]:
             return linear(instance, "none", True, "needed")
         rate = self.model.plain.measured[0].recording.rate
         return timed(instance, self.model.plain.settings.band(rate))

@@ -16,7 +16,7 @@ NODES, FEW_NODES = (
 )  # at which a continuous shape parameter is evaluated within its range; of many effects
 WINDOW_NODES = 11  # the same within a narrow bracket
 WINDOW = 2.0  # ratio of a bracket's ends below which it counts as narrow
-TIME_NODES = 9  # of a time about which columns are linearised
+TIME_NODES = 9  # of a time, or a share, about which columns are linearised
 PHASE = 1.2  # rad that a delay may turn the highest frequency that the fit sees
 SCALES = ("none", "gain", "gain_size")
 
@@ -150,8 +150,12 @@ def shaped(
 
 def timed(instance: EffectInstance, band: float) -> Variants:
     """An effect of one motor whose columns are linearised about its one parameter, a time in s. band: Hz."""
-    longest = PHASE / (2.0 * np.pi * band)
-    piece = Piece(_chebyshev(-longest, longest, TIME_NODES), False)
+    return of_needed(instance, PHASE / (2.0 * np.pi * band))
+
+
+def of_needed(instance: EffectInstance, size: float) -> Variants:
+    """An effect made of the torque that one motor needs, linearised about its one parameter, up to a size."""
+    piece = Piece(_chebyshev(-size, size, TIME_NODES), False)
     return Variants(instance, "value", (piece,), (), (), "none", False, False, "needed")
 
 

@@ -1,0 +1,80 @@
+"""Effects made of the torque that the model needs: never of themselves, and never of the current that they explain."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.dataset import Dataset
+from bench.effects import CATALOGUE, catalogue_for
+from bench.estimate.identify import identify, prepare
+from bench.estimate.prepare import with_effects
+from bench.estimate.settle import settled
+from bench.excite.scenario import designer
+from bench.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+GAINS = {"left": 3.0 * 1.10, "right": 3.0 * 0.92}
+
+OWN = """
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects import ActuatorEffect, EffectParameter
+
+
+@dataclass(frozen=True)
+class Loss(ActuatorEffect):
+    name = "loss"
+    parameters = (EffectParameter("eta", "1", positive=True),)
+    depends_on_model = True
+
+    def torque(self, joint):
+        return (np.abs(joint.needed_torque) * np.sign(joint.velocity))[:, None]
+"""
+
+
+def measurements(*hidden: dict[str, float | str]) -> Dataset:
+    scenario = load_scenario("five_bar", {"hidden": list(hidden)})
+    return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return measurements({"effect": "load_dependent_friction", "mu": 0.05})
+
+
+def test_an_effect_of_one_s_own_may_ask_for_the_torque_that_the_model_needs(loaded, tmp_path):
+    (tmp_path / "loss.py").write_text(OWN)
+    catalogue = catalogue_for([tmp_path / "loss.py"])
+    result = identify(loaded, ["loss", "viscous_friction"], catalogue=catalogue)
+    for one in result.effect_parameters["loss"].values():
+        assert one["eta"].value == pytest.approx(0.05, abs=0.005)
+
+
+@pytest.mark.parametrize("joint", GAINS)
+def test_the_torque_needed_leaves_out_what_is_made_of_it(loaded, tmp_path, joint):
+    (tmp_path / "loss.py").write_text(OWN)
+    rigid = settled(prepare(loaded, ["viscous_friction"]), True)
+    catalogue = catalogue_for([tmp_path / "loss.py"])
+    more = settled(prepare(loaded, ["viscous_friction", "loss"], catalogue=catalogue), True)
+    about = with_effects(rigid, rigid.effects, more.present)
+    values = {(one.effect.name, one.joint): own for one, own in more.present.effects}
+    j = list(GAINS).index(joint)
+    seen = about.signals[0]
+    expected = seen.refined(seen.coarse.torque)[:, j]
+    expected = expected + values["viscous_friction", joint][0] * seen.joints[joint].velocity
+    assert seen.joints[joint].needs() == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["load_dependent_friction", "gain_saturation"])
+def test_a_current_does_not_explain_itself(name, loaded):
+    """What else is in the current changes nothing, but for which way the torque is taken to go."""
+    prepared = prepare(loaded, ())
+    joint = prepared.signals[0].joints["left"]
+    noise = 0.1 * np.random.default_rng(1).normal(size=len(joint.current)) * joint.current.std()
+    other = replace(joint, current=joint.current + noise)
+    one, two = (CATALOGUE[name].torque(each) for each in (joint, other))
+    assert np.abs(two) == pytest.approx(np.abs(one))
