@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import Dataset
+from bench.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for
 from bench.estimate.identify import identify, prepare
 from bench.estimate.prepare import with_effects
@@ -78,3 +78,17 @@ def test_a_current_does_not_explain_itself(name, loaded):
     other = replace(joint, current=joint.current + noise)
     one, two = (CATALOGUE[name].torque(each) for each in (joint, other))
     assert np.abs(two) == pytest.approx(np.abs(one))
+
+
+def test_where_friction_and_gain_cannot_be_told_apart_that_is_said_and_no_number_given(measured_data):
+    arm = load_dataset(measured_data / "ur10e")
+    beside = ("viscous_friction", "coulomb_friction", "constant_offset")
+    plain = identify(arm, beside)
+    result = identify(arm, [*beside, "load_dependent_friction"])
+    found = result.effect_parameters["load_dependent_friction"]
+    assert [joint for joint, one in found.items() if np.isinf(one["mu"].std)] == ["j1"]
+    assert any("cannot tell load dependent friction at j1 from the drive gain" in one for one in result.notes)
+    assert result.drive_gains["j1"].value == pytest.approx(plain.drive_gains["j1"].value, rel=0.2)
+    for joint, known in zip(("j2", "j3", "j4", "j5", "j6"), (11.98, 9.84, 10.75, 10.70, 10.68), strict=True):
+        assert result.drive_gains[joint].value == pytest.approx(known, rel=0.05)
+        assert 0.02 < found[joint]["mu"].value < 0.1

@@ -10,6 +10,7 @@ from bench.dataset import Dataset
 from bench.effects import Effect
 from bench.errors import BenchError
 from bench.estimate.absorbed import identifiable_columns
+from bench.estimate.bounds import columns_of, within_bounds
 from bench.estimate.column_errors import column_errors
 from bench.estimate.deviations import Deviations, uncertainty
 from bench.estimate.effect_columns import robot_signals
@@ -24,7 +25,6 @@ from bench.estimate.observation import observe
 from bench.estimate.prepare import Prepared as Prepared
 from bench.estimate.prepare import prepare as prepare
 from bench.estimate.result import Identification
-from bench.estimate.settle import settled
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack, stack_observations
 from bench.estimate.summary import summarise
@@ -69,10 +69,10 @@ def fit(
 ) -> Identification:
     """Estimate from prepared equations; see `identify`."""
     fit_gains = gains_can_be_fitted(prepared, fit_gains)
-    prepared = settled(prepared, fit_gains)
+    prepared, outside = within_bounds(prepared, fit_gains)
     dataset, layout = prepared.dataset, prepared.layout
     stack = stack_observations(prepared.fitted, layout, dataset.payloads)
-    kept = identifiable_columns(stack, layout, fit_gains)
+    kept = np.setdiff1d(identifiable_columns(stack, layout, fit_gains), columns_of(prepared, outside))
     unknowns = len(kept) + (stack.current.shape[1] if fit_gains else 0)
     equations = int(stack.moving.sum())
     if equations < 2 * unknowns:
@@ -102,7 +102,7 @@ def fit(
     shaped, extended = with_shape_columns(prepared, stack, solution, kept)
     spread = uncertainty(shaped, extended, deviations)
     solution, spread = expanded(solution, spread, kept, layout.size)
-    return summarise(prepared, method, solution, spread, deviations, kept)
+    return summarise(prepared, method, solution, spread, deviations, kept, outside)
 
 
 def gains_can_be_fitted(prepared: Prepared, wanted: bool | None) -> bool:

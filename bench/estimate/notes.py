@@ -1,11 +1,15 @@
 """What limits an answer, in words that say what to do."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from bench.effects import EffectInstance
+from bench.effects.names import spoken
 from bench.estimate.result import Identification
 
+ROBOT = "robot"  # where an effect of the whole robot stands among the joints
 LOOSE = 0.3  # relative deviation above which a parameter says little
 ILL_CONDITIONED = 1e3
 UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
@@ -14,9 +18,15 @@ BETTER = 0.5  # relative error of a current with its sign reversed, from which o
 SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
 
 
-def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identification:
-    """The result with its notes; `left_aside`: recordings that could not be used."""
-    notes = []
+def notes_on(
+    result: Identification, left_aside: tuple[str, ...], outside: Sequence[EffectInstance] = ()
+) -> Identification:
+    """The result with its notes.
+
+    left_aside: recordings that could not be used; outside: effects beyond their bounds.
+    """
+    notes = _beyond(outside)
+    apart = {(one.effect.name, one.joint or ROBOT) for one in outside}
     if left_aside:
         notes.append(
             f"Left aside: {', '.join(left_aside)}. Their payload is not declared in full, and no fitted recording "
@@ -38,11 +48,11 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
             "parameters cannot be told apart well; a more exciting trajectory helps."
         )
     absorbed = [
-        f"{name} of {effect}" + ("" if place == "robot" else f" at {place}")
+        f"{name} of {effect}" + ("" if place == ROBOT else f" at {place}")
         for effect, places in result.effect_parameters.items()
         for place, values in places.items()
         for name, one in values.items()
-        if not np.isfinite(one.std)
+        if not np.isfinite(one.std) and (effect, place) not in apart
     ]
     if absorbed:
         notes.append(
@@ -63,6 +73,18 @@ def notes_on(result: Identification, left_aside: tuple[str, ...]) -> Identificat
             f"{_percent(LOOSE)} of the value); `bench identify --essential` leaves out what does not matter."
         )
     return replace(result, notes=tuple(notes))
+
+
+def _beyond(outside: Sequence[EffectInstance]) -> list[str]:
+    """What is said of effects that would be so large that they are another name for the drive gain."""
+    places: dict[str, list[str]] = {}
+    for one in outside:
+        places.setdefault(one.effect.name, []).append(one.joint)
+    return [
+        f"These data cannot tell {spoken(name)} at {', '.join(at)} from the drive gain there: it is left out, and the "
+        "gain is what it would be without it. Record a payload that loads that joint more."
+        for name, at in places.items()
+    ]
 
 
 def unlike(result: Identification) -> str | None:

@@ -1,9 +1,13 @@
 """A solution in the user's words: gains, parameters, effects and errors with their names and units."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from bench.effects import EffectInstance
 from bench.estimate.deviations import Deviations, Uncertainty
 from bench.estimate.layout import known_rows, payload_parameter_names, regressor_rows
+from bench.estimate.notes import ROBOT as ROBOT
 from bench.estimate.notes import notes_on
 from bench.estimate.observation import Observation
 from bench.estimate.prepare import Prepared
@@ -18,8 +22,6 @@ from bench.estimate.result import (
 from bench.estimate.solution import Solution
 from bench.model.regressor import PARAMETERS, UNITS
 
-ROBOT = "robot"  # where an effect of the whole robot stands among the joints
-
 
 def summarise(
     prepared: Prepared,
@@ -28,8 +30,11 @@ def summarise(
     spread: Uncertainty,
     deviations: Deviations,
     kept: np.ndarray,
+    outside: Sequence[EffectInstance] = (),
 ) -> Identification:
-    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not left out."""
+    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not left out; outside: effects
+    that the data ask to be beyond their bounds.
+    """
     robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
     series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
@@ -73,6 +78,7 @@ def summarise(
             notes=(),
         ),
         prepared.left_aside,
+        outside,
     )
 
 

@@ -170,6 +170,10 @@ def _differences(model: FoundModel, terms: Terms, known: np.ndarray, current: np
         sets += [places, [*base, *more]]
     for one in terms.following_sets:
         sets += [[one], [*base, np.setdiff1d(one, np.concatenate([np.empty(0), *base]))]]
+        sets += [
+            [*(terms.places[i] for i in found if names[i] != name), one]
+            for name in dict.fromkeys(names[i] for i in found)
+        ]
     return np.column_stack([solved(one) - reference for one in sets])
 
 
