@@ -128,10 +128,14 @@ def test_the_workbench_does_not_hang_on_rounding(dataset, again, digits, monkeyp
 def test_what_rounding_leaves_of_a_column_explains_nothing():
     random = np.random.default_rng(3)
     rows, model = 120, random.normal(size=(120, 4))
-    basis, _ = np.linalg.qr(model)
+    orthonormal, triangle = np.linalg.qr(model)
     target = random.normal(size=rows)
     left = PartialRegression(
-        basis, target - basis @ (basis.T @ target), np.ones(2), np.ones((rows // 2, 2), bool)
+        model.reshape(-1, 2, 4).transpose(1, 0, 2),
+        np.linalg.inv(triangle),
+        (target - orthonormal @ (orthonormal.T @ target)).reshape(-1, 2),
+        np.ones(2),
+        np.ones((rows // 2, 2), bool),
     )
     new = random.normal(size=rows)
     alone, explained = left.explained(new.reshape(-1, 2, 1))

@@ -8,7 +8,7 @@ from bench.diagnose.partner import beside, partners
 from bench.diagnose.restart import restarted
 from bench.diagnose.search import NEEDED, Found, search
 from bench.diagnose.system import System, build_system, solve_set
-from bench.effects import Effect, EffectInstance
+from bench.effects import ActuatorEffect, Effect, EffectInstance
 from bench.estimate.nearby import Nearby
 from bench.estimate.prepare import Prepared, seen_nearby, with_effects
 from bench.estimate.quick import solved_quickly
@@ -36,8 +36,19 @@ class Problem:
         """The starting model with some of the proposals, settled."""
         return self.with_instances([one for i in chosen for one in proposals[i].instances])
 
+    def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
+        """The same as it is known nearby, for a first look."""
+        instances = [one for i in chosen for one in proposals[i].instances]
+        near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
+        return at_its_solution(settled(near, self.fit_gains), self.fit_gains)
+
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
-        """The starting model with these effects, settled: first as it is known nearby, then as it is."""
+        """The starting model with these effects, settled; first as it is known nearby, if that is less work."""
+        if not any(
+            one.effect.depends_on_model and not isinstance(one.effect, ActuatorEffect) for one in instances
+        ):
+            model = with_effects(self.start, (*self.start.effects, *instances))
+            return at_its_solution(settled(model, self.fit_gains), self.fit_gains)
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
         near = settled(near, self.fit_gains)
         model = with_effects(self.start, near.effects, near.present)
@@ -127,10 +138,13 @@ def _with_partner(problem: Problem, here: Round, barred: Collection[str]) -> Rou
     for i in partners(here.model, context, here.proposals, here.chosen, problem.fit_gains):
         if here.proposals[i].name in barred:
             continue
-        joined = problem.with_proposals(here.proposals, (*here.chosen, i))
-        reshaped = beside(here.proposals, joined, len(problem.start.effects))
-        wider = _judged(problem, joined, reshaped, barred)
-        if wider.found.best.total > here.found.best.total + NEEDED:
+        for settle in (problem.nearly, problem.with_proposals):
+            joined = settle(here.proposals, (*here.chosen, i))
+            reshaped = beside(here.proposals, joined, len(problem.start.effects))
+            wider = _judged(problem, joined, reshaped, barred)
+            if wider.found.best.total <= here.found.best.total + NEEDED:
+                break
+        else:
             return wider
     return None
 

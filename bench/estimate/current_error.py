@@ -13,6 +13,7 @@ from bench.estimate.stack import Stack
 REWEIGHTINGS = 3
 MOST_STEPS = 50
 CONVERGED = 1e-12
+NEARLY = 1e-9  # as long as the weights are not the last ones
 
 
 def current_error(stack: Stack, start: Solution) -> Solution:
@@ -23,8 +24,8 @@ def current_error(stack: Stack, start: Solution) -> Solution:
     """
     theta, gains, rows = start.theta, start.gains, len(stack.current)
     weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
-    for _ in range(REWEIGHTINGS):
-        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted)
+    for converged in (NEARLY,) * (REWEIGHTINGS - 1) + (CONVERGED,):
+        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged)
         weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 

@@ -14,8 +14,8 @@ def joint_samples(
     names = list(prepared.dataset.robot.joints)
     if instance.joint not in names:
         return ()
-    j, n = names.index(instance.joint), len(names)
-    error = -partial.remainder.reshape(-1, n)[:, j] / partial.weights[j]
+    j = names.index(instance.joint)
+    error = -partial.remainder[:, j] / partial.weights[j]
     travel = np.ptp(np.concatenate([one.position[:, j] for one in prepared.fitted]))
     found, start = [], 0
     for one in prepared.fitted:

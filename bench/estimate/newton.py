@@ -108,8 +108,10 @@ def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.n
     columns (M, n, k).
     """
     moving = stack.moving[:, :, None]
-    phi = np.concatenate((stack.phi + bent * moving, columns * moving), axis=2)
-    kappa = stack.kappa - (bent * moving) @ about
+    phi, kappa = stack.phi, stack.kappa
+    if about.any():
+        phi, kappa = phi + bent * moving, kappa - (bent * moving) @ about
+    phi = np.concatenate((phi, columns * moving), axis=2)
     return replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
 
 
@@ -142,20 +144,29 @@ def _shape_derivatives(
 
     theta: all the layout's unknowns; the effects' parameters are the last of them. rows: (M, n).
     """
-    shapes, columns = [], []
     at = prepared.layout.size - prepared.layout.effects
+    shapes: list[tuple[int, str]] = []
+    values, steps = [], []
+    ends: list[EffectInstance] = []
     for i, instance in enumerate(prepared.effects):
-        values = theta[at : at + len(instance.effect.parameters)]
-        at += len(values)
+        own = theta[at : at + len(instance.effect.parameters)]
+        at += len(own)
         for parameter in instance.effect.shape:
             if parameter.discrete:
                 continue
             value = instance.effect.shape_values()[parameter.name]
             step = SHAPE_STEP * (abs(value) or 1.0)
-            ends = [
-                candidate_columns(prepared, [reshaped(instance, {parameter.name: x})]) @ values
-                for x in (value - step, value + step)
-            ]
+            ends += [reshaped(instance, {parameter.name: x}) for x in (value - step, value + step)]
             shapes.append((i, parameter.name))
-            columns.append((ends[1] - ends[0]) / (2.0 * step))
-    return shapes, np.stack(columns, axis=2) if columns else np.zeros((*rows, 0))
+            values.append(own)
+            steps.append(step)
+    if not shapes:
+        return shapes, np.zeros((*rows, 0))
+    parts = np.split(
+        candidate_columns(prepared, ends), np.cumsum([2 * len(one) for one in values])[:-1], axis=2
+    )
+    columns = [
+        (both[:, :, len(own) :] @ own - both[:, :, : len(own)] @ own) / (2.0 * step)
+        for both, own, step in zip(parts, values, steps, strict=True)
+    ]
+    return shapes, np.stack(columns, axis=2)

@@ -1,7 +1,6 @@
 """What further columns would explain, without solving the whole system again (Frisch, Waugh and Lovell)."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -49,33 +48,27 @@ class Products:
 class PartialRegression:
     """The linearised system of the currents' errors with all its columns taken out of everything else.
 
-    The unknowns are [theta, g], or theta alone where the gains are fixed. basis (R, f): orthonormal, of the
-    columns; remainder (R,): minus the weighted error; weights (n,): one over each motor's error in torque;
-    moving (M, n).
+    The unknowns are [theta, g], or theta alone where the gains are fixed. columns (n, M, f): weighted, motor by motor,
+    zero where a joint stands still; basis (f, r): combines them so that they are orthonormal over all motors; remainder
+    (M, n): minus the weighted error; weights (n,): one over each motor's error in torque; moving (M, n).
     """
 
+    columns: np.ndarray
     basis: np.ndarray
     remainder: np.ndarray
     weights: np.ndarray
     moving: np.ndarray
 
-    @cached_property
-    def _by_motor(self) -> tuple[np.ndarray, np.ndarray]:
-        """The basis (n, M, f) and the remainder (n, M), motor by motor."""
-        samples, n = self.moving.shape
-        basis = self.basis.reshape(samples, n, -1).transpose(1, 0, 2)
-        return np.ascontiguousarray(basis), np.ascontiguousarray(self.remainder.reshape(samples, n).T)
-
     def products(self, columns: np.ndarray) -> Products:
-        """Inner products of columns (M, n, k), weighted, without what the basis explains of them."""
-        basis, remainder = self._by_motor
+        """Inner products of further columns (M, n, k), weighted, without what the basis explains of them."""
         k = columns.shape[2]
-        whole, within, towards = np.zeros((k, k)), np.zeros((basis.shape[2], k)), np.zeros(k)
+        whole, across, towards = np.zeros((k, k)), np.zeros((len(self.basis), k)), np.zeros(k)
         for j in np.flatnonzero(columns.any(axis=(0, 2))):
             rows = columns[:, j] * (self.moving[:, j] * self.weights[j])[:, None]
             whole += rows.T @ rows
-            within += basis[j].T @ rows
-            towards -= remainder[j] @ rows
+            across += self.columns[j].T @ rows
+            towards -= self.remainder[:, j] @ rows
+        within = self.basis.T @ across
         return Products(whole - within.T @ within, towards, np.sqrt(np.diag(whole)))
 
     def explained(self, columns: np.ndarray) -> tuple[np.ndarray, float]:
@@ -85,7 +78,7 @@ class PartialRegression:
     @property
     def sum_of_squares(self) -> float:
         """What is left of the right side, weighted."""
-        return float(self.remainder @ self.remainder)
+        return float((self.remainder**2).sum())
 
 
 def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
@@ -100,15 +93,27 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
     rms = np.sqrt((error**2).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
     own = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
     weights = own / solution.gains
-    rows = np.zeros((samples, n, p + (n if solution.gains_fitted else 0)))
-    rows[:, :, :p] = stack.phi * weights[:, None]
-    if solution.gains_fitted:
-        rows[:, np.arange(n), p + np.arange(n)] = -modelled * weights
-    flat = (rows * stack.moving[:, :, None]).reshape(samples * n, -1)
-    norms = np.linalg.norm(flat, axis=0)
+    size = p + (n if solution.gains_fitted else 0)
+    columns, factors = np.zeros((n, samples, size)), np.zeros((n, p + 2, size))
+    of_gain = np.append(solution.theta, [1.0, 0.0]) / solution.gains[:, None]
+    for j in range(n):
+        columns[j, :, :p] = stack.phi[:, j] * weights[j]
+        factors[j, :, :p] = stack.factors[j, :, :p] * weights[j]
+        if solution.gains_fitted:
+            columns[j, :, p + j] = -modelled[:, j] * weights[j]
+            factors[j, :, p + j] = -(stack.factors[j] @ of_gain[j]) * weights[j]
+    basis = _orthonormal(factors.reshape(-1, size))
+    target = -(error * own)
+    for _ in range(2):  # the second time for what rounding left of the first
+        explained = basis @ (basis.T @ sum(one.T @ target[:, j] for j, one in enumerate(columns)))
+        target = target - np.stack([one @ explained for one in columns], axis=1)
+    return PartialRegression(columns, basis, target, weights, stack.moving)
+
+
+def _orthonormal(factor: np.ndarray) -> np.ndarray:
+    """How columns (R, f) are combined to orthonormal ones (f, r) of the same span."""
+    norms = np.linalg.norm(factor, axis=0)
     norms[norms == 0.0] = 1.0
-    left, singular, _ = np.linalg.svd(flat / norms, full_matrices=False)
-    basis = left[:, singular > 1e-10 * singular[0]]
-    target = -(error * own).reshape(-1)
-    remainder = target - basis @ (basis.T @ target)
-    return PartialRegression(basis, remainder, weights, stack.moving)
+    _, singular, vectors = np.linalg.svd(factor / norms, full_matrices=False)
+    kept = singular > 1e-10 * singular[0]
+    return np.asarray(vectors[kept].T / singular[kept] / norms[:, None])

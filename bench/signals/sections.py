@@ -91,7 +91,11 @@ def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[F
             state = matrices.carry @ state + given[:, k]
         own = matrices.filtered @ blocks + matrices.initial @ begins.reshape(len(state), -1)
         outputs[:at] = own.reshape(LENGTH, count, -1).transpose(1, 0, 2).reshape(at, -1)
-    outputs[at:], state = one_by_one(sections, columns[at:], state)
+    rest = len(x) - at
+    if rest:
+        matrices, given = _block(sections.tobytes()), columns[at:]
+        outputs[at:] = matrices.filtered[:rest, :rest] @ given + matrices.initial[:rest] @ state
+        state = matrices.powers[rest] @ state + matrices.fed[:, LENGTH - rest :] @ given
     return outputs.reshape(x.shape), state.reshape(states.shape)
 
 
@@ -111,12 +115,16 @@ def one_by_one(sections: FloatArray, columns: FloatArray, state: FloatArray) -> 
 
 @dataclass(frozen=True)
 class _Block:
-    """Of L samples, s states: filtered (L, L), initial (L, s) give outputs; fed (s, L), carry (s, s) last states."""
+    """Of L samples, s states: filtered (L, L), initial (L, s) give outputs; fed (s, L), carry (s, s) last states.
+
+    powers (L, s, s): what is carried over fewer samples.
+    """
 
     filtered: FloatArray
     initial: FloatArray
     fed: FloatArray
     carry: FloatArray
+    powers: FloatArray
 
 
 @lru_cache(maxsize=64)
@@ -127,4 +135,6 @@ def _block(key: bytes) -> _Block:
     impulses = np.concatenate((np.eye(LENGTH), np.zeros((LENGTH, size))), axis=1)
     states = np.concatenate((np.zeros((size, LENGTH)), np.eye(size)), axis=1)
     outputs, after = one_by_one(sections, impulses, states)
-    return _Block(outputs[:, :LENGTH], outputs[:, LENGTH:], after[:, :LENGTH], after[:, LENGTH:])
+    step = one_by_one(sections, np.zeros((1, size)), np.eye(size))[1]
+    powers = np.stack([np.linalg.matrix_power(step, k) for k in range(LENGTH)])
+    return _Block(outputs[:, :LENGTH], outputs[:, LENGTH:], after[:, :LENGTH], after[:, LENGTH:], powers)
