@@ -24,13 +24,20 @@ class PiecewisePolynomial:
 
     def __call__(self, t: Given) -> FloatArray:
         """Values (N, ...) at t (N,); outside the knots the outermost pieces go on."""
-        piece = np.clip(np.searchsorted(self.knots, t, side="right") - 1, 0, len(self.knots) - 2)
-        distance = (t - self.knots[piece]).reshape(-1, *(1,) * (self.coefficients.ndim - 2))
-        values = self.coefficients[0, piece]
-        for coefficient in self.coefficients[1:]:
+        if np.any(t[1:] < t[:-1]):
+            order = np.argsort(t, kind="stable")
+            values = np.empty((len(t), *self.coefficients.shape[2:]))
+            values[order] = self(t[order])
+            return values
+        # In rising order a piece's samples follow each other: it is repeated along them, column by column.
+        counts = np.diff(np.concatenate(([0], np.searchsorted(t, self.knots[1:-1]), [len(t)])))
+        distance = t - np.repeat(self.knots[:-1], counts)
+        pieces = self.coefficients.reshape(*self.coefficients.shape[:2], -1).transpose(0, 2, 1)
+        values = np.repeat(pieces[0], counts, axis=1)
+        for coefficient in pieces[1:]:
             values *= distance
-            values += coefficient[piece]
-        return values
+            values += np.repeat(coefficient, counts, axis=1)
+        return np.ascontiguousarray(values.T).reshape(len(t), *self.coefficients.shape[2:])
 
 
 def cubic_spline(t: Given, values: Given) -> PiecewisePolynomial:
