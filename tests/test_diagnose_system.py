@@ -1,11 +1,13 @@
 """Sets of effects, solved from inner products, are what the rows themselves give."""
 
+from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from bench.diagnose.system import Candidate, System, _orthonormal, _products, _triangle, solve_set
+from bench.diagnose.many_sets import solve_sets
+from bench.diagnose.system import Candidate, System, _orthonormal, _products, _solved, _triangle, solve_set
 from bench.diagnose.system import squared_errors as left_by
 from bench.estimate.current_error import minimised, squared_errors
 from bench.estimate.solution import Solution
@@ -71,3 +73,15 @@ def test_a_set_is_solved_as_from_its_rows(known, chosen):
 def test_an_order_makes_no_difference_and_nothing_is_solved_twice(known):
     system, _ = known
     assert solve_set(system, (3, 0, 1)) is solve_set(system, (0, 1, 3))
+
+
+def test_sets_solved_side_by_side_are_those_solved_alone(known):
+    system, _ = known
+    sets = [one for size in (1, 2, 3) for one in combinations(range(ADDED), size)]
+    alone = [_solved(system, one) for one in sets]
+    for found, wanted in zip(solve_sets(system, sets), alone, strict=True):
+        assert found.chosen == wanted.chosen
+        rounding = 8.0 * np.finfo(float).eps * solve_set(system, ()).fitted
+        squares = [wanted.fitted, wanted.checked]
+        np.testing.assert_allclose([found.fitted, found.checked], squares, rtol=1e-5, atol=rounding)
+        np.testing.assert_allclose(found.gains, wanted.gains, rtol=1e-4)

@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
+from bench.diagnose.many_sets import solve_sets
 from bench.diagnose.system import Candidate, SetFit, System, solve_set
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
@@ -59,7 +60,8 @@ def search(system: System, usable: Sequence[int]) -> Found:
     compete, so that a first choice that a better pair makes superfluous does not stay.
     """
     empty = solve_set(system, ())
-    singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
+    alone = solve_sets(system, [(i,) for i in usable])
+    singles = {i: score(system, fit, empty) for i, fit in zip(usable, alone, strict=True)}
     best = score(system, empty, empty)
     for size in range(1, LARGEST_SET + 1):
         order = _shortlist(system, usable, singles, best, empty)
@@ -67,7 +69,7 @@ def search(system: System, usable: Sequence[int]) -> Found:
             sets = list(combinations(order, size))
         else:
             sets = [(*best.fit.chosen, i) for i in order if i not in best.fit.chosen]
-        scored = [score(system, solve_set(system, chosen), empty) for chosen in sets]
+        scored = [score(system, fit, empty) for fit in solve_sets(system, sets)]
         possible = [one for one in sorted(scored, key=lambda one: -one.total) if _possible(system, one.fit)]
         before = best
         for one in possible[:20]:
@@ -86,9 +88,8 @@ def _shortlist(
     chosen = best.fit.chosen
     alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
     others = [i for i in usable if i not in chosen]
-    beside = (
-        {i: score(system, solve_set(system, (*chosen, i)), empty).total for i in others} if chosen else {}
-    )
+    wider = solve_sets(system, [(*chosen, i) for i in others]) if chosen else []
+    beside = {i: score(system, fit, empty).total for i, fit in zip(others, wider, strict=False)}
     return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
 
 

@@ -7,7 +7,7 @@ unknowns, whatever the number of samples.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -146,15 +146,11 @@ def squared_errors(products: Products, fit: SetFit, start: Solution) -> np.ndarr
 def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
     """Gauss-Newton with step halving, from the best solution that is known of a smaller set."""
     start, fit_gains = system.start, system.start.gains_fitted
-    columns, size = system.columns_of(chosen), system.fitted.inner.shape[1]
+    columns, values, gains = start_of(system, chosen)
+    size = system.fitted.inner.shape[1]
     picked = np.append(columns, [size - 2, size - 1])
     inner = system.fitted.inner[:, picked[:, None], picked]
     squares = start.weights**2
-    values, gains = np.zeros(len(columns)), start.gains
-    smaller = (system.solved.get(chosen[:i] + chosen[i + 1 :]) for i in range(len(chosen)))
-    near = min((one for one in smaller if one is not None), key=lambda one: one.fitted, default=None)
-    if near is not None:
-        values[np.searchsorted(columns, near.columns)], gains = near.values, near.gains
     cost = float(_squares(inner, _errors_by(values, gains, start.gains)) @ squares)
     for _ in range(MOST_STEPS):
         step, by_gain = _step(inner, values, gains, start, fit_gains)
@@ -171,9 +167,24 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         values, gains, cost = new_values, new_gains, new
         if settled:
             break
-    fit = SetFit(chosen, columns, values, gains, cost, 0.0)
-    checked = float(squared_errors(system.checked, fit, start) @ squares)
-    return SetFit(chosen, columns, values, gains, cost, checked)
+    return with_checked(system, SetFit(chosen, columns, values, gains, cost, 0.0))
+
+
+def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A set's columns (k,), and values (k,) and gains (n,) to start from: the best that are known of a smaller set."""
+    columns = system.columns_of(chosen)
+    values, gains = np.zeros(len(columns)), system.start.gains
+    smaller = (system.solved.get(chosen[:i] + chosen[i + 1 :]) for i in range(len(chosen)))
+    near = min((one for one in smaller if one is not None), key=lambda one: one.fitted, default=None)
+    if near is not None:
+        values[np.searchsorted(columns, near.columns)], gains = near.values, near.gains
+    return columns, values, gains
+
+
+def with_checked(system: System, fit: SetFit) -> SetFit:
+    """The set with the squares that it leaves on the checked recordings."""
+    left = squared_errors(system.checked, fit, system.start)
+    return replace(fit, checked=float(left @ system.start.weights**2))
 
 
 def _step(
