@@ -51,13 +51,22 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
     weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
     places = places_in(prepared.model.geometry, weighed)
     present = {(one.effect.name, one.joint) for one in prepared.effects}
+    every = {
+        name: [
+            EffectInstance(effect, joint, f"{name}:{joint}" if joint else name)
+            for joint in places.of(effect.place)
+            if (name, joint) not in present
+        ]
+        for name, effect in catalogue.items()
+    }
+    # Filtered together, and kept: each is asked for by itself below.
+    candidate_columns(prepared, [one for found in every.values() for one in found if not one.effect.shape])
     proposals = []
-    for name, effect in catalogue.items():
+    for name, found in every.items():
         progress.advance()
-        at = [joint for joint in places.of(effect.place) if (name, joint) not in present]
-        if not at:
+        if not found:
             continue
-        found = [EffectInstance(effect, joint, f"{name}:{joint}" if joint else name) for joint in at]
+        effect = catalogue[name]
         visible = [one for one in found if effect.shape or _visible(start, one)]
         if not visible:
             proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
