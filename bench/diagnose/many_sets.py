@@ -43,12 +43,16 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
     cost = _costs(inner, values, gains, start.gains) @ squares
     regular, settled = np.ones(len(keys), dtype=bool), np.zeros(len(keys), dtype=bool)
     for _ in range(MOST_STEPS):
-        step, by_gain, sound = _steps(inner, values, gains, start.gains, squares, start.gains_fitted)
+        try:
+            step, by_gain, sound = _steps(inner, values, gains, start.gains, squares, start.gains_fitted)
+        except np.linalg.LinAlgError:  # one of them is beyond what rounding allows: each alone is told which
+            return {}
         share = 1.0 / np.maximum(1.0, 2.0 * np.abs(by_gain / gains).max(axis=1))
-        share[settled] = 0.0
+        share[settled | ~regular] = 0.0
         values, gains = values + share[:, None] * step, gains + share[:, None] * by_gain
         new = _costs(inner, values, gains, start.gains) @ squares
         regular &= (sound | settled) & (new <= cost * (1.0 + 1e-12))
+        values[~regular], gains[~regular] = 0.0, start.gains  # left to be solved alone
         settled |= (cost - new <= CONVERGED * cost) & (share == 1.0)
         cost = new
         if np.all(settled | ~regular):

@@ -33,10 +33,18 @@ def main_job_figures() -> list[Figure]:
 
 
 def diagnosis_figures() -> list[Figure]:
-    """Diagnosis of robots with two effects that their models lack."""
+    """Diagnoses of small and large robots, what of the processor and the memory they take, and several at once."""
+    figures, busy, memory = [], 0.0, 0.0
+    for name, limit, cost in diagnosis.costs():
+        figures.append(Figure(name, cost.seconds, "s", limit))
+        busy = max(busy, cost.processor / cost.seconds)
+        if "hexapod" in name:
+            memory = cost.megabytes
     return [
-        Figure(f"diagnose two recordings of 24 s, {robot}", diagnosis.measure(robot), "s", limit)
-        for robot, limit in diagnosis.LIMITS.items()
+        *figures,
+        Figure("peak memory of a hexapod's diagnosis", memory, "MB", diagnosis.MEGABYTES),
+        Figure("processor time of a diagnosis over its time", busy, "×", diagnosis.BUSY),
+        Figure("three diagnoses at once over two", diagnosis.three_over_two(), "×", diagnosis.AT_ONCE),
     ]
 
 

@@ -1,20 +1,31 @@
-"""Cost of a diagnosis: two recordings of 24 s at 1 kHz against the whole catalogue."""
+"""Cost of a diagnosis against the whole catalogue: time, processor time, memory, and several at once."""
 
-from collections.abc import Mapping
-from time import perf_counter
+import os
+import resource
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time
 from typing import Any
 
-from bench.dataset import Dataset
+from bench.dataset import Dataset, load_dataset
 from bench.diagnose.diagnose import diagnose
 from bench.excite.scenario import designer
 from bench.scenario import resolve_trajectories, scenario_from_dict
 from bench.scenario_file import find_scenario, read_with_bases
+from bench.speed import report
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
-LIMITS = {"five_bar": 10.0, "delta": 30.0}  # s
-DURATION = 24.0  # s, of either recording
-HIDDEN: Mapping[str, tuple[Mapping[str, Any], ...]] = {
+DURATION, SHORT, HEXAPOD = 24.0, 14.0, 10.0  # s, of a recording
+BUSY = 1.2  # processor time over wall time
+AT_ONCE = 1.7  # time of three diagnoses started at once over that of two, on two cores
+MEGABYTES = 400.0  # of the hexapod's diagnosis
+Hidden = Sequence[Mapping[str, Any]]
+OFFSET_AND_FRICTION: Mapping[str, Hidden] = {
     "five_bar": (
         {"effect": "coulomb_friction", "Fc": 0.2},
         {"effect": "encoder_offset", "joint": "left", "offset": 0.02},
@@ -25,21 +36,81 @@ HIDDEN: Mapping[str, tuple[Mapping[str, Any], ...]] = {
     ),
 }
 """A linear effect, and one whose columns depend on the model, so that they are computed anew in every round."""
+THREE: Hidden = (
+    {"effect": "coulomb_friction", "Fc": 0.3},
+    {"effect": "cogging_torque", "a": 0.1, "b": 0.05, "period": 0.52},
+    {"effect": "viscous_friction", "Fv": 0.15},
+)
 
 
-def two_recordings(robot: str) -> Dataset:
-    """The robot's scenario with effects that no model is told of, and its two recordings to identify from."""
+@dataclass(frozen=True)
+class Cost:
+    """Wall and processor time in s, and the largest memory of the process in MB."""
+
+    seconds: float
+    processor: float
+    megabytes: float
+
+
+def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
+    """A robot's scenario with effects that no model is told of: two recordings, and one to check where asked for."""
     content = dict(read_with_bases(find_scenario(robot)))
-    content["hidden"] = list(HIDDEN[robot])
+    content["hidden"] = list(hidden)
     content["design"] = {**content["design"], "duration": DURATION}
-    content["recordings"] = [one for one in content["recordings"] if one["use"] == "identify"]
+    fitted = [one for one in content["recordings"] if one["use"] == "identify"]
+    others = [one for one in content["recordings"] if one["use"] == "validate"][: int(checked)]
+    shorter = [{**one, "design": {**one["design"], "duration": SHORT}} for one in others]
+    content["recordings"] = [*fitted, *shorter]
     scenario = scenario_from_dict(content, robot)
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
 
 
-def measure(robot: str) -> float:
-    """Seconds to diagnose the two recordings."""
-    dataset = two_recordings(robot)
-    start = perf_counter()
+def hexapod(folder: Path) -> Dataset:
+    """A platform on six legs, three recordings; its robot is written into the folder."""
+    return report.six_motors(folder, HEXAPOD)
+
+
+def cases(folder: Path) -> Iterator[tuple[str, float, Dataset]]:
+    """Name, limit in s, and dataset of every case; that of measured data only where they are."""
+    for robot, limit in (("five_bar", 1.5), ("delta", 4.0)):
+        data = simulated(robot, OFFSET_AND_FRICTION[robot], checked=False)
+        yield f"diagnose two recordings of 24 s, {robot}", limit, data
+    three = "diagnose two recordings of 24 s and one of 14 s, three_rrr"
+    yield three, 4.0, simulated("three_rrr", (), checked=True)
+    yield f"{three} with three hidden effects", 8.0, simulated("three_rrr", THREE, checked=True)
+    yield "diagnose three recordings of 10 s, hexapod", 10.0, hexapod(folder)
+    measured = Path(os.environ.get("PARABENCH_DATA", "../shared/data")) / "ur10e"
+    if measured.is_dir():
+        yield "diagnose four measured logs, six-axis arm", 15.0, load_dataset(measured)
+
+
+def costs() -> Iterator[tuple[str, float, Cost]]:
+    """Name, limit in s and cost of every case, each in a process of its own."""
+    with TemporaryDirectory() as folder:
+        for name, limit, dataset in cases(Path(folder)):
+            with _workers(1) as pool:
+                yield name, limit, pool.submit(_cost, dataset).result()
+
+
+def three_over_two() -> float:
+    """Time of three diagnoses that are started at once over that of two."""
+    dataset = simulated("five_bar", OFFSET_AND_FRICTION["five_bar"], checked=False)
+    times = []
+    for count in (2, 3):
+        with _workers(count) as pool:
+            list(pool.map(_cost, [dataset] * count))  # imports and caches
+            start = perf_counter()
+            list(pool.map(_cost, [dataset] * count, chunksize=1))
+            times.append(perf_counter() - start)
+    return times[1] / times[0]
+
+
+def _workers(count: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(count, mp_context=get_context("spawn"))
+
+
+def _cost(dataset: Dataset) -> Cost:
+    wall, processor = perf_counter(), process_time()
     diagnose(dataset)
-    return perf_counter() - start
+    wall, processor = perf_counter() - wall, process_time() - processor
+    return Cost(wall, processor, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)

@@ -52,9 +52,10 @@ SCENARIO: Mapping[str, Any] = {
 }
 
 
-def six_motors(folder: Path) -> Dataset:
-    """A platform on six legs, simulated; robot and recordings are written into the folder."""
+def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
+    """A platform on six legs, simulated; robot and recordings, of so many s, are written into the folder."""
     content = {**SCENARIO, "robot": str(write_hexapod(folder / "hexapod"))}
+    content["design"] = {**content["design"], "duration": duration}
     scenario = scenario_from_dict(content, "hexapod")
     write_simulation(simulate(scenario, resolve_trajectories(scenario, designer)), folder / "data")
     return load_dataset(folder / "data")
