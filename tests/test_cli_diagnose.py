@@ -14,7 +14,7 @@ from bench.cli import main
 from bench.dataset import load_dataset
 from bench.diagnose.as_json import diagnosis_json
 from bench.diagnose.possible import impossible_effects, refused, superfluous_effect
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnose.result import LadderStep
 from bench.diagnose.summary import doubts, error_share, motor_torques, reason, summary_sentences
 from bench.effects import CATALOGUE, EffectInstance
 from bench.estimate.model_file import apply_model, load_model
@@ -28,56 +28,9 @@ from bench.show.diagnosis_figures import (
     write_diagnosis_figures,
 )
 from bench.truth.dataset import write_simulation
+from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.hidden_kit import scenario, simulate
-from tests.shown import dataset_of, identification_of
-
-VISCOUS = EffectVerdict(
-    effect="viscous_friction",
-    verdict="missing",
-    error_before=0.1,
-    error_after=0.01,
-    evidence=812.4,
-    actuators=("left",),
-    alternatives=(),
-    size={"left": 0.33},
-    why="With viscous friction at left the error falls from 10 % to 1 % of the current.",
-)
-OTHERS = (
-    replace(
-        VISCOUS,
-        effect="current_delay",
-        verdict="indistinguishable",
-        evidence=2.0,
-        actuators=(),
-        alternatives=("viscous_friction",),
-        size={},
-        why="Current delay would explain the data as well.",
-    ),
-    *(
-        replace(
-            VISCOUS,
-            effect=name,
-            verdict="not supported",
-            evidence=-float(i),
-            actuators=(),
-            size={},
-            why=f"Adding {name} gains nothing.",
-        )
-        for i, name in enumerate(
-            ("backlash", "base_tilt", "cogging_torque", "geometric_error", "joint_spring", "torque_ripple")
-        )
-    ),
-    replace(
-        VISCOUS,
-        effect="rotor_inertia",
-        verdict="absorbed",
-        evidence=0.0,
-        actuators=(),
-        size={},
-        why="The model's own parameters take rotor inertia up.",
-    ),
-)
-CLEAR = Unexplained(False, 0.01, 0.0098, (), "the error left is what noise leaves")
+from tests.shown import dataset_of
 
 
 @pytest.fixture(scope="module")
@@ -88,18 +41,7 @@ def dataset():
 @pytest.fixture(scope="module")
 def found(dataset):
     """Made by hand: viscous friction is missing at one motor."""
-    before, after = identification_of(dataset), identification_of(dataset, effects=True)
-    moved = {**after.drive_gains, "left": replace(after.drive_gains["left"], value=3.63)}
-    return Diagnosis(
-        robot="five_bar",
-        split="recordings that were not fitted",
-        missing=("viscous_friction",),
-        ladder=(LadderStep((), 0.11, 0.12), LadderStep(("viscous_friction",), 0.0099, 0.01)),
-        ranking=(VISCOUS, *OTHERS),
-        unexplained=CLEAR,
-        before=before,
-        after=replace(after, drive_gains=moved),
-    )
+    return found_diagnosis(dataset)
 
 
 @pytest.fixture(scope="module")

@@ -105,6 +105,18 @@ def test_noise_narrows_the_filters_but_not_below_the_motion() -> None:
     assert bands[-1] > 2.5
 
 
+def test_noise_that_is_not_white_is_no_motion() -> None:
+    """Its power falls with the frequency, but that of its acceleration rises above that of the motion."""
+    case = Case(0.5, 1.5, None, 0.0, 0.01, 0.0)
+    q, current = record(case, seed=5)
+    walk = np.cumsum(np.random.default_rng(6).standard_normal(q.shape), axis=0)
+    noisy = q + 2e-5 * (walk - walk.mean(axis=0))
+    clean, found = (signal_bands([one], [current], RATE) for one in (q, noisy))
+    assert clean.motion <= found.motion < 20.0
+    settings = choose_settings([noisy], [current], RATE)
+    assert np.abs(fitted_inertias(noisy, current, settings) / INERTIA - 1).max() < 0.01
+
+
 def test_a_wide_filter_on_a_coarse_encoder_is_as_wrong_as_the_choice_is_right() -> None:
     case = Case(0.5, 0.0, 12, 1e-3, 0.01, 0.0)
     q, current = record(case, seed=4)

@@ -50,10 +50,10 @@ def tx40(measured_data: Path, tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_coupling_is_understood(tx40: Path) -> None:
+@pytest.mark.parametrize("settings", [{"position_cutoff": 20.0, "decimation": 60}, None])
+def test_the_coupling_is_understood(tx40: Path, settings: dict[str, float] | None) -> None:
     assert [actuator.gain_unit for actuator in load_robot(tx40).actuators] == ["N*m/(N*m)"] * 6
     effects = ["viscous_friction", "coulomb_friction", "constant_offset"]
-    settings = {"position_cutoff": 20.0, "decimation": 60}
     found = identify(load_dataset(tx40), effects, filters=settings)
     assert found.error.identify < 0.10
     by_motor = {

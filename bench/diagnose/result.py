@@ -6,7 +6,7 @@ from typing import Literal
 
 from bench.estimate.result import CurrentSeries, Identification
 
-Verdict = Literal["missing", "not supported", "indistinguishable", "absorbed"]
+Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", "absorbed"]
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,8 @@ class LadderStep:
 class EffectVerdict:
     """What the data say of one effect.
 
+    verdict: indistinguishable always has alternatives; an effect that resembles what is missing fits, and leaves much
+    that no effect explains.
     error_before, error_after: relative error on recordings that were not fitted, without and with it. evidence:
     log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
     cannot tell from it. size: RMS of its torque at each actuator, N*m or N.

@@ -7,7 +7,7 @@ import numpy as np
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.effects.names import spoken
-from bench.estimate.notes import LOOSE, unlike
+from bench.estimate.notes import LOOSE, runaway, unlike
 from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
 from bench.estimate.swapped import SWAPPED
@@ -15,6 +15,7 @@ from bench.estimate.swapped import SWAPPED
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
+REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -28,13 +29,16 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
             f"Nothing is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
             f"error clearly smaller than {_percent(before)} of the current."
         )
-        strange = unlike(diagnosis.after)
-        return [nothing, *([strange] if strange else []), f"{_capital(diagnosis.unexplained.why)}."]
-    names = and_list([_named(diagnosis, one) for one in found])
-    said_of = "is" if len(found) == 1 else "are"
+        strange = [one for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
+        return [nothing, *strange, f"{_capital(diagnosis.unexplained.why)}."]
+    sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
+    like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
+    parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
+    names = ", and ".join([and_list(sure), parts[-1]]) if sure and like else and_list(parts)
+    said_of = "is" if len(parts) == 1 else "are"
     doubt = doubts(diagnosis)
     if doubt:
-        said_of = "seems to be" if len(found) == 1 else "seem to be"
+        said_of = "seems to be" if len(parts) == 1 else "seem to be"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {_percent(before)} "
         f"to {_percent(after)} of the current, where noise leaves {_percent(floor)}."
@@ -53,11 +57,11 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
     result = diagnosis.after
     sentences = []
     swapped = [note for note in result.notes if SWAPPED in note]
-    strange = swapped[0] if swapped else unlike(result)
+    strange = swapped[0] if swapped else runaway(result) or unlike(result)
     left = diagnosis.unexplained
     if strange:
         sentences.append(f"These names may be false. {strange}")
-    elif left.significant and left.error > HOPELESS * left.noise_floor:
+    elif left.significant and left.error > HOPELESS * max(left.noise_floor, REAL):
         times = left.error / left.noise_floor
         sentences.append(
             f"These names may be false: what is left is {times:.0f} times the noise. Check columns, signs and payloads."

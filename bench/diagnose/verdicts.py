@@ -46,7 +46,13 @@ def verdicts(
             rows.append(_found(system, proposals, found, i, places[proposal.name], scale, sure, error))
         else:
             rows.append(_other(system, proposals, found, i, scale))
-    order: dict[Verdict, int] = {"missing": 0, "indistinguishable": 1, "not supported": 2, "absorbed": 3}
+    order: dict[Verdict, int] = {
+        "missing": 0,
+        "indistinguishable": 1,
+        "resembles": 2,
+        "not supported": 3,
+        "absorbed": 4,
+    }
     names = {proposals[i].name for i in chosen}
     return tuple(
         sorted(rows, key=lambda one: (one.effect not in names, order[one.verdict], -one.evidence, one.effect))
@@ -114,7 +120,7 @@ def _found(
     unsure = without.fit.checked < sure**2 * best.fit.checked
     if unsure:
         why += "; something that no effect of the catalogue explains is left, and may be what this stands for"
-    verdict: Verdict = "indistinguishable" if alternatives or unsure else "missing"
+    verdict: Verdict = "indistinguishable" if alternatives else "resembles" if unsure else "missing"
     return EffectVerdict(
         proposals[i].name,
         verdict,

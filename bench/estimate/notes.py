@@ -12,6 +12,8 @@ from bench.estimate.result import Identification
 ROBOT = "robot"  # where an effect of the whole robot stands among the joints
 LOOSE = 0.3  # relative deviation above which a parameter says little
 ILL_CONDITIONED = 1e3
+HOPELESS_CONDITION = 1e7  # beyond it, digits of the data that are rounding decide
+FAR = 2.0  # times the nominal gain, or its half: makers are wrong by a tenth
 UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
 NEAR = 3.0  # times a thousand, or a thousandth: a gain as far off has a wrong unit behind it
 BETTER = 0.5  # relative error of a current with its sign reversed, from which on that is likely
@@ -59,6 +61,9 @@ def notes_on(
             f"These data cannot show {', '.join(absorbed)}: other parameters of the model do the same, and take "
             "up the effect."
         )
+    doubt = runaway(result)
+    if doubt is not None:
+        notes.insert(0, f"This answer is not to be believed. {doubt}")
     notes += _implausible(result)
     for j, joint in enumerate(result.drive_gains):
         reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
@@ -101,6 +106,28 @@ def unlike(result: Identification) -> str | None:
         f"({_percent(fitted)}), {worst} worst: it is declared to carry {load}; check that and its columns, or move the "
         "fitted recordings over the same range."
     )
+
+
+def runaway(result: Identification) -> str | None:
+    """Why an answer is not to be believed, whatever its error: a drive gain far off, or what rounding has decided."""
+    for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
+        if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
+            return (
+                f"The drive gain of {joint} came out at {gain.value:.3g} {gain.unit.replace('*', '·')}, where "
+                f"{gain.nominal:.3g} is nominal: no drive is that far from its sheet, if that is right."
+            )
+    for one in result.parameters:
+        if one.value and not 0.0 < one.std < np.inf:
+            return (
+                f"{one.name} came out at {one.value:.3g} {one.unit} with no deviation that is known: the data do not "
+                "tell it."
+            )
+    if result.scaled_condition > HOPELESS_CONDITION:
+        return (
+            f"The scaled observation matrix has a condition number of {result.scaled_condition:.0e}: rounding decides "
+            "what some parameters are."
+        )
+    return None
 
 
 def _implausible(result: Identification) -> list[str]:

@@ -27,7 +27,8 @@ FEW = 4  # alternatives named in a cell
 UNSUPPORTED = ("not supported", "absorbed")
 VERDICTS_AID = (
     "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
-    "alternatives. Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong."
+    "alternatives. resembles: it fits, and leaves much that no effect explains. "
+    "Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong."
 )
 LAWS_AID = (
     "τ: torque or force that the motors have to overcome beside the rigid bodies'; q, q̇, q̈: a joint's position, "

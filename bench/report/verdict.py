@@ -4,6 +4,7 @@ from bench.compare.where import WhereItFails
 from bench.compare.words import motor_words
 from bench.diagnose.result import Diagnosis
 from bench.diagnose.summary import and_list, found_effects, or_list, summary_sentences
+from bench.estimate.notes import runaway
 from bench.estimate.result import ErrorSummary, Identification
 from bench.report.parts import Tile
 from bench.report.words import INTERVAL, effect_name, share, short, typeset
@@ -14,7 +15,8 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Three sentences on a diagnosis."""
     sentences = summary_sentences(diagnosis)
     moved = next((one for one in sentences[1:-1] if "drive gain" in one), None)
-    middle = (moved or gains_sentence(diagnosis.after)).rstrip(".")
+    doubt = runaway(diagnosis.after)
+    middle = (doubt or moved or gains_sentence(diagnosis.after)).rstrip(".")
     doubtful = [
         f"instead of {effect_name(one.effect)} it could as well be {or_list(list(map(effect_name, one.alternatives)))}"
         for one in found_effects(diagnosis)
@@ -27,7 +29,11 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
     """Three sentences on an identified model."""
-    return (*_level(result.error, noise, "The model"), gains_sentence(result), _failing(where))
+    doubt = runaway(result)
+    gains = (
+        gains_sentence(result) if doubt is None else f"This answer is not to be believed. {typeset(doubt)}"
+    )
+    return (*_level(result.error, noise, "The model"), gains, _failing(where))
 
 
 def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noise: float) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ BEFORE_PALE = "#F0B58A"
 VERDICT_COLOURS = {
     "missing": AFTER,
     "indistinguishable": "#E69F00",
+    "resembles": "#F0E442",
     "not supported": "#B8BEC6",
     "absorbed": "#CC79A7",
 }

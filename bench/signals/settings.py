@@ -12,6 +12,7 @@ from bench.signals.spectrum import (
     band_edge,
     leading_signal_density,
     noise_density,
+    noise_from,
     power_spectrum,
     quantisation_density,
     signal_density,
@@ -122,6 +123,8 @@ def signal_bands(positions: Sequence[FloatArray], currents: Sequence[FloatArray]
         floor = np.maximum(noise_density(position, rate), quantisation_density(position, rate))
         position_noise.append(floor)
         density = leading_signal_density(density, floor)
+        ends = noise_from(frequency, density)
+        density = np.where(frequency[:, None] < ends, density, 0.0)
         live = density.sum(axis=0) * frequency[1] > MOVES * floor * rate / 2
         acceleration = (2 * np.pi * frequency[:, None]) ** 4 * density * live
         motion_band = max(motion_band, band_edge(frequency, acceleration, MOTION_LOSS))

@@ -22,6 +22,10 @@ TAPS, TAPER = 33, 12.0  # of the high-pass of a quarter of the rate, by the wind
 NEIGHBOURS = 10  # samples left out on either side of one that stands out
 CLIP = 4.0  # standard deviations; white noise passes but for 6 samples in 100,000
 LOBE = 13  # frequencies over which a window of that kind smears a line
+FADED, RISEN = (
+    100.0,
+    3.0,
+)  # by which an acceleration has faded, and rises, where its motion ends and noise begins
 OUTLIER = 3.0  # a density this many times the floor is a signal, not noise
 
 
@@ -196,3 +200,32 @@ def band_edge(frequency: FloatArray, density: FloatArray, loss: float) -> float:
         return 0.0
     reached = below[:, live] >= (1 - loss) * total[live]
     return float(frequency[np.argmax(reached, axis=0)].max())
+
+
+def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the frequency [Hz] from which on a position's spectrum is noise that is not white, shape (n,).
+
+    A motion's acceleration fades with the frequency; that of noise rises, since it is differentiated twice. So the
+    noise begins where the acceleration is least, if it has faded to a hundredth by there and rises again; infinite
+    where it does not. What counts is the largest density within an octave, as a repeated motion has lines with
+    nothing between them.
+
+    Args:
+        frequency: uniform from 0, shape (F,) [Hz].
+        position: power densities without white noise, shape (F, n) [unit^2/Hz].
+    """
+    omega = 2 * np.pi * frequency
+    found = np.full(position.shape[1], np.inf)
+    for j, density in enumerate(position.T):
+        shown = np.flatnonzero(density)
+        if not len(shown):
+            continue
+        first, last = int(np.argmax(omega**2 * density)), int(shown[-1]) // 2
+        if last <= first:
+            continue
+        acceleration = omega**4 * density
+        octaves = np.array([acceleration[i : 2 * i + 1].max() for i in range(max(first, 1), last + 1)])
+        least = int(np.argmin(octaves))
+        if FADED * octaves[least] < octaves[0] and octaves[least:].max() > RISEN * octaves[least]:
+            found[j] = frequency[max(first, 1) + least]
+    return found

@@ -1,0 +1,80 @@
+"""Answers that are not to be believed say so first, and one rule decides headline, rows and JSON."""
+
+from dataclasses import replace
+
+import pytest
+
+from bench.diagnose.as_json import diagnosis_json
+from bench.diagnose.summary import doubts, summary_sentences
+from bench.estimate.notes import notes_on, runaway
+from bench.robot import load_robot
+from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
+from tests.shown import dataset_of
+
+FAMILIAR = "Check columns, signs and payloads"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return found_diagnosis(dataset_of(load_robot("five_bar")))
+
+
+def with_gain(diagnosis, ratio):
+    gains = dict(diagnosis.after.drive_gains)
+    gains["left"] = replace(gains["left"], value=ratio * gains["left"].nominal)
+    return replace(diagnosis, after=replace(diagnosis.after, drive_gains=gains))
+
+
+@pytest.mark.parametrize("ratio", [2.1, 0.45, 138.0, -1.0])
+def test_a_gain_far_from_nominal_is_doubted_whatever_the_error(found, ratio):
+    far = with_gain(found, ratio)
+    said = summary_sentences(far)
+    assert "seems to be missing" in said[0]
+    assert said[1].startswith("These names may be false. The drive gain of left came out at")
+    none = summary_sentences(replace(far, missing=(), ladder=found.ladder[:1], ranking=OTHERS))
+    assert none[1].startswith("The drive gain of left came out at")
+    assert (
+        notes_on(far.after, ())
+        .notes[0]
+        .startswith("This answer is not to be believed. The drive gain of left")
+    )
+
+
+@pytest.mark.parametrize("ratio", [0.6, 1.0, 1.21, 1.9])
+def test_a_gain_as_makers_give_it_is_not(found, ratio):
+    assert runaway(with_gain(found, ratio).after) is None
+    assert runaway(replace(with_gain(found, 5.0).after, gains_fitted=False)) is None
+
+
+def test_parameters_without_a_deviation_are_doubted(found):
+    first, *others = found.after.parameters
+    bad = replace(
+        found, after=replace(found.after, parameters=(replace(first, value=-1.5e8, std=0.0), *others))
+    )
+    assert "no deviation that is known" in " ".join(doubts(bad))
+    decided = replace(found, after=replace(found.after, scaled_condition=2.7e8))
+    assert "rounding decides" in " ".join(doubts(decided))
+
+
+def test_what_only_resembles_says_so_in_headline_row_and_json(found):
+    like = replace(found, ranking=(replace(VISCOUS, verdict="resembles"), *OTHERS))
+    assert summary_sentences(like)[0].startswith(
+        "Something that resembles viscous friction at left is missing"
+    )
+    friction = replace(VISCOUS, effect="coulomb_friction")
+    both = replace(like, missing=("viscous_friction", "coulomb_friction"), ranking=(*like.ranking, friction))
+    assert summary_sentences(both)[0].startswith(
+        "Coulomb friction at left, and something that resembles viscous friction at left are missing"
+    )
+    answer = diagnosis_json(like)
+    assert answer["ranking"][0]["verdict"] == "resembles"
+    assert answer["ranking"][0]["alternatives"] == []
+
+
+def test_a_good_model_of_a_real_machine_is_not_told_to_check_its_columns(found):
+    def left(error):
+        unexplained = replace(found.unexplained, significant=True, error=error, noise_floor=0.0003)
+        return " ".join(doubts(replace(found, unexplained=unexplained)))
+
+    assert FAMILIAR not in left(0.0296)
+    assert FAMILIAR in left(0.24)
