@@ -69,7 +69,7 @@ def test_the_torque_needed_leaves_out_what_is_made_of_it(loaded, tmp_path, joint
     assert seen.joints[joint].needs() == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["load_dependent_friction", "gain_saturation"])
+@pytest.mark.parametrize("name", ["load_dependent_friction", "gain_saturation", "torque_ripple"])
 def test_a_current_does_not_explain_itself(name, loaded):
     """What else is in the current changes nothing, but for which way the torque is taken to go."""
     prepared = prepare(loaded, ())

@@ -10,27 +10,35 @@ from bench.effects.periods import PERIODS, strongest_periods, wave
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
+LEAST = 0.2  # of the gain, that is left where the ripple takes most
+
 
 @dataclass(frozen=True)
 class TorqueRipple(ActuatorEffect):
     """tau = g i (1 + a cos(N q) + b sin(N q)): a drive gain that varies with the position of the motor.
 
     a, b: dimensionless, of either sign; N: periods in a turn of the joint, gear included (of a slide: in a metre,
-    and the phase is 2 pi N q), found from the data; g i: drive gain times current. The columns are the torque
-    that lacks, -g i cos(N q) and -g i sin(N q). Valid for ripple well below one, at periods that the motion does
-    not sweep faster than the fit's band. Source: Jahns and Soong, "Pulsating torque minimization techniques for
-    permanent magnet AC motor drives: a review", IEEE Transactions on Industrial Electronics 43(2), 1996.
+    and the phase is 2 pi N q), found from the data; g i: drive gain times the current that the torque needed by the
+    present model takes; were it the measured one, that would be explained by itself in part. The columns are the
+    torque that lacks, -g i cos(N q) and -g i sin(N q). Valid for ripple well below one, at periods that the motion
+    does not sweep faster than the fit's band. Source: Jahns and Soong, "Pulsating torque minimization techniques
+    for permanent magnet AC motor drives: a review", IEEE Transactions on Industrial Electronics 43(2), 1996.
     """
 
     name = "torque_ripple"
     parameters = (EffectParameter("a", "1"), EffectParameter("b", "1"))
     shape = (PERIODS,)
     depends_on_model = True
+    before_torque = True
 
     periods: float = 12.0
+    a: float = 0.0
+    b: float = 0.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
-        return -joint.motor_torque[:, None] * wave(joint.position, self.periods, joint.rotates)
+        waves = wave(joint.position, self.periods, joint.rotates)
+        given = np.maximum(1.0 + waves @ np.array([self.a, self.b]), LEAST)
+        return -(joint.needed_torque / given)[:, None] * waves
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         if not samples:
