@@ -140,7 +140,7 @@ def squared_errors(products: Products, fit: SetFit, start: Solution) -> np.ndarr
     size = products.inner.shape[1]
     picked = np.append(fit.columns, [size - 2, size - 1])
     inner = products.inner[:, picked[:, None], picked]
-    return _squares(inner, _errors_by(fit.values, fit.gains, start.gains))
+    return squares_of(inner, errors_by(fit.values, fit.gains, start.gains))
 
 
 def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
@@ -151,13 +151,14 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
     picked = np.append(columns, [size - 2, size - 1])
     inner = system.fitted.inner[:, picked[:, None], picked]
     squares = start.weights**2
-    cost = float(_squares(inner, _errors_by(values, gains, start.gains)) @ squares)
+    cost = float(squares_of(inner, errors_by(values, gains, start.gains)) @ squares)
     for _ in range(MOST_STEPS):
-        step, by_gain = _step(inner, values, gains, start, fit_gains)
+        both = _least(*normal_equations(inner, values, gains, start))
+        step, by_gain = both[: len(values)], both[len(values) :] if fit_gains else np.zeros(len(gains))
         share = 1.0 / max(1.0, 2.0 * float(np.abs(by_gain / gains).max()))
         while share > 1e-6:
             new_values, new_gains = values + share * step, gains + share * by_gain
-            new = float(_squares(inner, _errors_by(new_values, new_gains, start.gains)) @ squares)
+            new = float(squares_of(inner, errors_by(new_values, new_gains, start.gains)) @ squares)
             if new <= cost * (1 + 1e-12):
                 break
             share /= 2.0
@@ -187,29 +188,28 @@ def with_checked(system: System, fit: SetFit) -> SetFit:
     return replace(fit, checked=float(left @ system.start.weights**2))
 
 
-def _step(
-    inner: np.ndarray, values: np.ndarray, gains: np.ndarray, start: Solution, fit_gains: bool
+def normal_equations(
+    inner: np.ndarray, values: np.ndarray, gains: np.ndarray, start: Solution
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Steps of Gauss and Newton of values (k,) and gains (n,), from inner products (n, k + 2, k + 2)."""
-    k, n = len(values), len(gains)
-    error = _errors_by(values, gains, start.gains)
-    share = (
-        start.weights**2 / gains
-    )  # of a unit of torque in the weighted squares, with another of the gains to come
-    by_error = (inner @ error[:, :, None])[:, :, 0]
-    right = share @ by_error[:, :k]
-    normal = np.tensordot(share / gains, inner[:, :k, :k], axes=1)
-    if fit_gains:
-        torque = np.zeros((n, k + 2))
-        torque[:, :k], torque[:, k] = values, 1.0
-        torque /= gains[:, None]
-        by_torque = (inner @ torque[:, :, None])[:, :, 0]
-        across = -(share / gains)[:, None] * by_torque[:, :k]
-        own = share / gains * (torque * by_torque).sum(axis=1)
-        normal = np.block([[normal, across.T], [across, np.diag(own)]])
-        right = np.append(right, -share * (torque * by_error).sum(axis=1))
-    step = _least(normal, right)
-    return step[:k], step[k:] if fit_gains else np.zeros(n)
+    """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where they are fitted.
+
+    inner: (..., n, k + 2, k + 2) inner products; what stands before the last axes is of many sets.
+    """
+    k, n = values.shape[-1], gains.shape[-1]
+    share = start.weights**2 / gains  # of torque in the weighted squares, with another of the gains to come
+    by_error = (inner @ errors_by(values, gains, start.gains)[..., None])[..., 0]
+    right = (share[..., None, :] @ by_error[..., :k])[..., 0, :]
+    normal = np.einsum("...j,...jrc->...rc", share / gains, inner[..., :k, :k])
+    if not start.gains_fitted:
+        return normal, right
+    torque = np.zeros((*gains.shape, k + 2))
+    torque[..., :k], torque[..., k] = values[..., None, :], 1.0
+    torque /= gains[..., None]
+    by_torque = (inner @ torque[..., None])[..., 0]
+    across = -(share / gains)[..., None] * by_torque[..., :k]
+    own = (share / gains * (torque * by_torque).sum(axis=-1))[..., None] * np.eye(n)
+    normal = np.block([[normal, across.swapaxes(-1, -2)], [across, own]])
+    return normal, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
 
 
 def _least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -229,18 +229,18 @@ def _least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
     return np.asarray(along @ ((along.T @ (right / lengths)) / values[kept])) / lengths
 
 
-def _errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """By what every motor's current error is combined from [columns, torque, error]: (n, k + 2)."""
-    errors = np.ones((len(gains), len(values) + 2))
-    errors[:, :-2] = -values / gains[:, None]
-    errors[:, -2] = 1.0 / start - 1.0 / gains
+def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """By what every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
+    errors = np.ones((*gains.shape, values.shape[-1] + 2))
+    errors[..., :-2] = -values[..., None, :] / gains[..., None]
+    errors[..., -2] = 1.0 / start - 1.0 / gains
     return errors
 
 
-def _squares(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """Sum of squares (n,) of what errors (n, k) combine, never below what rounding leaves of nothing."""
-    combined = (inner @ errors[:, :, None])[:, :, 0]
-    return np.asarray(np.maximum((errors * combined).sum(axis=1), TINY))
+def squares_of(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Sum of squares (..., n) of what errors (..., n, k) combine, never below what rounding leaves of nothing."""
+    combined = (inner @ errors[..., None])[..., 0]
+    return np.asarray(np.maximum((errors * combined).sum(axis=-1), TINY))
 
 
 def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution) -> np.ndarray:
@@ -301,7 +301,7 @@ def _products(prepared: Prepared, blocks: Sequence[np.ndarray], change: np.ndarr
 
 def _errors(rows: np.ndarray, change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
     """Weighted current errors (M, n) of one recording."""
-    errors = _errors_by(fit.values, fit.gains, start.gains)
+    errors = errors_by(fit.values, fit.gains, start.gains)
     combined = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
     return np.asarray(np.einsum("mjc,jc->mj", rows, combined) * start.weights)
 
