@@ -1,15 +1,18 @@
-"""The project as a whole: pinned versions, what stands at the top level, how long a file is."""
+"""The project as a whole: versions, what stands at the top level, how long a file is."""
 
 import re
 import subprocess
 import tomllib
 
 import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 PIN = re.compile(r"(?P<name>[A-Za-z0-9._-]+)==(?P<version>[A-Za-z0-9.!+]+)")
 TOP_LEVEL = {
-    *(".ci", ".gitignore", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "Makefile", "README.md"),
-    *("bench", "pyproject.toml", "results", "robots", "scenarios", "tests"),
+    *(".ci", ".gitignore", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "Makefile"),
+    *("README.md", "bench", "docs", "pyproject.toml", "results", "robots", "scenarios", "tests"),
 }
 MOST_LINES = 400
 
@@ -20,7 +23,7 @@ def pins(lines):
     for line in lines:
         pin = PIN.fullmatch(line)
         assert pin, f"not an exact pin: {line!r}"
-        found[re.sub(r"[-_.]+", "-", pin["name"]).lower()] = pin["version"]
+        found[canonicalize_name(pin["name"])] = pin["version"]
     return found
 
 
@@ -29,12 +32,26 @@ def project(project_root):
     return tomllib.loads((project_root / "pyproject.toml").read_text())
 
 
-def test_every_dependency_is_pinned_and_the_constraints_agree(project, project_root):
+def test_dependencies_are_ranges_and_the_constraints_lie_in_them(project, project_root):
     groups = project["project"]["optional-dependencies"].values()
-    wanted = pins([*project["project"]["dependencies"], *(line for group in groups for line in group)])
+    wanted = [*project["project"]["dependencies"], *(line for group in groups for line in group)]
     constraints = pins((project_root / ".ci" / "constraints.txt").read_text().splitlines())
-    assert {name: constraints.get(name) for name in wanted} == wanted
-    assert set(pins(project["build-system"]["requires"]).items()) <= set(constraints.items())
+    for line in (*wanted, *project["build-system"]["requires"]):
+        asked = Requirement(line)
+        if asked.name == project["project"]["name"]:  # one group of extras that takes in another
+            continue
+        operators = {one.operator for one in asked.specifier}
+        assert ">=" in operators, f"no lower end: {line!r}"
+        assert "==" not in operators, f"nobody can install it beside anything else: {line!r}"
+        assert constraints[canonicalize_name(asked.name)] in asked.specifier, line
+
+
+def test_one_version_in_package_citation_and_changelog(project, project_root):
+    citation = yaml.safe_load((project_root / "CITATION.cff").read_text(encoding="utf-8"))
+    version = project["project"]["version"]
+    assert str(citation["version"]) == version
+    released = f"## {version} ({citation['date-released']})"
+    assert released in (project_root / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
 
 
 def test_top_level_holds_only_what_belongs_there(project_root):
