@@ -5,6 +5,7 @@
 #   make check   the quick reference scenarios beside results/reference (make check-full: all seeds)
 #   make speed   what things cost, beside the last time; history in results/speed
 #   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
+#   make docs    the documentation as a site, in site/; open site/index.html
 #   make format  put the code into the shape that `make test` asks for
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
@@ -17,7 +18,7 @@ INSTALLED := $(VENV)/.installed
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests test-kernels check check-full speed peers format constraints clean
+.PHONY: demo test lint types imports tests test-kernels check check-full speed peers docs format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -58,6 +59,9 @@ $(PEERS)/.installed: pyproject.toml .ci/constraints.txt .ci/constraints-peers.tx
 	$(PEERS_INSTALL) --no-build-isolation --editable . 'mujoco[sysid]' figaroh
 	@touch $@
 
+docs: $(INSTALLED)
+	$(BIN)/properdocs build --strict --quiet -f docs/mkdocs.yml
+
 format: $(INSTALLED)
 	$(BIN)/ruff check --fix-only .
 	$(BIN)/ruff format .
@@ -76,4 +80,4 @@ constraints:
 	$(BIN)/python -m pip freeze --exclude parabench > .ci/constraints.txt
 
 clean:
-	rm -rf $(VENV) $(PEERS) .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build dist
+	rm -rf $(VENV) $(PEERS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build dist
