@@ -2,6 +2,9 @@
 
 from math import exp, inf, lgamma, log
 
+WITHIN_95 = 1.959964
+"""Standard deviations within which 95 % of a normal distribution lie."""
+
 PRECISION = 1e-15
 TINY = 1e-300
 MOST = 100_000  # terms

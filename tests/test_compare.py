@@ -210,7 +210,7 @@ def test_memory_of_an_autoregressive_error_is_the_known_one():
 def test_white_errors_lie_within_the_band():
     what = made(lambda row, random: white(random))
     found = autocorrelation(what.of("left"))
-    assert found.band == pytest.approx(1.96 / np.sqrt(2 * ROWS))
+    assert found.band == pytest.approx(1.959964 / np.sqrt(2 * ROWS))
     assert np.mean(np.abs(found.value[1:]) < found.band) > 0.85
     assert found.lag[1] == pytest.approx(EVERY / RATE)
 

@@ -12,7 +12,8 @@ from bench.trial.compatible import EXCLUSIVE, compatible, expected
 from bench.trial.judge import Named, judged
 from bench.trial.realise import hidden_places
 from bench.trial.setup import Setup, make_setup
-from bench.trial.summary import NOTHING, SOMETHING, Share, summarised
+from bench.trial.summary import NOTHING, SOMETHING, summarised
+from bench.trial.target import Figure, Share
 from bench.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, as_logged, true_values
 from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.trial_rows import trial_row
@@ -210,14 +211,14 @@ def test_figures_of_a_trial() -> None:
         {**trial_row("two", "", ""), "status": "failed", "reason": "lost"},
     ]
     found = summarised("robot", rows)
-    targets = {target.name.strip(): target for target in found.targets}
-    assert targets["one hidden effect: named first"].value == pytest.approx(2 / 3)
-    assert targets["nothing hidden: any alarm"].value == pytest.approx(0.5)
-    assert targets["outside the catalogue: unexplained, no wrong name"].value == pytest.approx(0.5)
-    assert targets["effect parameters: 95 % intervals that hold the truth"].value == pytest.approx(0.5)
+    targets = {target.figure: target for target in found.targets}
+    assert targets[Figure.ONE_FIRST].value == pytest.approx(2 / 3)
+    assert targets[Figure.ALARM].value == pytest.approx(0.5)
+    assert targets[Figure.OUTSIDE_HONEST].value == pytest.approx(0.5)
+    assert targets[Figure.INTERVALS].value == pytest.approx(0.5)
     assert found.confusion["viscous_friction"] == {"viscous_friction": 2, "base_tilt": 1}
     assert found.confusion[NOTHING] == {NOTHING: 1, SOMETHING: 1}
     assert found.absorbed["rotor_inertia"] == Share(1, 1)
     assert [one.first.of for one in found.misses] == [1, 0, 3, 0, 0]
     assert found.failed == {"lost": 1}
-    assert targets["two hidden effects: the set exactly"].reached is None
+    assert targets[Figure.TWO_EXACT].reached is None

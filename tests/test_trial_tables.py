@@ -9,7 +9,8 @@ from rich.console import Console
 from bench.trial.command import show
 from bench.trial.figures import write_figures
 from bench.trial.markdown import parts, trial_markdown
-from bench.trial.summary import Share, Target, TrialSummary, summarised
+from bench.trial.summary import TrialSummary, summarised
+from bench.trial.target import Figure, Share, Target
 from tests.trial_rows import trial_row, trial_rows
 
 
@@ -88,10 +89,10 @@ def test_a_verdict_needs_enough_cases(
     count: int, of: int, least: float | None, most: float | None, verdict: str
 ) -> None:
     share = Share(count, of)
-    assert Target("figure", share.value, least, most, share).verdict == verdict
+    assert Target(Figure.ALARM, share.value, least, most, share).verdict == verdict
 
 
 def test_a_median_is_held_against_its_limit_as_it_is() -> None:
-    assert Target("median", 1.2, None, 1.15).verdict == "no"
-    assert Target("median", 1.1, None, 1.15).verdict == "yes"
-    assert Target("median", float("nan"), None, 1.15).verdict == ""
+    assert Target(Figure.FLOOR_MEDIAN, 1.2, None, 1.15).verdict == "no"
+    assert Target(Figure.FLOOR_MEDIAN, 1.1, None, 1.15).verdict == "yes"
+    assert Target(Figure.FLOOR_MEDIAN, float("nan"), None, 1.15).verdict == ""

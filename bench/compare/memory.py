@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.chi_squared import WITHIN_95
 from bench.compare.motor import MotorSeries
 
 LONGEST = 60  # rows
-BAND = 1.96  # deviations: 95 % of the correlations of independent errors lie within
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
     count = sum(len(one.time) for one in series)
     rate = series[0].rate or 1.0
     lag = np.arange(len(values)) / rate
-    return Autocorrelation(lag, values, BAND / float(np.sqrt(max(count, 1))), memory(values))
+    return Autocorrelation(lag, values, WITHIN_95 / float(np.sqrt(max(count, 1))), memory(values))
 
 
 def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:

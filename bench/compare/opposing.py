@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -29,8 +30,9 @@ class Opposing:
 
 @dataclass(frozen=True)
 class Change:
-    """Two parts whose opposing error differs far beyond chance."""
+    """Two parts whose opposing error differs far beyond chance. between: start and end, or two loads."""
 
+    between: Literal["warm-up", "load"]
     first: Opposing
     second: Opposing
 
@@ -58,13 +60,14 @@ def by_load(series: Sequence[MotorSeries]) -> list[Opposing]:
 def changes(series: Sequence[MotorSeries]) -> list[Change]:
     """Pairs of parts that differ: friction that changes over the recordings, or with the load."""
     loads = by_load(series)
-    pairs = [over_warm_up(series), *((loads[0], one) for one in loads[1:])]
+    pairs: list[Change] = [Change("warm-up", *over_warm_up(series))]
+    pairs += [Change("load", loads[0], one) for one in loads[1:]]
     rms = float(np.sqrt(np.mean(np.concatenate([one.error for one in series]) ** 2)))
     return [
-        Change(first, second)
-        for first, second in pairs
-        if abs(first.mean - second.mean) > CERTAIN * float(np.hypot(first.std, second.std))
-        and abs(first.mean - second.mean) > WORTH_NAMING * rms
+        one
+        for one in pairs
+        if (by := abs(one.first.mean - one.second.mean)) > WORTH_NAMING * rms
+        and by > CERTAIN * float(np.hypot(one.first.std, one.second.std))
     ]
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -12,11 +13,15 @@ FIFTH = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A part of the motion. words: as in "at reversals"; rows: for every recording, which rows belong to it."""
+    """A part of the motion. words: as in "at reversals"; rows: for every recording, which rows belong to it.
+
+    of: whether it is a part of the motion itself, or all that has one payload, or one recording.
+    """
 
     name: str
     words: str
     rows: tuple[np.ndarray, ...]
+    of: Literal["motion", "payload", "recording"] = "motion"
 
 
 def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Region]:
@@ -75,7 +80,12 @@ def _by_load(series: Sequence[MotorSeries]) -> list[Region]:
     loads = list(dict.fromkeys(one.payload for one in series))
     words = {load: "without payload" if load is None else f"with payload {load}" for load in loads}
     return [
-        Region(words[load], words[load], tuple(np.full(len(one.time), one.payload == load) for one in series))
+        Region(
+            words[load],
+            words[load],
+            tuple(np.full(len(one.time), one.payload == load) for one in series),
+            "payload",
+        )
         for load in loads
     ]
 
@@ -86,6 +96,7 @@ def _by_recording(series: Sequence[MotorSeries]) -> list[Region]:
             f"recording {name}",
             f"in {name}",
             tuple(np.full(len(one.time), one.recording == name) for one in series),
+            "recording",
         )
         for name in dict.fromkeys(one.recording for one in series)
     ]

@@ -6,8 +6,10 @@ from bench.compare.periods import Line
 from bench.compare.profile import Dependence
 from bench.compare.where import MotorErrors, WhereItFails
 
-WARM_UP = "friction changes while it moves, as with warming up"
-LOADED = "friction changes with the load"
+CHANGES = {
+    "warm-up": "friction changes while it moves, as with warming up",
+    "load": "friction changes with the load",
+}
 
 
 def where_sentences(where: WhereItFails) -> list[str]:
@@ -94,10 +96,9 @@ def line_words(one: Line, units: tuple[str, str]) -> str:
 def change_words(one: Change, unit: str) -> str:
     """How an error that opposes the motion differs between two parts."""
     first, second = one.first, one.second
-    why = WARM_UP if "third" in first.part else LOADED
     return (
         f"{motor_words(first.joint)}: the error opposes the motion by {first.mean:+.2g} {unit} {first.part} and by "
-        f"{second.mean:+.2g} {unit} {second.part}: {why}"
+        f"{second.mean:+.2g} {unit} {second.part}: {CHANGES[one.between]}"
     )
 
 

@@ -1,6 +1,7 @@
 """A diagnosis in a few sentences."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,60 +19,92 @@ HOPELESS = 10.0  # times the noise floor: where so much is left, names may be fa
 REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
 
 
+@dataclass(frozen=True)
+class Summary:
+    """What a diagnosis says, each kind of sentence by itself.
+
+    verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
+    nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
+    the gain that moves most, "" where none does; left: what no effect accounts for.
+    """
+
+    verdict: str
+    strange: tuple[str, ...]
+    nominal: str
+    undecided: tuple[str, ...]
+    moved: str
+    left: str
+
+    @property
+    def sentences(self) -> list[str]:
+        """All of them in the order in which they are told."""
+        told = [self.verdict, *self.strange, self.nominal, *self.undecided, self.moved, self.left]
+        return [one for one in told if one]
+
+
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
+    """What is missing, what it changes, how sure that is, and what is left."""
+    return summary_of(diagnosis).sentences
+
+
+def summary_of(diagnosis: Diagnosis) -> Summary:
     """What is missing, what it changes, how sure that is, and what is left."""
     found = found_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
+    left = f"{_capital(diagnosis.unexplained.why)}."
     if not found:
         nothing = (
             f"Nothing is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
             f"error clearly smaller than {_percent(before)} of the current."
         )
         strange = [one for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
-        return [nothing, *strange, f"{_capital(diagnosis.unexplained.why)}."]
+        return Summary(nothing, tuple(strange), "", (), "", left)
     sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
     like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
     names = ", and ".join([and_list(sure), parts[-1]]) if sure and like else and_list(parts)
     said_of = "is" if len(parts) == 1 else "are"
-    doubt = doubts(diagnosis)
-    if doubt:
+    doubt, nominal = _strange(diagnosis), _nominal(diagnosis.after)
+    if doubt or nominal:
         said_of = "seems to be" if len(parts) == 1 else "seem to be"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {_percent(before)} "
         f"to {_percent(after)} of the current, where noise leaves {_percent(floor)}."
     )
-    sentences = [verdict, *doubt]
-    sentences += [_cannot_tell(one, found) for one in found if one.alternatives]
-    moved = _largest_change(diagnosis)
-    if moved is not None:
-        sentences.append(moved)
-    sentences.append(f"{_capital(diagnosis.unexplained.why)}.")
-    return sentences
+    undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
+    return Summary(verdict, doubt, nominal, undecided, _largest_change(diagnosis) or "", left)
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
     """What makes the names of the found effects unsure: gains that are only nominal, recordings that do not fit."""
+    return [one for one in (*_strange(diagnosis), _nominal(diagnosis.after)) if one]
+
+
+def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Recordings that do not fit, or far more left than noise."""
     result = diagnosis.after
-    sentences = []
     swapped = [note for note in result.notes if SWAPPED in note]
     strange = swapped[0] if swapped else runaway(result) or unlike(result)
     left = diagnosis.unexplained
+    false = "These names may be false"
     if strange:
-        sentences.append(f"These names may be false. {strange}")
-    elif left.significant and left.error > HOPELESS * max(left.noise_floor, REAL):
+        return (f"{false}. {strange}",)
+    if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL):
         times = left.error / left.noise_floor
-        sentences.append(
-            f"These names may be false: what is left is {times:.0f} times the noise. Check columns, signs and payloads."
-        )
-    if not result.gains_fitted and len(result.drive_gains) > 1:
-        sentences.append(
-            "The drive gains are nominal, since no fitted recording carries a payload of known mass: gains a tenth off "
-            "look like other effects, and the names may be false. Record with a weighed payload, too, to be sure."
-        )
-    return sentences
+        return (f"{false}: what is left is {times:.0f} times the noise. Check columns, signs and payloads.",)
+    return ()
+
+
+def _nominal(result: Identification) -> str:
+    """Why gains that are only nominal make names unsure; "" where they do not."""
+    if result.gains_fitted or len(result.drive_gains) == 1:
+        return ""
+    return (
+        "The drive gains are nominal, since no fitted recording carries a payload of known mass: gains a tenth off "
+        "look like other effects, and the names may be false. Record with a weighed payload, too, to be sure."
+    )
 
 
 def _named(diagnosis: Diagnosis, one: EffectVerdict) -> str:

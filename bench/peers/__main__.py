@@ -16,6 +16,7 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+from bench.chi_squared import WITHIN_95
 from bench.files import write_json_atomically, write_text_atomically
 from bench.peers.own import Answer, solve_all_unknown, solve_mass_known, solve_two_masses
 from bench.peers.problems import COULOMB_SHARE, DURATION, Problem, make_problem
@@ -25,7 +26,6 @@ from bench.sweep.versions import versions
 warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
 RESULT = Path("results/peers")
 MANY, FEW, ONE = 40, 3, 1  # seeds of fast solvers, of slow ones, and of the slowest
-WITHIN = 1.959964
 EXPLANATION = (
     "Medians over seeds of the sensors' noise: 20-bit encoders and 1 % noise of the currents. `parabench` knows"
     " the geometry and the payload; `rest from CAD` takes all masses but two as known, which is what"
@@ -80,7 +80,7 @@ def score(robot: str, *, friction: bool, solve: Solver, seeds: int) -> Score:
 
 def _within(triples: Iterable[tuple[np.ndarray, np.ndarray | None, np.ndarray | None]]) -> float | None:
     held = [
-        np.abs(value - truth) <= WITHIN * std
+        np.abs(value - truth) <= WITHIN_95 * std
         for truth, value, std in triples
         if value is not None and std is not None
     ]

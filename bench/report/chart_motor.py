@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.chi_squared import WITHIN_95
 from bench.compare.concentration import shares
 from bench.compare.memory import autocorrelation
 from bench.compare.motor import MotorSeries, relative_error_of, relative_noise
@@ -14,12 +15,10 @@ from bench.compare.profile import Profile, Variable, binned, profile, values_of
 from bench.compare.regions import regions
 from bench.report.parts import Chart
 from bench.report.thin import rounded, significant, thinned
-from bench.report.words import INTERVAL
 
 HEIGHT, TALL = 210, 330  # px
 BINS = 16
 AROUND = 8  # rows before and after a reversal
-OWN_CHARTS = ("recording", "with")  # regions that other charts show
 LONGEST_NAME = 24
 
 Spec = dict[str, Any]
@@ -207,7 +206,7 @@ def _opposing(series: Sequence[MotorSeries], current: str) -> Chart:
     names = ["first third", "last third", *(_cut(one.part) for one in parts[2:])]
     known = [(name, one) for name, one in zip(names, parts, strict=True) if np.isfinite(one.std)]
     mean = np.array([one.mean for _, one in known])
-    half = INTERVAL * np.array([one.std for _, one in known])
+    half = WITHIN_95 * np.array([one.std for _, one in known])
     points = {
         "kind": "intervals",
         "role": "error",
@@ -226,7 +225,7 @@ def _opposing(series: Sequence[MotorSeries], current: str) -> Chart:
 
 
 def _shares(series: Sequence[MotorSeries], unit: str, current: str) -> Chart:
-    found = [one for one in regions(series, unit, current) if not one.name.startswith(OWN_CHARTS)]
+    found = [one for one in regions(series, unit, current) if one.of == "motion"]
     both = np.array([shares(series, one) for one in found]).reshape(-1, 2)
     title = "Where the squared error lies"
     spec = {

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from bench.chi_squared import WITHIN_95
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.diagnose.summary import effort_unit, error_share, reason
 from bench.effects import Effect
@@ -12,7 +13,6 @@ from bench.report.laws import law_of
 from bench.report.parts import Cell, Column, Items, Part, Row, Section, Table, one_figure, row
 from bench.report.thin import significant
 from bench.report.words import (
-    INTERVAL,
     effect_name,
     said_list,
     share,
@@ -198,7 +198,7 @@ def _gains_figure(models: list[tuple[str, str, Identification]]) -> Part:
     for i, (role, name, model) in enumerate(models):
         gains = list(model.drive_gains.values())
         value = np.array([gain_change(gain) for gain in gains])
-        half = INTERVAL * np.array([gain.std / abs(gain.nominal) for gain in gains])
+        half = WITHIN_95 * np.array([gain.std / abs(gain.nominal) for gain in gains])
         series.append(
             {
                 "kind": "intervals",

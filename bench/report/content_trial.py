@@ -17,8 +17,9 @@ from bench.report.words import effect_name, plural, typeset
 from bench.sweep.journal import Row
 from bench.sweep.table import column_names, read_table
 from bench.trial.cases import DATASETS_A_SEED, KINDS
-from bench.trial.markdown import COUNTED, percent, size_text, target_cells
-from bench.trial.summary import NO, NOTHING, SOMETHING, TOO_FEW, YES, Share, Target, TrialSummary, summarised
+from bench.trial.markdown import COUNTED, MAIN, WORDS, percent, size_text, target_cells
+from bench.trial.summary import NOTHING, SOMETHING, TrialSummary, summarised
+from bench.trial.target import NO, TOO_FEW, YES, Figure, Share, Target
 
 NEEDED = (
     "status",
@@ -137,16 +138,16 @@ def _is_trial(path: Path) -> bool:
 
 def _verdict(summary: TrialSummary) -> tuple[str, ...]:
     """Three sentences: what is named, false alarms, and what the answers are worth."""
-    by_name = {one.name: one for one in summary.targets}
+    by_figure = {one.figure: one for one in summary.targets}
     told = [
-        (by_name["one hidden effect: named first"], "a single hidden effect is named first in"),
-        (by_name["two hidden effects: the set exactly"], "two are found exactly in"),
-        (by_name["three: the set exactly"], "three in"),
+        (by_figure[Figure.ONE_FIRST], "a single hidden effect is named first in"),
+        (by_figure[Figure.TWO_EXACT], "two are found exactly in"),
+        (by_figure[Figure.THREE_EXACT], "three in"),
     ]
     found = [f"{words} {_of(one.share)}" for one, words in told if one.share is not None and one.share.of]
     first = f"{and_list(found)} of the cases." if found else "No effect that counts was hidden."
-    alarms = by_name["nothing hidden: any alarm"].share
-    outside = by_name["outside the catalogue: unexplained, no wrong name"].share
+    alarms = by_figure[Figure.ALARM].share
+    outside = by_figure[Figure.OUTSIDE_HONEST].share
     said = []
     if alarms is not None and alarms.of:
         said.append(f"with nothing hidden, {alarms.count} of {plural(alarms.of, 'dataset')} raised an alarm")
@@ -164,7 +165,7 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
         return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
     third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
     for verdict, words in ((NO, "not kept"), (TOO_FEW, "too few cases to say")):
-        names = [_plain_name(one.name) for one in judged if one.verdict == verdict]
+        names = [WORDS[one.figure] for one in judged if one.verdict == verdict]
         third += f"; {words}: {and_list(names)}" if names else ""
     third += "."
     return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
@@ -175,23 +176,19 @@ def _of(share: Share | None) -> str:
     return f"{percent(share)} ({share.count} of {share.of})"
 
 
-def _plain_name(name: str) -> str:
-    return name.strip()
-
-
 def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
     wanted = {
-        "one hidden effect: named first": "One effect: named first",
-        "two hidden effects: the set exactly": "Two: the set exactly",
-        "three: the set exactly": "Three: the set exactly",
-        "nothing hidden: any alarm": "Nothing hidden: alarms",
+        Figure.ONE_FIRST: "One effect: named first",
+        Figure.TWO_EXACT: "Two: the set exactly",
+        Figure.THREE_EXACT: "Three: the set exactly",
+        Figure.ALARM: "Nothing hidden: alarms",
     }
     tiles = []
     for one in summary.targets:
-        if one.name in wanted and one.share is not None and one.share.of:
+        if one.figure in wanted and one.share is not None and one.share.of:
             bound = target_cells(one)[2]
             note = f"{one.share.count} of {one.share.of}" + (f", must be {bound}" if bound else "")
-            tiles.append(Tile(wanted[one.name], typeset(percent(one.share)), typeset(note)))
+            tiles.append(Tile(wanted[one.figure], typeset(percent(one.share)), typeset(note)))
     return tuple(tiles)
 
 
@@ -206,9 +203,9 @@ def _targets_section(summary: TrialSummary) -> Section:
     )
     rows = []
     for one in summary.targets:
-        _, reached, bound, _, cases, interval = target_cells(one)
+        name, reached, bound, _, cases, interval = target_cells(one)
         kept = Cell("") if not bound or one.reached is None else _kept(one)
-        first = typeset(("– " if one.name.startswith(" ") else "") + one.name.strip().replace("`", ""))
+        first = typeset(name.replace("`", ""))
         texts = (typeset(cell) for cell in (reached or "–", bound))
         rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
     parts = (Table("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
@@ -335,9 +332,9 @@ def _limits_section(found: TrialResult) -> Section:
         COUNTED,
     ]
     few = [
-        one.name.strip()
+        WORDS[one.figure]
         for one in found.summary.targets
-        if one.share and 0 < one.share.of < FEW and not one.name.startswith(" ")
+        if one.share and 0 < one.share.of < FEW and one.figure in MAIN
     ]
     if few:
         said.append(f"Fewer than {FEW} cases, so the shares say little: {'; '.join(few)}.")

@@ -1,22 +1,22 @@
 """The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
 
+from bench.chi_squared import WITHIN_95
 from bench.compare.where import WhereItFails
 from bench.compare.words import motor_words
 from bench.diagnose.result import Diagnosis
-from bench.diagnose.summary import and_list, found_effects, or_list, summary_sentences
+from bench.diagnose.summary import and_list, found_effects, or_list, summary_of
 from bench.estimate.notes import runaway
 from bench.estimate.result import ErrorSummary, Identification
 from bench.report.parts import Tile
-from bench.report.words import INTERVAL, effect_name, share, short, typeset
+from bench.report.words import effect_name, share, short, typeset
 from bench.show.numbers import gain_change, pretty_unit
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Three sentences on a diagnosis."""
-    sentences = summary_sentences(diagnosis)
-    moved = next((one for one in sentences[1:-1] if "drive gain" in one), None)
+    said = summary_of(diagnosis)
     doubt = runaway(diagnosis.after)
-    middle = (doubt or moved or gains_sentence(diagnosis.after)).rstrip(".")
+    middle = (doubt or said.nominal or said.moved or gains_sentence(diagnosis.after)).rstrip(".")
     doubtful = [
         f"instead of {effect_name(one.effect)} it could as well be {or_list(list(map(effect_name, one.alternatives)))}"
         for one in found_effects(diagnosis)
@@ -24,7 +24,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     ]
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    return tuple(typeset(one) for one in (sentences[0], f"{middle}.", sentences[-1]))
+    return tuple(typeset(one) for one in (said.verdict, f"{middle}.", said.left))
 
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
@@ -57,7 +57,7 @@ def gains_sentence(result: Identification) -> str:
     much = f"The drive gain of {far} is {short(gain.value)} {pretty_unit(gain.unit)}, {change} from its nominal value"
     if len(gains) > 1:
         much += ", farther than any other"
-    known = share(INTERVAL * gains[loose].relative_std)
+    known = share(WITHIN_95 * gains[loose].relative_std)
     return f"{much}; {'all are' if len(gains) > 1 else 'it is'} known to ±{known} or better (95 %)."
 
 

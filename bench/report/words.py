@@ -10,7 +10,6 @@ from bench.report.parts import Cell
 from bench.show.numbers import GIVEN, is_poor, percent, value_and_deviation
 from bench.show.numbers import effect_name as spelled
 
-INTERVAL = 1.96  # deviations: 95 % of a normal distribution lie within
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 

@@ -30,7 +30,6 @@ from bench.show.numbers import USES, percent
 
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
 LOWER_MARGINS = {"left": 0.125, "right": 0.985, "top": 0.92, "bottom": 0.18, "wspace": 0.72}
-OWN_PANELS = ("recording", "with")  # regions that are drawn by recording
 
 
 def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:
@@ -66,7 +65,7 @@ def errors_figure(what: Compared, joint: str) -> Figure:
     """
     series = what.of(joint)
     current, unit = what.units[joint]
-    found = [one for one in regions(series, unit, current) if not one.name.startswith(OWN_PANELS)]
+    found = [one for one in regions(series, unit, current) if one.of == "motion"]
     labels: dict[Variable, str] = {
         "time": "time from the start of the recording [s]",
         "position": f"position [{unit}]",

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from bench.chi_squared import WITHIN_95
 from bench.compare.concentration import shares
 from bench.compare.memory import autocorrelation
 from bench.compare.motor import MotorSeries, relative_error_of, relative_noise
@@ -215,7 +216,7 @@ def draw_opposing(axes: Axes, series: Sequence[MotorSeries]) -> None:
     axes.errorbar(
         [one.mean for _, one in known],
         at,
-        xerr=[1.96 * one.std for _, one in known],
+        xerr=[WITHIN_95 * one.std for _, one in known],
         fmt="o",
         color=ON_WHITE.error,
         markersize=4.0,

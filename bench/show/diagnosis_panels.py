@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 
+from bench.chi_squared import WITHIN_95
 from bench.diagnose.result import Diagnosis
 from bench.estimate.result import CurrentSeries, Quantity
 from bench.show.comparison_panels import NOISE, PLAIN, ZERO
@@ -21,7 +22,6 @@ VERDICT_COLOURS = {
     "not supported": "#B8BEC6",
     "absorbed": "#CC79A7",
 }
-INTERVAL = 1.96  # deviations: 95 %
 BAR = 0.36
 
 
@@ -122,7 +122,7 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
         axes.errorbar(
             [(one.value - row.after.value) * f for one, row, f in zip(values, rows, factor, strict=True)],
             at + shift,
-            xerr=[INTERVAL * one.std * f for one, f in zip(values, factor, strict=True)],
+            xerr=[WITHIN_95 * one.std * f for one, f in zip(values, factor, strict=True)],
             fmt=marker,
             color=colour,
             markersize=4.5 * scale,

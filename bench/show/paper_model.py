@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import SymmetricalLogLocator
 
+from bench.chi_squared import WITHIN_95
 from bench.diagnose.result import Diagnosis
 from bench.estimate.result import CurrentSeries, DriveGain, Identification
 from bench.show.comparison_panels import ZERO
 from bench.show.diagnosis_panels import (
     AFTER,
-    INTERVAL,
     VERDICT_COLOURS,
     Moved,
     Rung,
@@ -43,7 +43,7 @@ def gain_figure(result: Identification) -> PaperFigure:
         "value": [one.value for one in gains.values()],
         "standard deviation": [one.std for one in gains.values()],
         "change [%]": [100.0 * (one.value / one.nominal - 1.0) for one in gains.values()],
-        "95 % interval [± %]": [100.0 * INTERVAL * one.std / abs(one.nominal) for one in gains.values()],
+        "95 % interval [± %]": [100.0 * WITHIN_95 * one.std / abs(one.nominal) for one in gains.values()],
     }
     height = FOOT + 6.0 * len(gains)
     return PaperFigure("drive_gains", (Panel(partial(_draw_gains, gains), height),), {"": numbers})
@@ -73,7 +73,7 @@ def _draw_gains(gains: Mapping[str, DriveGain], axes: Axes) -> None:
     axes.errorbar(
         [100.0 * (one.value / one.nominal - 1.0) for one in gains.values()],
         at,
-        xerr=[100.0 * INTERVAL * one.std / abs(one.nominal) for one in gains.values()],
+        xerr=[100.0 * WITHIN_95 * one.std / abs(one.nominal) for one in gains.values()],
         fmt="o",
         color=AFTER,
         markersize=2.6,

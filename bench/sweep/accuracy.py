@@ -4,14 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.chi_squared import WITHIN_95
 from bench.estimate.result import CurrentSeries, Identification
 from bench.signals.decimation import decimate
 from bench.signals.processing import trim
 from bench.signals.settings import FilterSettings
 from bench.truth.machine import true_gains
 from bench.truth.simulate import SimulatedRecording, Simulation
-
-WITHIN = 1.959964  # standard deviations of a 95 % interval
 
 Metrics = dict[str, float]
 
@@ -30,7 +29,7 @@ def accuracy(simulation: Simulation, result: Identification) -> Metrics:
         error = gain.value / truth[joint] - 1.0
         metrics[f"gain_error.{joint}"] = error
         metrics[f"gain_std.{joint}"] = gain.std / truth[joint]
-        metrics[f"gain_within.{joint}"] = float(abs(gain.value - truth[joint]) <= WITHIN * gain.std)
+        metrics[f"gain_within.{joint}"] = float(abs(gain.value - truth[joint]) <= WITHIN_95 * gain.std)
     metrics["gain_error"] = max(abs(metrics[f"gain_error.{joint}"]) for joint in joints)
     metrics["scaled_condition"] = result.scaled_condition
     metrics["loop_gap"] = simulation.loop_gap

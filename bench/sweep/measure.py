@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.chi_squared import WITHIN_95
 from bench.estimate.identify import Prepared
 from bench.estimate.result import Identification
 from bench.sweep.accuracy import Metrics, accuracy
@@ -35,7 +36,6 @@ METRICS = {
 }
 """Every metric, what it measures; after a dot, what it is of."""
 
-WITHIN = 1.959964
 WELL_KNOWN = 0.03  # relative deviation below which a parameter counts as essential, about
 
 
@@ -74,7 +74,7 @@ def _parameters(simulation: Simulation, prepared: Prepared, result: Identificati
         if one.name not in true:
             continue
         metrics[f"parameter.{one.name}.true"] = true[one.name]
-        within.append(float(abs(one.value - true[one.name]) <= WITHIN * one.std))
+        within.append(float(abs(one.value - true[one.name]) <= WITHIN_95 * one.std))
         if one.relative_std < WELL_KNOWN:
             errors.append(abs(one.value / true[one.name] - 1.0))
     metrics["parameter_error"] = max(errors, default=float("nan"))

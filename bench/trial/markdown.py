@@ -5,12 +5,50 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from bench.trial.summary import LARGE, NO, NOTHING, Miss, Share, Target, TrialSummary
+from bench.trial.summary import FLOOR_FACTOR, GAIN_FACTOR, LARGE, NOTHING, Miss, TrialSummary
+from bench.trial.target import NO, Figure, Share, Target
 
 COUNTED = (
     f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
     "model that lacks it alone, on recordings that are not fitted."
 )
+
+WORDS = {
+    Figure.ONE_FIRST: "one hidden effect: named first",
+    Figure.ONE_UNDECIDED: "or openly undecided",
+    Figure.TWO_EXACT: "two hidden effects: the set exactly",
+    Figure.TWO_UNDECIDED: "or openly undecided",
+    Figure.THREE_EXACT: "three: the set exactly",
+    Figure.THREE_UNDECIDED: "or openly undecided",
+    Figure.ALARM: "nothing hidden: any alarm",
+    Figure.ALARM_NAMED: "an effect named",
+    Figure.OUTSIDE_HONEST: "outside the catalogue: unexplained, no wrong name",
+    Figure.OUTSIDE_UNEXPLAINED: "unexplained",
+    Figure.OUTSIDE_NO_WRONG_NAME: "no wrong name with the verdict `missing`",
+    Figure.GAIN_ERROR_MEDIANS: "gains after the found effects, over those of a model that was told: medians",
+    Figure.GAIN_ERROR_RMS: "root mean squares",
+    Figure.GAIN_ERROR_WITHIN: f"within {GAIN_FACTOR} of it",
+    Figure.GAIN_ERROR_BEFORE: "largest gain error, root mean square: before",
+    Figure.GAIN_ERROR_AFTER: "after",
+    Figure.GAIN_ERROR_TOLD: "told",
+    Figure.FLOOR_MEDIAN: "error not fitted after the ladder, over the noise floor: median",
+    Figure.FLOOR_WITHIN: f"at most {FLOOR_FACTOR}",
+    Figure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
+    Figure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
+}
+MAIN = frozenset(
+    {
+        Figure.ONE_FIRST,
+        Figure.TWO_EXACT,
+        Figure.THREE_EXACT,
+        Figure.ALARM,
+        Figure.OUTSIDE_HONEST,
+        Figure.GAIN_ERROR_MEDIANS,
+        Figure.FLOOR_MEDIAN,
+        Figure.INTERVALS,
+    }
+)
+"""The other figures stand below one of these, and say more of it."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +132,7 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
             bounds.append(
                 f"{word} {100.0 * bound:.0f} %" if target.share and bound < 1 else f"{word} {bound:g}"
             )
-    name = f"– {target.name.strip()}" if target.name.startswith(" ") else target.name
+    name = WORDS[target.figure] if target.figure in MAIN else f"– {WORDS[target.figure]}"
     if target.share is None:
         return name, shown, " and ".join(bounds), target.verdict, "", ""
     if not target.share.of:

@@ -11,89 +11,21 @@ from typing import Any
 
 import numpy as np
 
+from bench.chi_squared import WITHIN_95
 from bench.sweep.journal import Row
 from bench.trial.compatible import COMPANIONS, optional
+from bench.trial.target import Figure, Share, Target
 
 LARGE = 3.0
 """Of the noise floor: the error that each hidden effect must make for a case to count."""
 
 FLOOR_FACTOR = 1.15
 GAIN_FACTOR = 1.5
-WITHIN = 1.959964
 SIZES = (0.0, 1.5, 3.0, 6.0, 12.0, np.inf)
 """Bounds of the classes of an effect's own error over the noise floor."""
 
-YES, NO, TOO_FEW = "yes", "no", "too few cases to say"
-
 NOTHING, SOMETHING = "nothing", "unexplained"
 """What stands in the confusion matrix for no hidden effect or no alarm, and for an alarm without a name."""
-
-
-@dataclass(frozen=True)
-class Share:
-    """Some of some, with a 95 % interval (Wilson 1927)."""
-
-    count: int
-    of: int
-
-    @property
-    def value(self) -> float:
-        """The share; nan of nothing."""
-        return self.count / self.of if self.of else float("nan")
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Lower and upper bound."""
-        if not self.of:
-            return 0.0, 1.0
-        n, p, z = self.of, self.value, WITHIN
-        middle = (p + z * z / (2 * n)) / (1 + z * z / n)
-        half = z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n)
-        return float(max(middle - half, 0.0)), float(min(middle + half, 1.0))
-
-
-@dataclass(frozen=True)
-class Target:
-    """A figure with what it must reach; `share` where it is one."""
-
-    name: str
-    value: float
-    least: float | None
-    most: float | None
-    share: Share | None = None
-
-    @property
-    def reached(self) -> bool | None:
-        """None where nothing was tried."""
-        if not np.isfinite(self.value):
-            return None
-        return (self.least is None or self.value >= self.least) and (
-            self.most is None or self.value <= self.most
-        )
-
-    @property
-    def verdict(self) -> str:
-        """YES or NO where the cases are enough to say so, TOO_FEW, or nothing without a bound or any case."""
-        if self.reached is None or (self.least is None and self.most is None):
-            return ""
-        if self.share is None:
-            return YES if self.reached else NO
-        low, high = self.share.interval
-        if not self.reached:
-            outside = (self.least is not None and high < self.least) or (
-                self.most is not None and low > self.most
-            )
-            return NO if outside else TOO_FEW
-        return YES if self._enough(self.share) else TOO_FEW
-
-    def _enough(self, share: Share) -> bool:
-        """Whether so many cases can show that the bound is kept: if all were as they should be."""
-        if self.least is not None and self.most is not None:
-            low, high = share.interval
-            return high - low <= self.most - self.least
-        if self.least is not None:
-            return Share(share.of, share.of).interval[0] >= self.least
-        return self.most is None or Share(0, share.of).interval[1] <= self.most
 
 
 @dataclass(frozen=True)
@@ -179,43 +111,40 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
     def of(kind: str, rows: Sequence[Row] = large) -> list[Row]:
         return [row for row in rows if row["kind"] == kind]
 
-    def share(name: str, rows: Sequence[Row], test: Callable[[Row], bool], **bounds: float | None) -> Target:
+    def share(
+        figure: Figure, rows: Sequence[Row], test: Callable[[Row], bool], **bounds: float | None
+    ) -> Target:
         count = Share(sum(test(row) for row in rows), len(rows))
-        return Target(name, count.value, bounds.get("least"), bounds.get("most"), count)
+        return Target(figure, count.value, bounds.get("least"), bounds.get("most"), count)
 
     found = [
-        share("one hidden effect: named first", of("one"), lambda r: r["first"], least=0.95),
-        share("  or openly undecided", of("one"), lambda r: r["first_undecided"]),
-        share("two hidden effects: the set exactly", of("two"), lambda r: r["exact"], least=0.85),
-        share("  or openly undecided", of("two"), lambda r: r["exact_undecided"]),
-        share("three: the set exactly", of("three"), lambda r: r["exact"], least=0.70),
-        share("  or openly undecided", of("three"), lambda r: r["exact_undecided"]),
-        share("nothing hidden: any alarm", of("nothing", done), _alarm, most=0.02),
-        share("  an effect named", of("nothing", done), lambda r: bool(r["missing"])),
-        share("outside the catalogue: unexplained, no wrong name", of("outside"), _honest, least=0.90),
-        share("  unexplained", of("outside"), lambda r: r["unexplained"]),
-        share("  no wrong name with the verdict `missing`", of("outside"), lambda r: not r["wrong"]),
+        share(Figure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
+        share(Figure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
+        share(Figure.TWO_EXACT, of("two"), lambda r: r["exact"], least=0.85),
+        share(Figure.TWO_UNDECIDED, of("two"), lambda r: r["exact_undecided"]),
+        share(Figure.THREE_EXACT, of("three"), lambda r: r["exact"], least=0.70),
+        share(Figure.THREE_UNDECIDED, of("three"), lambda r: r["exact_undecided"]),
+        share(Figure.ALARM, of("nothing", done), _alarm, most=0.02),
+        share(Figure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
+        share(Figure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
+        share(Figure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
+        share(Figure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
     hiding = [row for row in large if row["kind"] != "outside"]
     found += _gain_targets(hiding)
     floors = [row["error_over_floor.after"] for row in hiding]
-    name = "error not fitted after the ladder, over the noise floor"
-    found.append(Target(f"{name}: median", _median(floors), None, FLOOR_FACTOR))
-    found.append(
-        share(f"  at most {FLOOR_FACTOR}", hiding, lambda r: r["error_over_floor.after"] <= FLOOR_FACTOR)
-    )
+    found.append(Target(Figure.FLOOR_MEDIAN, _median(floors), None, FLOOR_FACTOR))
+    found.append(share(Figure.FLOOR_WITHIN, hiding, lambda r: r["error_over_floor.after"] <= FLOOR_FACTOR))
     found.append(
         share(
-            "  the same for a model that was told the effects",
+            Figure.FLOOR_WITHIN_TOLD,
             hiding,
             lambda r: r["error_over_floor.told"] <= FLOOR_FACTOR,
         )
     )
     held = [one for row in hiding if row["exact"] for one in _held(row["intervals"])]
     within = Share(sum(held), len(held))
-    found.append(
-        Target("effect parameters: 95 % intervals that hold the truth", within.value, 0.88, 0.99, within)
-    )
+    found.append(Target(Figure.INTERVALS, within.value, 0.88, 0.99, within))
     return tuple(found)
 
 
@@ -231,16 +160,16 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
     )
     return [
         Target(
-            "gains after the found effects, over those of a model that was told: medians",
+            Figure.GAIN_ERROR_MEDIANS,
             median,
             None,
             GAIN_FACTOR,
         ),
-        Target("  root mean squares", after / told if told else float("nan"), None, None),
-        Target(f"  within {GAIN_FACTOR} of it", near.value, None, None, near),
-        Target("  largest gain error, root mean square: before", before, None, None),
-        Target("  after", after, None, None),
-        Target("  told", told, None, None),
+        Target(Figure.GAIN_ERROR_RMS, after / told if told else float("nan"), None, None),
+        Target(Figure.GAIN_ERROR_WITHIN, near.value, None, None, near),
+        Target(Figure.GAIN_ERROR_BEFORE, before, None, None),
+        Target(Figure.GAIN_ERROR_AFTER, after, None, None),
+        Target(Figure.GAIN_ERROR_TOLD, told, None, None),
     ]
 
 
@@ -302,7 +231,7 @@ def _held(intervals: str) -> list[bool]:
 
 
 def _holds(one: Mapping[str, Any]) -> bool:
-    return bool(abs(one["value"] - one["truth"]) <= WITHIN * one["std"])
+    return bool(abs(one["value"] - one["truth"]) <= WITHIN_95 * one["std"])
 
 
 def _median(values: Sequence[float]) -> float:
