@@ -100,6 +100,8 @@ def test_a_class_is_sound_frozen_and_documented(effect: Effect) -> None:
     text = " ".join((type(effect).__doc__ or "").split())
     assert "Source: " in text
     assert "Valid " in text
+    assert effect.law.endswith(".")
+    text = f"{effect.law} {effect.symbols} {text}"
     for one in (*effect.parameters, *effect.shape):
         symbol = (
             "N: periods" if one.name == "periods" else "h: harmonic" if one.name == "harmonic" else one.name

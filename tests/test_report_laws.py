@@ -1,4 +1,4 @@
-"""The laws of effects as the page writes them, from what their classes say."""
+"""The laws of effects as their classes give them, and the page that tells them."""
 
 from dataclasses import dataclass, replace
 from io import StringIO
@@ -8,7 +8,6 @@ from rich.console import Console
 
 from bench.effects import CATALOGUE, ActuatorEffect, EffectParameter
 from bench.report.content import diagnosis_page
-from bench.report.laws import in_symbols, law_of
 from bench.report.parts import Table
 from bench.show.diagnosis import diagnosis_report
 from tests.report_kit import AGAIN, MISSING, dataset, diagnosis
@@ -31,7 +30,7 @@ def laws_of(diagnosed, catalogue=CATALOGUE):
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_every_effect_has_a_law_and_its_symbols(name):
-    law, symbols = law_of(CATALOGUE[name])
+    law, symbols = CATALOGUE[name].law, CATALOGUE[name].symbols
     assert law.endswith(".")
     assert symbols.endswith(".")
     for parameter in CATALOGUE[name].parameters:
@@ -41,13 +40,11 @@ def test_every_effect_has_a_law_and_its_symbols(name):
 
 
 def test_a_law_is_written_with_its_signs():
-    law, symbols = law_of(CATALOGUE["stribeck_friction"])
+    law, symbols = CATALOGUE["stribeck_friction"].law, CATALOGUE["stribeck_friction"].symbols
     assert law.startswith("τ = (Fc + Fs exp(−|q̇/vs|^delta)) sign(q̇):")
     assert symbols.startswith(
         "Fc: Coulomb friction, Fs: what is added at the slowest motion, positive, N·m or N"
     )
-    assert in_symbols("N*m*s2/rad2 or N*s2/m2, kg*m2") == "N·m·s²/rad² or N·s²/m², kg·m²"
-    assert in_symbols("dtau/dt, tau_r - r J qdd, low-passed, k i^2") == "dτ/dt, τ_r − r J q̈, low-passed, k i²"
 
 
 def test_the_page_tells_the_laws_of_what_was_found():
@@ -67,7 +64,7 @@ def test_what_rounding_leaves_is_nothing():
 
 
 def test_an_effect_that_tells_no_law_has_none():
-    assert law_of(Silent()) == ("", "")
+    assert (Silent.law, Silent.symbols) == ("", "")
     found = replace(diagnosis(), missing=("silent",), ranking=(replace(MISSING, effect="silent"),))
     assert laws_of(found, {**CATALOGUE, "silent": Silent()}) == []
 

@@ -10,14 +10,20 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class AsymmetricViscousFriction(ActuatorEffect):
-    """tau = Fv_plus qd for qd > 0 and Fv_minus qd for qd < 0: viscous friction with a coefficient for each direction.
+    """Viscous friction with a coefficient for each direction.
 
-    Fv_plus, Fv_minus: positive, N*m*s/rad or N*s/m; equal, they are plain viscous friction. Valid away from standstill,
-    at constant temperature. Source: Armstrong-Helouvry, Dupont and Canudas de Wit, "A survey of models, analysis
-    tools and compensation methods for the control of machines with friction", Automatica 30(7), 1994.
+    Valid away from standstill, at constant temperature. Source: Armstrong-Helouvry, Dupont and Canudas de Wit, "A
+    survey of models, analysis tools and compensation methods for the control of machines with friction", Automatica
+    30(7), 1994.
     """
 
     name = "asymmetric_viscous_friction"
+    law = (
+        "τ = Fv_plus q̇ for q̇ > 0 and Fv_minus q̇ for q̇ < 0: viscous friction with a coefficient for each "
+        "direction."
+    )
+    symbols = "Fv_plus, Fv_minus: positive, N·m·s/rad or N·s/m; equal, they are plain viscous friction."
+    shown_by = "move fast in both directions"
     parameters = (
         EffectParameter("Fv_plus", "{effort}*s/{angle}", positive=True),
         EffectParameter("Fv_minus", "{effort}*s/{angle}", positive=True),

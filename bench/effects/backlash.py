@@ -17,17 +17,24 @@ SMALLEST, LARGEST = 1e-4, 2e-2  # rad or m: step of the difference
 class Backlash(Effect):
     """The link lies behind the motor, whose position was logged, by half the play b: q - b/2 tanh(tau_s / t0).
 
-    b: play from flank to flank, positive, rad or m; tau_s = tau_r - r J qdd: torque that goes through the flanks,
-    which says on which of them the link lies, with tau_r that of the present rigid model, J the inertia that the
-    joint's torque shows on average, and r the rotor's share of it, one of four values, found from the data; t0: a
-    tenth of the RMS of tau_s, for a change of flank in finite time. The column is the change of the model's torque,
-    low-passed to twice the fit's band: a blow at every change of the sign of tau_s, besides the shifted position.
-    Valid for play that is small and crossed quickly; under a load that never changes its sign, it is an encoder
-    offset. Source: Nordin and Gutman, "Controlling mechanical systems with backlash: a survey", Automatica 38(10),
-    2002.
+    The column is the change of the model's torque, low-passed to twice the fit's band: a blow at every change of
+    the sign of tau_s, besides the shifted position. Valid for play that is small and crossed quickly; under a load
+    that never changes its sign, it is an encoder offset. Source: Nordin and Gutman, "Controlling mechanical systems
+    with backlash: a survey", Automatica 38(10), 2002.
     """
 
     name = "backlash"
+    law = (
+        "The link lies behind the motor, whose position was logged, by half the play b: q − b/2 tanh(τ_s / "
+        "t0)."
+    )
+    symbols = (
+        "b: play from flank to flank, positive, rad or m; τ_s = τ_r − r J q̈: torque that goes through the "
+        "flanks, which says on which of them the link lies, with τ_r that of the present rigid model, J the "
+        "inertia that the joint's torque shows on average, and r the rotor's share of it, one of four "
+        "values, found from the data; t0: a tenth of the RMS of τ_s, for a change of flank in finite time."
+    )
+    shown_by = "go where the motor's torque changes its sign"
     parameters = (EffectParameter("b", "{angle}", positive=True),)
     shape = (ShapeParameter("r", "1", (0.0, 0.3, 0.6, 0.9), discrete=True),)
     depends_on_model = True

@@ -16,14 +16,19 @@ NOTHING = 1e-9  # of the model's torque: a smaller derivative is rounding
 class BaseTilt(Effect):
     """The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x.
 
-    Gravity in the base is then g' = Ry(-tilt_y) Rx(-tilt_x) g, and tau = tau(g') - tau(g) in the present model.
-    tilt_x, tilt_y: rad, of either sign; where gravity points along another axis than z, the two axes are those
-    that follow it in the order x y z. Valid for a robot whose masses the model knows: what gravity never moved
-    in the model is not in it. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002,
-    chapter 9 (gravity in the base frame).
+    Valid for a robot whose masses the model knows: what gravity never moved in the model is not in it. Source:
+    Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 9 (gravity in the base
+    frame).
     """
 
     name = "base_tilt"
+    law = "The base turned about its y axis by tilt_y, then about the x axis of the floor by tilt_x."
+    symbols = (
+        "Gravity in the base is then g' = Ry(−tilt_y) Rx(−tilt_x) g, and τ = τ(g') − τ(g) in the present "
+        "model. tilt_x, tilt_y: rad, of either sign; where gravity points along another axis than z, the "
+        "two axes are those that follow it in the order x y z."
+    )
+    shown_by = "move slowly over the whole range"
     parameters = (EffectParameter("tilt_x", "rad"), EffectParameter("tilt_y", "rad"))
     place = "robot"
     depends_on_model = True

@@ -13,16 +13,20 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class CoggingTorque(ActuatorEffect):
-    """tau = a cos(N q) + b sin(N q): magnets drawn to the teeth of the stator, whatever the current.
+    """Magnets drawn to the teeth of the stator, whatever the current.
 
-    a, b: N*m or N, of either sign; N: periods in a turn of the joint, gear included (of a slide: in a metre, and
-    the phase is 2 pi N q), found from the data. Valid for periods within the joint's travel that the motion
-    does not sweep faster than the fit's band. Source: Islam, Mir and Sebastian, "Issues in reducing the cogging
-    torque of mass-produced permanent-magnet brushless DC motor", IEEE Transactions on Industry Applications
-    40(3), 2004.
+    Valid for periods within the joint's travel that the motion does not sweep faster than the fit's band. Source:
+    Islam, Mir and Sebastian, "Issues in reducing the cogging torque of mass-produced permanent-magnet brushless DC
+    motor", IEEE Transactions on Industry Applications 40(3), 2004.
     """
 
     name = "cogging_torque"
+    law = "τ = a cos(N q) + b sin(N q): magnets drawn to the teeth of the stator, whatever the current."
+    symbols = (
+        "a, b: N·m or N, of either sign; N: periods in a turn of the joint, gear included (of a slide: in a "
+        "metre, and the phase is 2 pi N q), found from the data."
+    )
+    shown_by = "turn slowly, without a payload"
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
     shape = (PERIODS,)
 

@@ -10,13 +10,16 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class ConstantOffset(ActuatorEffect):
-    """tau = c: an amplifier's offset, or Coulomb friction that differs with the direction of motion.
+    """An amplifier's offset, or Coulomb friction that differs with the direction of motion.
 
-    c: N*m or N, of either sign. Valid while it does not drift. Source: Khalil and Dombre, "Modeling,
-    Identification and Control of Robots", 2002, 9.3 (asymmetric Coulomb friction).
+    Valid while it does not drift. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
+    2002, 9.3 (asymmetric Coulomb friction).
     """
 
     name = "constant_offset"
+    law = "τ = c: an amplifier's offset, or Coulomb friction that differs with the direction of motion."
+    symbols = "c: N·m or N, of either sign."
+    shown_by = "move slowly in both directions"
     parameters = (EffectParameter("c", "{effort}"),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

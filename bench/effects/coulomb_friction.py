@@ -10,14 +10,16 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class CoulombFriction(ActuatorEffect):
-    """tau = Fc sign(qd): dry friction of constant size against the motion.
+    """Dry friction of constant size against the motion.
 
-    Fc: Coulomb friction, positive, N*m or N. Valid while the joint slides; around standstill the real
-    friction is a spring before it slides. Source: Khalil and Dombre, "Modeling, Identification and Control of
-    Robots", 2002, 9.3.
+    Valid while the joint slides; around standstill the real friction is a spring before it slides. Source: Khalil
+    and Dombre, "Modeling, Identification and Control of Robots", 2002, 9.3.
     """
 
     name = "coulomb_friction"
+    law = "τ = Fc sign(q̇): dry friction of constant size against the motion."
+    symbols = "Fc: Coulomb friction, positive, N·m or N."
+    shown_by = "reverse slowly"
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

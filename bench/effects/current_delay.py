@@ -14,19 +14,24 @@ SHORTEST = 1e-6  # s: below it the column is the derivative
 
 @dataclass(frozen=True)
 class CurrentDelay(ActuatorEffect):
-    """g i(t) = tau(t + T): the current acts a time T after it was logged, or before it where T is negative.
+    """The current acts a time T after it was logged, or before it where T is negative.
 
-    T: s, of either sign; tau: torque that the present model needs, interpolated between samples. The column is
-    (tau(t + T) - tau(t)) / T, for T = 0 the derivative; were it made of the current itself, the current's noise
-    would be fitted along. Valid for T up to 0.1 s; where T times the highest angular frequency of the current is
-    small, a first-order lag of the same time does the same. Source: Ljung, "System Identification", 1999, chapter
-    4 (pure delay, output error).
+    The column is (tau(t + T) - tau(t)) / T, for T = 0 the derivative; were it made of the current itself, the
+    current's noise would be fitted along. Valid for T up to 0.1 s; where T times the highest angular frequency of
+    the current is small, a first-order lag of the same time does the same. Source: Ljung, "System Identification",
+    1999, chapter 4 (pure delay, output error).
     """
 
     name = "current_delay"
+    law = (
+        "g i(t) = τ(t + T): the current acts a time T after it was logged, or before it where T is negative."
+    )
+    symbols = "T: s, of either sign; τ: torque that the present model needs, interpolated between samples."
+    shown_by = "reverse fast"
     parameters = (EffectParameter("T", "s"),)
     depends_on_model = True
     before_torque = True
+    of_torque = "time"
 
     T: float = 0.0
 

@@ -11,14 +11,17 @@ from bench.signals.differentiation import central_difference
 
 @dataclass(frozen=True)
 class CurrentLoopLag(ActuatorEffect):
-    """g i = tau + T dtau/dt: the torque follows the current reference i with a first-order lag.
+    """The torque follows the current reference i with a first-order lag.
 
-    T: time constant, positive, s; tau: torque that the present model needs. The column is dtau/dt; were it made
-    of the current itself, the current's noise would be fitted along. Valid for one dominant pole. Source: Spong,
-    Hutchinson and Vidyasagar, "Robot Modeling and Control", 2006, chapter 6 (motor dynamics).
+    The column is dtau/dt; were it made of the current itself, the current's noise would be fitted along. Valid for
+    one dominant pole. Source: Spong, Hutchinson and Vidyasagar, "Robot Modeling and Control", 2006, chapter 6
+    (motor dynamics).
     """
 
     name = "current_loop_lag"
+    law = "g i = τ + T dτ/dt: the torque follows the current reference i with a first-order lag."
+    symbols = "T: time constant, positive, s; τ: torque that the present model needs."
+    shown_by = "reverse fast"
     parameters = (EffectParameter("T", "s", positive=True),)
     depends_on_model = True
     before_torque = True

@@ -28,20 +28,25 @@ LEAST = 1e-6  # of the largest squared period: one that is always above zero
 class DriveFlexibility(Effect):
     """The link lies behind the motor, whose position was logged, by the deflection d of a spring.
 
-    tau = tau_r(q - d) - tau_r(q) with d + 2 zeta T d' + T2 d'' = C tau_s, tau_s = tau_r - Ia qdd, T T = T2 =
-    C (M - Ia): the link swings on the spring. C: compliance, one over the stiffness, positive, rad/(N*m) or m/N;
-    tau_r: torque of the present rigid model at the joint, rotor included, and M its inertia there; tau_s: what a
-    stiff drive would carry of it; Ia: inertia of the rotor, which does not follow the spring. CIa = C Ia: positive,
-    s2, one over the square of the rotor's angular frequency on the spring. zeta: damping ratio of the link on the
-    spring, found from the data; without a C the link does not swing. The columns are changes of the model's torque
-    where the link's position, velocity and acceleration are those behind the spring; what lies above the band of the
-    joint's motion is taken off, since the encoder's noise grows with its fourth power. Valid where the
-    friction is the motor's and the gear's, and no load of the spring; drives that swing together count as alone.
-    Source: Spong,
-    "Modeling and control of elastic joint robots", Journal of Dynamic Systems, Measurement, and Control 109, 1987.
+    The columns are changes of the model's torque where the link's position, velocity and acceleration are those
+    behind the spring; what lies above the band of the joint's motion is taken off, since the encoder's noise grows
+    with its fourth power. Valid where the friction is the motor's and the gear's, and no load of the spring; drives
+    that swing together count as alone. Source: Spong, "Modeling and control of elastic joint robots", Journal of
+    Dynamic Systems, Measurement, and Control 109, 1987.
     """
 
     name = "drive_flexibility"
+    law = "The link lies behind the motor, whose position was logged, by the deflection d of a spring."
+    symbols = (
+        "τ = τ_r(q − d) − τ_r(q) with d + 2 zeta T d' + T2 d'' = C τ_s, τ_s = τ_r − Ia q̈, T T = T2 = C (M "
+        "− Ia): the link swings on the spring. C: compliance, one over the stiffness, positive, rad/(N·m) "
+        "or m/N; τ_r: torque of the present rigid model at the joint, rotor included, and M its inertia "
+        "there; τ_s: what a stiff drive would carry of it; Ia: inertia of the rotor, which does not follow "
+        "the spring. CIa = C Ia: positive, s², one over the square of the rotor's angular frequency on the "
+        "spring. zeta: damping ratio of the link on the spring, found from the data; without a C the link "
+        "does not swing."
+    )
+    shown_by = "reverse fast, with a heavy payload"
     parameters = (
         EffectParameter("C", "{angle}/({effort})", positive=True),
         EffectParameter("CIa", "s^2", positive=True),

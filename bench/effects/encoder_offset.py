@@ -10,24 +10,33 @@ from bench.effects.signals import RobotSignals
 
 SMALLEST, NEAR, LARGEST = 1e-3, 0.02, 0.2  # rad (m for a slide, a tenth of that): step of the difference
 SLIDE = 0.1
+REACH, REACH_SLIDE = 0.05, 0.005  # rad, m
 
 
 @dataclass(frozen=True)
 class EncoderOffset(Effect):
     """A joint that stands at q - offset where q was logged: tau = tau(q - offset) - tau(q), loops closed.
 
-    offset: rad or m, of either sign, constant. The column is a difference quotient of the present model's torque,
-    with the joints before this one, in actuator order, where the present model has them: offsets add up to their sum.
-    Valid for small offsets; that of the last joint of an open chain turns a body about its joint, which the
-    body's own parameters take up. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots",
-    2002, chapter 11 (geometric calibration).
+    The column is a difference quotient of the present model's torque, with the joints before this one, in actuator
+    order, where the present model has them: offsets add up to their sum. Valid for small offsets; that of the last
+    joint of an open chain turns a body about its joint, which the body's own parameters take up. Source: Khalil and
+    Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric calibration).
     """
 
     name = "encoder_offset"
+    law = "A joint that stands at q − offset where q was logged: τ = τ(q − offset) − τ(q), loops closed."
+    symbols = "offset: rad or m, of either sign, constant."
+    shown_by = "move slowly over the whole range"
     parameters = (EffectParameter("offset", "{angle}"),)
     depends_on_model = True
 
     offset: float = 0.0
+
+    def position_offset(self, values: np.ndarray) -> float:
+        return float(values[0])
+
+    def reach(self, robot: RobotSignals, joint: str) -> float | None:
+        return REACH if robot.joints[joint].rotates else REACH_SLIDE
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
         size = NEAR * (1.0 if robot.joints[joint].rotates else SLIDE)

@@ -13,15 +13,19 @@ LEAST = 2.0 / 3.0  # of the gain, that the largest torque leaves: with less, mor
 
 @dataclass(frozen=True)
 class GainSaturation(ActuatorEffect):
-    """tau = g i (1 - k i^2): iron that saturates, so that the motor gives less torque at large currents.
+    """Iron that saturates, so that the motor gives less torque at large currents.
 
-    k: positive, 1/A2 (or 1/V2); g: drive gain at small currents; i: the current that the torque needs of the present
-    model takes; were it the measured one, that would be explained by itself. The column is the torque that lacks,
-    g i^3. Valid while k i^2 is well below one. Source: Krause, Wasynczuk and Sudhoff, "Analysis of Electric Machinery
-    and Drive Systems", 2002, chapter 1 (magnetic saturation).
+    The column is the torque that lacks, g i^3. Valid while k i^2 is well below one. Source: Krause, Wasynczuk and
+    Sudhoff, "Analysis of Electric Machinery and Drive Systems", 2002, chapter 1 (magnetic saturation).
     """
 
     name = "gain_saturation"
+    law = "τ = g i (1 − k i²): iron that saturates, so that the motor gives less torque at large currents."
+    symbols = (
+        "k: positive, 1/A² (or 1/V²); g: drive gain at small currents; i: the current that the torque needs "
+        "of the present model takes; were it the measured one, that would be explained by itself."
+    )
+    shown_by = "carry a second payload, or accelerate harder"
     parameters = (EffectParameter("k", "1/{drive}^2", positive=True),)
     depends_on_model = True
     before_torque = True

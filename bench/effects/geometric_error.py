@@ -10,26 +10,35 @@ from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
 SMALLEST, NEAR, LARGEST = 1e-3, 0.01, 0.05  # of the length: step of the difference
+REACH = 0.02  # of the length
 
 
 @dataclass(frozen=True)
 class GeometricError(Effect):
     """A body longer by dl than the model says: tau = tau(L + dl) - tau(L), through the loop closures.
 
-    dl: m, of either sign. L: distance from the body's joint to the farthest joint, loop anchor or tool on it;
-    these move along the body, or away from its middle where they stand around it (a platform; the base, by the
-    name "world"). The column is a difference quotient of the present model's torque. Valid for small errors of one
-    length with which the loops can still be closed (otherwise there is no column), joint axes as they were.
-    Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric
-    calibration); Merlet, "Parallel Robots", 2006.
+    The column is a difference quotient of the present model's torque. Valid for small errors of one length with
+    which the loops can still be closed (otherwise there is no column), joint axes as they were. Source: Khalil and
+    Dombre, "Modeling, Identification and Control of Robots", 2002, chapter 11 (geometric calibration); Merlet,
+    "Parallel Robots", 2006.
     """
 
     name = "geometric_error"
+    law = "A body longer by dl than the model says: τ = τ(L + dl) − τ(L), through the loop closures."
+    symbols = (
+        "dl: m, of either sign. L: distance from the body's joint to the farthest joint, loop anchor or "
+        "tool on it; these move along the body, or away from its middle where they stand around it (a "
+        'platform; the base, by the name "world").'
+    )
+    shown_by = "move over the whole range"
     parameters = (EffectParameter("dl", "m"),)
     place = "body"
     depends_on_model = True
 
     dl: float = 0.0
+
+    def reach(self, robot: RobotSignals, joint: str) -> float | None:
+        return REACH * lengths(robot.geometry)[joint].length
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
         size = NEAR * lengths(robot.geometry)[joint].length

@@ -10,14 +10,18 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class JointSpring(ActuatorEffect):
-    """tau = k (q - q0) = k q - kq0: a balancing spring or a cable harness.
+    """A balancing spring or a cable harness.
 
-    k: stiffness, positive, N*m/rad or N/m; kq0 = k q0: N*m or N, its torque at joint position zero, from which
-    the position q0 without torque follows. Valid for a linear spring. Source: Arakelian and Briot, "Balancing of
-    Linkages and Robot Manipulators", 2015.
+    Valid for a linear spring. Source: Arakelian and Briot, "Balancing of Linkages and Robot Manipulators", 2015.
     """
 
     name = "joint_spring"
+    law = "τ = k (q − q0) = k q − kq0: a balancing spring or a cable harness."
+    symbols = (
+        "k: stiffness, positive, N·m/rad or N/m; kq0 = k q0: N·m or N, its torque at joint position zero, "
+        "from which the position q0 without torque follows."
+    )
+    shown_by = "move slowly over the whole range"
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
     contains = ("constant_offset",)
 

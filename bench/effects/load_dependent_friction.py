@@ -12,20 +12,29 @@ MOST = 0.7  # more would be no friction beside the load, but another name for it
 
 @dataclass(frozen=True)
 class LoadDependentFriction(ActuatorEffect):
-    """tau = mu |tau_m| sign(qd), tau_m = tau_l + tau: what a gear under load loses, proportional to the motor's torque.
+    """What a gear under load loses, proportional to the motor's torque.
 
-    mu: dimensionless, positive; 1 - mu is about the gear's efficiency. tau_l: load, the torque that the present model
-    needs, this friction aside; were it made of the current itself, that would be explained by itself. With
-    x = sign(tau_m qd) the motor needs tau_m = tau_l / (1 - mu x), so that the column is x tau_l / (1 - mu x), about
-    mu = 0 the load's size against the motion; only x, whether the motor drives or brakes, is taken from the current.
     Valid for mu well below one, away from standstill. Source: Hamon, Gautier and Garrec, "Dynamic identification of
     robots with a dry friction model depending on load and velocity", IROS 2010.
     """
 
     name = "load_dependent_friction"
+    law = (
+        "τ = mu |τ_m| sign(q̇), τ_m = τ_l + τ: what a gear under load loses, proportional to the motor's "
+        "torque."
+    )
+    symbols = (
+        "mu: dimensionless, positive; 1 − mu is about the gear's efficiency. τ_l: load, the torque that the "
+        "present model needs, this friction aside; were it made of the current itself, that would be "
+        "explained by itself. With x = sign(τ_m q̇) the motor needs τ_m = τ_l / (1 − mu x), so that the "
+        "column is x τ_l / (1 − mu x), about mu = 0 the load's size against the motion; only x, whether the "
+        "motor drives or brakes, is taken from the current."
+    )
+    shown_by = "carry a second payload"
     parameters = (EffectParameter("mu", "1", positive=True, below=MOST),)
     depends_on_model = True
     before_torque = True
+    of_torque = "proportion"
 
     mu: float = 0.0
 

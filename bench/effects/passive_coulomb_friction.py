@@ -11,14 +11,19 @@ from bench.effects.signals import RobotSignals
 
 @dataclass(frozen=True)
 class PassiveCoulombFriction(Effect):
-    """tau = J_p' Fc sign(qd_p): coulomb friction in a passive joint p, carried to the motors by the loops.
+    """Coulomb friction in a passive joint p, carried to the motors by the loops.
 
-    Fc: Coulomb friction, positive, N*m or N; qd_p: velocity of the passive joint; J_p (1, n): its velocity for the
-    motors' velocities. Valid while the joint turns; a bearing under load has more. Source: Briot and Khalil,
-    "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
+    Valid while the joint turns; a bearing under load has more. Source: Briot and Khalil, "Dynamics of Parallel
+    Robots", 2015, chapter 8 (principle of virtual work).
     """
 
     name = "passive_coulomb_friction"
+    law = "τ = J_p' Fc sign(q̇_p): coulomb friction in a passive joint p, carried to the motors by the loops."
+    symbols = (
+        "Fc: Coulomb friction, positive, N·m or N; q̇_p: velocity of the passive joint; J_p (1, n): its "
+        "velocity for the motors' velocities."
+    )
+    shown_by = "move one motor alone, slowly"
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
     place = "passive"
 

@@ -11,14 +11,19 @@ from bench.effects.signals import RobotSignals
 
 @dataclass(frozen=True)
 class PassiveViscousFriction(Effect):
-    """tau = J_p' Fv qd_p: viscous friction in a passive joint p, carried to the motors by the loops.
+    """Viscous friction in a passive joint p, carried to the motors by the loops.
 
-    Fv: viscous friction coefficient, positive, N*m*s/rad or N*s/m; qd_p: velocity of the passive joint; J_p (1, n): its
-    velocity for the motors' velocities. Valid at constant temperature. Source: Briot and
-    Khalil, "Dynamics of Parallel Robots", 2015, chapter 8 (principle of virtual work).
+    Valid at constant temperature. Source: Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8
+    (principle of virtual work).
     """
 
     name = "passive_viscous_friction"
+    law = "τ = J_p' Fv q̇_p: viscous friction in a passive joint p, carried to the motors by the loops."
+    symbols = (
+        "Fv: viscous friction coefficient, positive, N·m·s/rad or N·s/m; q̇_p: velocity of the passive "
+        "joint; J_p (1, n): its velocity for the motors' velocities."
+    )
+    shown_by = "move one motor alone, fast"
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
     place = "passive"
 

@@ -10,15 +10,17 @@ from bench.effects.signals import RobotSignals
 
 @dataclass(frozen=True)
 class PayloadMassError(Effect):
-    """tau = dm tau_L / m: a payload of mass m + dm, all its declared parameters larger by the same share.
+    """A payload of mass m + dm, all its declared parameters larger by the same share.
 
-    dm: kg, of either sign; tau_L: torque of the payload as it was declared, with mass m. Valid for a
-    payload whose shape is as declared. Where the drive gains are fitted and this is the only payload of known mass,
-    the gains take it up. Source: Khalil, Gautier and
-    Lemoine, "Identification of the payload inertial parameters of industrial manipulators", ICRA 2007.
+    Valid for a payload whose shape is as declared. Where the drive gains are fitted and this is the only payload of
+    known mass, the gains take it up. Source: Khalil, Gautier and Lemoine, "Identification of the payload inertial
+    parameters of industrial manipulators", ICRA 2007.
     """
 
     name = "payload_mass_error"
+    law = "τ = dm τ_L / m: a payload of mass m + dm, all its declared parameters larger by the same share."
+    symbols = "dm: kg, of either sign; τ_L: torque of the payload as it was declared, with mass m."
+    shown_by = "carry a second payload"
     parameters = (EffectParameter("dm", "kg"),)
     place = "payload"
 

@@ -11,15 +11,20 @@ from bench.effects.tool_motion import tool_motion
 
 @dataclass(frozen=True)
 class PlatformForce(Effect):
-    """tau = -J' F with F = F0 - K p: a hose or a cable that pulls at the tool.
+    """A hose or a cable that pulls at the tool.
 
-    J (3, n): Jacobian of the tool; p (3,): its way from home, m; F0 = (Fx, Fy, Fz): force on the tool at home, N,
-    of either sign; K = diag(kx, ky, kz): stiffness, N/m; all in the world's axes. Directions in which the tool
-    cannot move have no column. Valid for a light, linear spring. Source: Briot and Khalil, "Dynamics of Parallel
-    Robots", 2015, chapter 7 (external wrench by virtual work).
+    Valid for a light, linear spring. Source: Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 7
+    (external wrench by virtual work).
     """
 
     name = "platform_force"
+    law = "τ = −J' F with F = F0 − K p: a hose or a cable that pulls at the tool."
+    symbols = (
+        "J (3, n): Jacobian of the tool; p (3,): its way from home, m; F0 = (Fx, Fy, Fz): force on the tool "
+        "at home, N, of either sign; K = diag(kx, ky, kz): stiffness, N/m; all in the world's axes. "
+        "Directions in which the tool cannot move have no column."
+    )
+    shown_by = "move slowly over the whole range, without a payload"
     parameters = (
         EffectParameter("Fx", "N"),
         EffectParameter("Fy", "N"),

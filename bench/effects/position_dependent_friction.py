@@ -13,16 +13,23 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class PositionDependentFriction(ActuatorEffect):
-    """tau = (a cos(h q) + b sin(h q)) sign(qd): dry friction that varies around the turn, as of a bent shaft.
+    """Dry friction that varies around the turn, as of a bent shaft.
 
-    a, b: N*m or N, of either sign, added to the Coulomb friction, which is an effect of its own; h: harmonic, a
-    whole number of periods in a turn, found from the data (a slide: periods in a metre, whole halves of the
-    travel, and the angle is 2 pi h q). Valid while the joint slides. Source: Armstrong-Helouvry, "Control of
-    Machines with Friction", 1991; Popovic and Goldenberg, "Modeling of friction using spectral analysis", IEEE
-    Transactions on Robotics and Automation 14(1), 1998.
+    Valid while the joint slides. Source: Armstrong-Helouvry, "Control of Machines with Friction", 1991; Popovic and
+    Goldenberg, "Modeling of friction using spectral analysis", IEEE Transactions on Robotics and Automation 14(1),
+    1998.
     """
 
     name = "position_dependent_friction"
+    law = (
+        "τ = (a cos(h q) + b sin(h q)) sign(q̇): dry friction that varies around the turn, as of a bent shaft."
+    )
+    symbols = (
+        "a, b: N·m or N, of either sign, added to the Coulomb friction, which is an effect of its own; h: "
+        "harmonic, a whole number of periods in a turn, found from the data (a slide: periods in a metre, "
+        "whole halves of the travel, and the angle is 2 pi h q)."
+    )
+    shown_by = "move slowly over the whole range"
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
     shape = (ShapeParameter("harmonic", "1/{turn}", (1.0, 2.0, 3.0, 4.0, 6.0, 8.0), discrete=True),)
 

@@ -10,15 +10,20 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class PreslidingHysteresis(ActuatorEffect):
-    """tau = Fc z with dz/dt = (qd - |qd| z) / x0: Dahl's friction, which follows a reversal with a delay.
+    """Dahl's friction, which follows a reversal with a delay.
 
-    Fc: Coulomb friction, positive, N*m or N; z: state between -1 and 1, zero at the start; x0: presliding
-    displacement, rad or m, found from the data; Fc / x0 is the stiffness before it slides. x0 = 0 is Coulomb
-    friction. Valid without a Stribeck effect; an x0 far below the travel between two samples cannot be seen.
-    Source: Dahl, "A solid friction model", Aerospace Corporation TOR-0158(3107-18)-1, 1968.
+    Valid without a Stribeck effect; an x0 far below the travel between two samples cannot be seen. Source: Dahl, "A
+    solid friction model", Aerospace Corporation TOR-0158(3107-18)-1, 1968.
     """
 
     name = "presliding_hysteresis"
+    law = "τ = Fc z with dz/dt = (q̇ − |q̇| z) / x0: Dahl's friction, which follows a reversal with a delay."
+    symbols = (
+        "Fc: Coulomb friction, positive, N·m or N; z: state between −1 and 1, zero at the start; x0: "
+        "presliding displacement, rad or m, found from the data; Fc / x0 is the stiffness before it slides. "
+        "x0 = 0 is Coulomb friction."
+    )
+    shown_by = "reverse slowly, in small strokes"
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
     shape = (ShapeParameter("x0", "{angle}", (0.001, 0.003, 0.01, 0.03, 0.1, 0.3), scale="speed"),)
     contains = ("coulomb_friction",)

@@ -10,13 +10,16 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class QuadraticDrag(ActuatorEffect):
-    """tau = c qd |qd|: resistance of air or oil that is pushed aside.
+    """Resistance of air or oil that is pushed aside.
 
-    c: positive, N*m*s2/rad2 or N*s2/m2. Valid for turbulent flow; slow motion in a fluid is viscous. Source:
-    White, "Fluid Mechanics", 2011, chapter 7 (drag of immersed bodies).
+    Valid for turbulent flow; slow motion in a fluid is viscous. Source: White, "Fluid Mechanics", 2011, chapter 7
+    (drag of immersed bodies).
     """
 
     name = "quadratic_drag"
+    law = "τ = c q̇ |q̇|: resistance of air or oil that is pushed aside."
+    symbols = "c: positive, N·m·s²/rad² or N·s²/m²."
+    shown_by = "move as fast as allowed"
     parameters = (EffectParameter("c", "{effort}*s^2/{angle}^2", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -10,14 +10,19 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class RotorInertia(ActuatorEffect):
-    """tau = Ia qdd: inertia of rotor and gear, seen at the joint (rotor inertia times the gear ratio squared).
+    """Inertia of rotor and gear, seen at the joint (rotor inertia times the gear ratio squared).
 
-    Ia: positive, kg*m2 or kg. Valid for a stiff gear. Where the motor stands on the base it moves with the first
-    link, whose inertia takes it up; elsewhere it is among the model's base parameters, as Ia(joint). Source: Khalil
-    and Dombre, "Modeling, Identification and Control of Robots", 2002, 9.3.
+    Valid for a stiff gear. Where the motor stands on the base it moves with the first link, whose inertia takes it
+    up; elsewhere it is among the model's base parameters, as Ia(joint). Source: Khalil and Dombre, "Modeling,
+    Identification and Control of Robots", 2002, 9.3.
     """
 
     name = "rotor_inertia"
+    law = (
+        "τ = Ia q̈: inertia of rotor and gear, seen at the joint (rotor inertia times the gear ratio squared)."
+    )
+    symbols = "Ia: positive, kg·m² or kg."
+    shown_by = "carry a second payload"
     parameters = (EffectParameter("Ia", "{effort}*s^2/{angle}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -10,16 +10,23 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class StribeckFriction(ActuatorEffect):
-    """tau = (Fc + Fs exp(-|qd/vs|^delta)) sign(qd): dry friction that is larger where the joint moves slowly.
+    """Dry friction that is larger where the joint moves slowly.
 
-    Fc: Coulomb friction, Fs: what is added at the slowest motion, positive, N*m or N; vs: Stribeck velocity, rad/s
-    or m/s, and delta: 1 or 2, both found from the data. Valid while the joint slides; a vs far below the speeds of
-    the motion cannot be seen. Source: Bo and Pavelescu, "The friction-speed relation and its influence on the critical
-    velocity of stick-slip motion", Wear 82, 1982; Canudas de Wit, Olsson, Astrom and Lischinsky, IEEE
-    Transactions on Automatic Control 40(3), 1995 (delta = 2); Tustin, Journal of the IEE 94, 1947 (delta = 1).
+    Valid while the joint slides; a vs far below the speeds of the motion cannot be seen. Source: Bo and Pavelescu,
+    "The friction-speed relation and its influence on the critical velocity of stick-slip motion", Wear 82, 1982;
+    Canudas de Wit, Olsson, Astrom and Lischinsky, IEEE Transactions on Automatic Control 40(3), 1995 (delta = 2);
+    Tustin, Journal of the IEE 94, 1947 (delta = 1).
     """
 
     name = "stribeck_friction"
+    law = (
+        "τ = (Fc + Fs exp(−|q̇/vs|^delta)) sign(q̇): dry friction that is larger where the joint moves slowly."
+    )
+    symbols = (
+        "Fc: Coulomb friction, Fs: what is added at the slowest motion, positive, N·m or N; vs: Stribeck "
+        "velocity, rad/s or m/s, and delta: 1 or 2, both found from the data."
+    )
+    shown_by = "reverse slowly"
     parameters = (
         EffectParameter("Fc", "{effort}", positive=True),
         EffectParameter("Fs", "{effort}", positive=True),

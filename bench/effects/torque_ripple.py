@@ -15,17 +15,23 @@ LEAST = 0.2  # of the gain, that is left where the ripple takes most
 
 @dataclass(frozen=True)
 class TorqueRipple(ActuatorEffect):
-    """tau = g i (1 + a cos(N q) + b sin(N q)): a drive gain that varies with the position of the motor.
+    """A drive gain that varies with the position of the motor.
 
-    a, b: dimensionless, of either sign; N: periods in a turn of the joint, gear included (of a slide: in a metre,
-    and the phase is 2 pi N q), found from the data; g i: drive gain times the current that the torque needed by the
-    present model takes; were it the measured one, that would be explained by itself in part. The columns are the
-    torque that lacks, -g i cos(N q) and -g i sin(N q). Valid for ripple well below one, at periods that the motion
-    does not sweep faster than the fit's band. Source: Jahns and Soong, "Pulsating torque minimization techniques
-    for permanent magnet AC motor drives: a review", IEEE Transactions on Industrial Electronics 43(2), 1996.
+    The columns are the torque that lacks, -g i cos(N q) and -g i sin(N q). Valid for ripple well below one, at
+    periods that the motion does not sweep faster than the fit's band. Source: Jahns and Soong, "Pulsating torque
+    minimization techniques for permanent magnet AC motor drives: a review", IEEE Transactions on Industrial
+    Electronics 43(2), 1996.
     """
 
     name = "torque_ripple"
+    law = "τ = g i (1 + a cos(N q) + b sin(N q)): a drive gain that varies with the position of the motor."
+    symbols = (
+        "a, b: dimensionless, of either sign; N: periods in a turn of the joint, gear included (of a slide: "
+        "in a metre, and the phase is 2 pi N q), found from the data; g i: drive gain times the current "
+        "that the torque needed by the present model takes; were it the measured one, that would be "
+        "explained by itself in part."
+    )
+    shown_by = "turn slowly, with and without a payload"
     parameters = (EffectParameter("a", "1"), EffectParameter("b", "1"))
     shape = (PERIODS,)
     depends_on_model = True

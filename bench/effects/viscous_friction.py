@@ -10,13 +10,16 @@ from bench.effects.signals import JointSignals
 
 @dataclass(frozen=True)
 class ViscousFriction(ActuatorEffect):
-    """tau = Fv qd: friction proportional to the velocity qd, as of an oil film.
+    """Friction proportional to the velocity qd, as of an oil film.
 
-    Fv: viscous friction coefficient, positive, N*m*s/rad or N*s/m. Valid away from standstill, at constant
-    temperature. Source: Khalil and Dombre, "Modeling, Identification and Control of Robots", 2002, 9.3.
+    Valid away from standstill, at constant temperature. Source: Khalil and Dombre, "Modeling, Identification and
+    Control of Robots", 2002, 9.3.
     """
 
     name = "viscous_friction"
+    law = "τ = Fv q̇: friction proportional to the velocity q̇, as of an oil film."
+    symbols = "Fv: viscous friction coefficient, positive, N·m·s/rad or N·s/m."
+    shown_by = "move fast and slowly"
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

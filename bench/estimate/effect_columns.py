@@ -7,7 +7,6 @@ from functools import cache, partial
 import numpy as np
 
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
-from bench.effects.encoder_offset import EncoderOffset
 from bench.effects.signals import AskedWithinError
 from bench.errors import BenchError
 from bench.estimate.measured import Measured
@@ -114,9 +113,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
 
     mass = 0.0 if payload is None else float(present.declared[payload][0])
     offsets = {
-        one.joint: float(values[0])
-        for one, values in present.effects
-        if one.effect.name == EncoderOffset.name
+        one.joint: offset for one, values in present.effects if (offset := one.effect.position_offset(values))
     }
     signals = RobotSignals(
         joints,

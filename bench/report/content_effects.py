@@ -9,7 +9,6 @@ from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.diagnose.summary import effort_unit, error_share, reason
 from bench.effects import Effect
 from bench.estimate.result import DriveGain, Identification
-from bench.report.laws import law_of
 from bench.report.parts import Cell, Column, Items, Part, Row, Section, Table, one_figure, row
 from bench.report.thin import significant
 from bench.report.words import (
@@ -89,8 +88,8 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
 
 def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
     """What the found effects do, as far as their classes tell it."""
-    known = [(name, *law_of(catalogue[name])) for name in diagnosis.missing if name in catalogue]
-    rows = tuple(row(effect_name(name), law, symbols) for name, law, symbols in known if law)
+    known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
+    rows = tuple(row(effect_name(one.name), one.law, one.symbols) for one in known if one.law)
     columns = (Column("effect", "keep"), Column("law", "words"), Column("symbols", "words"))
     return [Table("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
 

@@ -14,7 +14,6 @@ from bench.effects import (
     RobotSignals,
     places_in,
 )
-from bench.effects.body_length import lengths
 from bench.estimate.effect_columns import robot_signals
 from bench.estimate.joint_samples import joint_samples
 from bench.estimate.partial import PartialRegression, partial_regression
@@ -38,9 +37,7 @@ from bench.workbench.variants import (
     valued,
 )
 
-LENGTH = 0.02  # of a body's length: errors of it up to that size are told apart
-ANGLE, SLIDE = 0.05, 0.005  # rad, m: likewise of a joint's zero
-SHARE = 0.3  # of the torque that the model needs: likewise of an effect in proportion to it
+SHARE = 0.3  # of the torque that the model needs: an effect in proportion to it is told apart up to that size
 MANY = 8  # effects through the loops: more are told apart less finely
 SAME = 1e-9  # of columns: what rounding leaves of a sum
 
@@ -97,10 +94,9 @@ class Kinds:
         effect = instance.effect
         if effect.about({parameter.name: 0.0 for parameter in effect.parameters}) is effect:
             return linear(instance, "none", False, "needed")
-        units = [one.unit for one in effect.parameters]
-        if units == ["1"]:
+        if effect.of_torque == "proportion":
             return of_needed(instance, SHARE)
-        if units != ["s"]:
+        if effect.of_torque != "time":
             return linear(instance, "none", True, "needed")
         rate = self.model.plain.measured[0].recording.rate
         return timed(instance, self.model.plain.settings.band(rate))
@@ -116,13 +112,8 @@ class Kinds:
             return linear(instance, "none", False, "rigid")
         if not self.roomy:
             return linear(instance, "none", True, "rigid")
-        geometry = self.model.plain.model.geometry
-        if len(effect.parameters) == 1 and effect.place == "body":
-            return valued(instance, LENGTH * lengths(geometry)[instance.joint].length)
-        if len(effect.parameters) == 1 and effect.place == "actuator":
-            rotates = self.unit[0].joints[instance.joint].rotates
-            return valued(instance, ANGLE if rotates else SLIDE)
-        return linear(instance, "none", True, "rigid")
+        reach = effect.reach(self.unit[0], instance.joint)
+        return linear(instance, "none", True, "rigid") if reach is None else valued(instance, reach)
 
     def _adds_up(self, instance: EffectInstance) -> bool:
         """Whether the columns of a sum of models are the sum of their columns."""
