@@ -218,6 +218,21 @@ def test_encoder_offset_flexibility_and_backlash_move_the_link(
         assert found[200:-200] == pytest.approx(expected[200:-200], abs=share * scale), name
 
 
+@pytest.mark.parametrize("robot_name", ["five_bar", "orthoglide"])
+def test_a_transmission_error_moves_the_link_with_its_wave(robot_name: str, tmp_path: Path) -> None:
+    robot, model, _, present = moving_robot(robot_name, tmp_path, samples=2001, size=0.15)
+    joint = list(robot.joints)[1]
+    turn = 1.0 if robot.joints[joint].rotates else 2 * np.pi
+    values, periods = np.array([2e-5, -1e-5]), 20.0 / turn
+    angle = 20.0 * robot.position[:, 1]
+    logged, real = link_behind(robot, model, joint, values[0] * np.cos(angle) + values[1] * np.sin(angle))
+    expected = rigid_torque(model, present, model.geometry, real)
+    expected -= rigid_torque(model, present, model.geometry, logged)
+    found = columns_at(robot, "transmission_error", joint, periods=periods) @ values
+    scale = np.abs(expected[200:-200]).max()
+    assert found[200:-200] == pytest.approx(expected[200:-200], abs=0.01 * scale)
+
+
 def test_a_wrong_mass_of_the_payload_is_its_share_of_the_payload_s_torque(tmp_path: Path) -> None:
     robot, *_ = moving_robot("five_bar", tmp_path, "disc")
     columns = columns_at(robot, "payload_mass_error", "disc")[:, :, 0]

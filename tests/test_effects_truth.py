@@ -64,6 +64,9 @@ CASES = {
     "joint_spring": Case({"k": 1.0, "q0": -1.0}, {"k": 1.0, "kq0": -1.0}),
     "load_dependent_friction": Case({"mu": 0.05}, {"mu": 0.05}, floor=1.25),
     "passive_coulomb_friction": Case({"Fc": 0.05}, {"Fc": 0.05}, share=0.02),
+    "passive_spring": Case(
+        {"k": 1.5, "q0": 0.4, "joint": "left_elbow"}, {"k": 1.5, "kq0": 0.6}, "left_elbow"
+    ),
     "passive_viscous_friction": Case({"Fv": 0.05}, {"Fv": 0.05}),
     "platform_force": Case(
         {"fx": 1.0, "fz": 2.0, "k": 5.0}, {"Fx": 1.0, "Fz": 2.0, "kx": 5.0, "kz": 5.0}, "robot", 0.02
@@ -85,6 +88,12 @@ CASES = {
     ),
     "torque_ripple": Case(
         {"a": 0.03, "b": 0.02, "period": 0.2}, {"a": 0.03, "b": 0.02, "periods": 2 * np.pi / 0.2}
+    ),
+    "transmission_error": Case(
+        {"a": 1e-3, "b": 5e-4, "period": 0.4, "joint": "left"},
+        {"a": 1e-3, "b": 5e-4, "periods": 2 * np.pi / 0.4},
+        "left",
+        0.03,
     ),
     "viscous_friction": Case({"Fv": 0.1}, {"Fv": 0.1}),
 }

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.catalogue import built_in_robots
-from bench.effects import catalogue_for
+from bench.effects import CATALOGUE, EffectInstance, catalogue_for, effect_columns
 from bench.estimate.identify import identify
 from bench.estimate.result import Identification
 from bench.excite.scenario import designer
@@ -15,6 +15,7 @@ from bench.robot_check.check import check_robot
 from bench.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.effects_kit import moving_robot
 
 STIFFNESS, RELAXED = 1.5, 0.4
 
@@ -34,15 +35,11 @@ def sprung(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(sprung: Path, project_root: Path) -> Identification:
-    """Measurements of it, identified with the spring of the effects' README as an effect of one's own."""
-    text = (project_root / "bench" / "effects" / "README.md").read_text(encoding="utf-8")
-    (source,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    (sprung / "passive_spring.py").write_text(source, encoding="utf-8")
+def found(sprung: Path) -> Identification:
+    """Measurements of it, identified with the spring as an effect."""
     scenario = load_scenario("five_bar", {"robot": str(sprung)})
     dataset = as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
-    effects = ["passive_spring:left_elbow"]
-    return identify(dataset, effects, catalogue=catalogue_for((sprung / "passive_spring.py",)))
+    return identify(dataset, ["passive_spring:left_elbow"])
 
 
 def test_the_check_tells_how_to_fit_it(sprung: Path) -> None:
@@ -56,3 +53,16 @@ def test_its_stiffness_is_found(found: Identification) -> None:
     assert spring["k"].value == pytest.approx(STIFFNESS, rel=0.02)
     assert spring["kq0"].value == pytest.approx(STIFFNESS * RELAXED, abs=0.03 * STIFFNESS)
     assert found.drive_gains["left"].value == pytest.approx(3.3, rel=0.003)
+
+
+def test_the_readme_s_spring_of_one_s_own_is_a_law_in_that_joint(project_root: Path, tmp_path: Path) -> None:
+    text = (project_root / "bench" / "effects" / "README.md").read_text(encoding="utf-8")
+    (source,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "hardening_spring.py").write_text(source, encoding="utf-8")
+    effect = catalogue_for((tmp_path / "hardening_spring.py",))["hardening_spring"]
+    robot, *_ = moving_robot("five_bar", tmp_path, samples=201)
+    columns = effect_columns(EffectInstance(effect, "left_elbow", effect.name), robot)
+    linear = effect_columns(EffectInstance(CATALOGUE["passive_spring"], "left_elbow", ""), robot)
+    carried = -linear[:, :, 1]  # what the motors feel of 1 N*m there
+    position = linear[:, :, 0] / carried
+    assert columns[:, :, 0] == pytest.approx(carried * position**3)

@@ -39,6 +39,22 @@ def test_passive_viscous_friction_reaches_the_motors_through_the_loops(robot):
 
 
 @pytest.mark.parametrize("robot", PASSIVE)
+def test_a_passive_spring_reaches_the_motors_through_the_loops(robot):
+    joint = {"five_bar": "left_elbow", "delta": "rod_2b_pitch"}[robot]
+    model, k, q0 = bare_machine(robot).models[None], 20 * PASSIVE[robot], 0.1
+    address, dof = int(model.joint(joint).qposadr[0]), int(model.joint(joint).dofadr[0])
+
+    def spring(motion):
+        forces = np.zeros_like(motion.qvel)
+        forces[:, dof] = k * (motion.qpos[:, address] - q0)
+        return forces
+
+    simulation = run(robot, {"effect": "passive_spring", "joint": joint, "k": k, "q0": q0})
+    for s in states(simulation, robot, spring):
+        np.testing.assert_allclose(s.extra, 0, atol=1e-11 * abs(s.torque).max())
+
+
+@pytest.mark.parametrize("robot", PASSIVE)
 def test_passive_coulomb_friction_of_one_joint(robot):
     joint = {"five_bar": "left_elbow", "delta": "rod_2b_pitch"}[robot]
     dof = int(bare_machine(robot).models[None].joint(joint).dofadr[0])
@@ -218,6 +234,25 @@ def test_encoder_offset_is_in_the_log_and_in_what_the_controller_does():
         np.testing.assert_allclose(recording.current, current / drive.nominal_gains, atol=1e-11)
     for s in states(hidden, "five_bar"):
         np.testing.assert_allclose(s.extra, 0, atol=1e-11)
+
+
+def test_transmission_error_is_in_the_log_and_in_what_the_controller_does():
+    wave = {"a": 2e-3, "b": -1e-3, "period": 0.4}
+    hidden = run("five_bar", {"effect": "transmission_error", "joint": "left", **wave}, every_step=True)
+    machine = hidden.machine
+    for recording in hidden.recordings:
+        motion, drive = recording.motion, machine.drive
+        true = motion.qpos[:, machine.addresses]
+        phase = 2 * np.pi * true[:, 0] / 0.4
+        error = np.column_stack([2e-3 * np.cos(phase) - 1e-3 * np.sin(phase), 0 * phase])
+        np.testing.assert_allclose(recording.position - true, error, atol=1e-15)
+        # the velocity that the controller takes from its encoders, a step late
+        rate = motion.qvel[1:, machine.dofs] + np.diff(error, axis=0) / 0.00025
+        q, qd, _ = (part[1:] for part in recording.trajectory.evaluate(motion.time))
+        current = drive.kp * (q - recording.position[1:]) + drive.kv * (qd - rate)
+        np.testing.assert_allclose(recording.current[1:], current / drive.nominal_gains, atol=1e-9)
+    for s in states(hidden, "five_bar", step=29):
+        np.testing.assert_allclose(s.extra, 0, atol=1e-11 * abs(s.torque).max())
 
 
 def drive_states(simulation, robot, joint):

@@ -32,6 +32,7 @@ EACH = {
     "joint_spring": {"k": 0.5, "q0": 0.0},
     "load_dependent_friction": {"mu": 0.05},
     "passive_coulomb_friction": {"Fc": 0.05},
+    "passive_spring": {"k": 0.5, "q0": 0.1},
     "passive_viscous_friction": {"Fv": 0.05},
     "payload_mass_error": {"error": 0.1},
     "periodic_disturbance": {"size": 0.2, "frequency": 3.0},
@@ -46,6 +47,7 @@ EACH = {
     "thermal_friction_drift": {"T": 1.0, "Fv": 0.1},
     "torque_drift": {"size": 0.2, "T": 0.3},
     "torque_ripple": {"a": 0.05, "b": 0.0, "period": 0.3},
+    "transmission_error": {"a": 1e-3, "b": 1e-3, "period": 0.5},
     "viscoelastic_cable": {"k": 1.0, "T": 0.5},
     "viscous_friction": {"Fv": 0.1},
 }

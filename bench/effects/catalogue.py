@@ -16,6 +16,7 @@ from bench.effects.geometric_error import GeometricError
 from bench.effects.joint_spring import JointSpring
 from bench.effects.load_dependent_friction import LoadDependentFriction
 from bench.effects.passive_coulomb_friction import PassiveCoulombFriction
+from bench.effects.passive_spring import PassiveSpring
 from bench.effects.passive_viscous_friction import PassiveViscousFriction
 from bench.effects.payload_mass_error import PayloadMassError
 from bench.effects.platform_force import PlatformForce
@@ -26,6 +27,7 @@ from bench.effects.rotor_inertia import RotorInertia
 from bench.effects.stribeck_friction import StribeckFriction
 from bench.effects.thermal_friction_drift import ThermalFrictionDrift
 from bench.effects.torque_ripple import TorqueRipple
+from bench.effects.transmission_error import TransmissionError
 from bench.effects.viscous_friction import ViscousFriction
 
 CATALOGUE: dict[str, Effect] = {
@@ -44,6 +46,7 @@ CATALOGUE: dict[str, Effect] = {
     "joint_spring": JointSpring(),
     "load_dependent_friction": LoadDependentFriction(),
     "passive_coulomb_friction": PassiveCoulombFriction(),
+    "passive_spring": PassiveSpring(),
     "passive_viscous_friction": PassiveViscousFriction(),
     "payload_mass_error": PayloadMassError(),
     "platform_force": PlatformForce(),
@@ -54,5 +57,6 @@ CATALOGUE: dict[str, Effect] = {
     "stribeck_friction": StribeckFriction(),
     "thermal_friction_drift": ThermalFrictionDrift(),
     "torque_ripple": TorqueRipple(),
+    "transmission_error": TransmissionError(),
     "viscous_friction": ViscousFriction(),
 }

@@ -1,8 +1,14 @@
-"""Friction in joints without a motor, seen by the motors through the loops."""
+"""What acts in joints without a motor, seen by the motors through the loops."""
 
 import numpy as np
 
 from bench.effects.signals import RobotSignals
+
+
+def passive_position(robot: RobotSignals, joint: str) -> np.ndarray:
+    """Position (N,) of a hinge or slide of the opened tree, rad or m, zero where the MJCF has it."""
+    own = robot.geometry.joints[robot.geometry.joint_index(joint)]
+    return robot.tree.q[:, own.q.start] + own.offset
 
 
 def passive_velocity(robot: RobotSignals, joint: str) -> np.ndarray:

@@ -46,11 +46,6 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
         yield (
             f"{what} on {', '.join(named)}: the simulator will add it, the model does not know it; fit it with "
             f"--with {' --with '.join(driven + passive)}"
-            + (
-                " (bench/effects/README.md has passive_spring)"
-                if passive and what.startswith("spring")
-                else ""
-            )
         )
     rotors = [name for name in _joints_with(compiled, ("dof_armature",)) if name not in robot.joints]
     if rotors:

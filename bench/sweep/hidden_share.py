@@ -19,7 +19,6 @@ from bench.truth.hidden.sizes import typical
 from bench.truth.simulate import simulate
 
 KEYS = ("hidden_effect", "hidden_share", "hidden_joint")
-PASSIVE = ("passive_coulomb_friction", "passive_viscous_friction")
 
 
 def without_share(content: Mapping[str, Any]) -> dict[str, Any]:
@@ -49,7 +48,7 @@ def with_sized_effect(
     joints: tuple[str | None, ...] = reference.simulation.robot.joints
     if content.get("hidden_joint") is not None:
         joints = (content["hidden_joint"],)
-    elif not issubclass(kind, JointEffect) or effect in PASSIVE:
+    elif not issubclass(kind, JointEffect) or kind.where == "passive":
         joints = (None,)
     entries = []
     for joint in joints:

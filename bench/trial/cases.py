@@ -34,6 +34,7 @@ SHARES_OF: dict[str, tuple[float, float]] = {
     "gain_saturation": (0.01, 0.1),
     "geometric_error": (0.001, 0.01),
     "joint_spring": (0.02, 0.4),
+    "passive_spring": (0.02, 0.4),
     "platform_force": (0.02, 0.3),
 }
 """The same where a model takes most of the effect up, so that less is seen of it; or where a larger share would be

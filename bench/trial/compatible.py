@@ -13,7 +13,7 @@ EXCLUSIVE: tuple[frozenset[str], ...] = (
     frozenset({"passive_coulomb_friction", "passive_viscous_friction"}),
     frozenset({"current_delay", "current_loop_lag"}),
     frozenset({"backlash", "drive_flexibility", "rotor_inertia"}),
-    frozenset({"constant_offset", "joint_spring"}),
+    frozenset({"constant_offset", "joint_spring", "passive_spring"}),
     frozenset({"encoder_offset", "geometric_error"}),
 )
 """Of each group a machine has one at most: they contain each other, or are two names for the same part."""

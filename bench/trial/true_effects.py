@@ -38,6 +38,7 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
     "joint_spring": {"k": _same("k"), "kq0": lambda p: p["k"] * p["q0"]},
     "load_dependent_friction": {"mu": _same("mu")},
     "passive_coulomb_friction": {"Fc": _same("Fc")},
+    "passive_spring": {"k": _same("k")},
     "passive_viscous_friction": {"Fv": _same("Fv")},
     "payload_mass_error": {"dm": _same("error")},
     "platform_force": {
@@ -64,6 +65,11 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
         "b": _same("b"),
         "periods": lambda p: 2 * np.pi / p["period"],
     },
+    "transmission_error": {
+        "a": _same("a"),
+        "b": _same("b"),
+        "periods": lambda p: 2 * np.pi / p["period"],
+    },
     "viscous_friction": {"Fv": _same("Fv")},
 }
 """Effect -> the model's parameter -> its true value from the parameters of the hidden effect.
@@ -76,6 +82,9 @@ Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_
 WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {
     "backlash": frozenset({"r"}),
     "drive_flexibility": frozenset({"zeta"}),
+    "passive_spring": frozenset(
+        {"kq0"}
+    ),  # of springs whose joints move alike, where they are counted from differs
 }
 """Parameters of the model that stand for no parameter of the hidden effect."""
 
@@ -102,7 +111,7 @@ def _shifted(one: dict[str, Any], offset: float) -> dict[str, Any]:
         return one
     if one["effect"] == "joint_spring":
         return one | {"q0": one["q0"] + offset}
-    if one["effect"] in ("cogging_torque", "torque_ripple"):
+    if one["effect"] in ("cogging_torque", "torque_ripple", "transmission_error"):
         angle = 2 * np.pi * offset / one["period"]
     elif one["effect"] == "position_dependent_friction":
         angle = one.get("harmonic", 1.0) * offset

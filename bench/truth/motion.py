@@ -65,6 +65,8 @@ class Motion:
     """(N, n) torque or force of the motors."""
     current: Array
     """(N, n) current reference as it is logged, before noise, in the drive's unit."""
+    misread: Array
+    """(N, n) what the encoders read more than the positions of the motors, constant offsets aside."""
     reference: Array
     """(N, n) reference positions of the actuated joints."""
     gaps: Array
@@ -177,14 +179,16 @@ def _roll_out(
     torque = out["actuator_force"][:, ::every, :motors].copy()
     current = torque / machine.drive.true_gains
     gaps = batch_gaps(models, {name: out[name][:, ::every] for name in POINTS})
-    return States(qpos, qvel, out["qacc"][:, ::every].copy(), torque, current, gaps)
+    acceleration = out["qacc"][:, ::every].copy()
+    return States(qpos, qvel, acceleration, torque, current, np.zeros_like(current), gaps)
 
 
 def _motion(index: int, run: Run, timing: Timing, chunks: Sequence[States]) -> Motion:
     own = slice(timing.settle, timing.settle + run.samples)
-    qpos, qvel, qacc, torque, current, gaps = (
+    qpos, qvel, qacc, torque, current, misread, gaps = (
         np.concatenate([getattr(states, name)[index] for states in chunks])[own]
-        for name in ("qpos", "qvel", "qacc", "torque", "current", "gaps")
+        for name in ("qpos", "qvel", "qacc", "torque", "current", "misread", "gaps")
     )
     time = timing.step * timing.log_every * np.arange(run.samples, dtype=np.float64)
-    return Motion(time, qpos, qvel, qacc, torque, current, run.trajectory.evaluate(time)[0], gaps)
+    reference = run.trajectory.evaluate(time)[0]
+    return Motion(time, qpos, qvel, qacc, torque, current, misread, reference, gaps)

@@ -109,7 +109,7 @@ def simulate(
 def _recorded(
     scenario: Scenario, machine: Machine, table: RecordingTable, trajectory: FourierTrajectory, motion: Motion
 ) -> SimulatedRecording:
-    position = motion.qpos[:, machine.motor_addresses] + machine.drive.offset
+    position = motion.qpos[:, machine.motor_addresses] + machine.drive.offset + motion.misread
     current = motion.current
     model = machine.models[table.payload]
     gap = float(motion.gaps.max(initial=0.0))

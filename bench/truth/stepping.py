@@ -30,6 +30,8 @@ class States:
     torque: Array
     current: Array
     """As it is logged."""
+    misread: Array
+    """What the encoders read more than the motors' positions, constant offsets aside."""
     gaps: Array
     """(R, samples, loops), as `gaps_between` has them."""
 
@@ -37,9 +39,10 @@ class States:
 class Stepper:
     """A batch of R runs of a machine with laws; the laws keep their states from call to call.
 
-    At every step: the controller commands a current reference from the state, as a drive without hidden
-    effects would. The laws make of it what is logged, what flows, and what torque the motors give; then
-    follow the opposing torques, and the sizes of dry frictions, which MuJoCo's friction constraints apply.
+    At every step: the controller commands a current reference from what its encoders read, as a drive without
+    hidden effects would; their rate is that since the step before. The laws make of it what is logged, what flows, and
+    what torque the motors give; then follow the opposing torques, and the sizes of dry frictions, which MuJoCo's
+    friction constraints apply.
     """
 
     def __init__(self, batch: Batch, machine: Machine, runs: Sequence[tuple[str, str | None]]) -> None:
@@ -72,9 +75,11 @@ class Stepper:
             torque=self._torque,
             all_torques=self._torque,
         )
-        self._log, self._flow, self._gain, torque, dry_friction = (
+        self._misread, self._misread_rate = (np.zeros((len(runs), joints)) for _ in range(2))
+        self._stepped = False
+        self._encoders, self._log, self._flow, self._gain, torque, dry_friction = (
             joint_laws(machine.hidden, name, self._signals, machine.motor_dofs)
-            for name in ("log", "current", "gain", "torque", "dry_friction")
+            for name in ("encoder", "log", "current", "gain", "torque", "dry_friction")
         )
         self._opposing = [
             (live_columns(self._applied, machine.motor_dofs[law.columns])[0], law.value) for law in torque
@@ -101,6 +106,9 @@ class Stepper:
                 refresh()
             np.subtract(references[k], np.multiply(kp, self._position, out=scratch), out=reference)
             np.subtract(reference, np.multiply(kv, self._velocity, out=scratch), out=reference)
+            if self._encoders:
+                self._misreading()
+                reference -= kp * self._misread + kv * self._misread_rate
             current[:] = reference
             for law in self._log:
                 reference[:, law.columns] = law.value()
@@ -117,15 +125,19 @@ class Stepper:
             before = (self._qpos.copy(), self._qvel.copy()) if keep else ()
             self._batch.step()
             if keep:
-                kept.append((*before, self._qacc.copy(), torque.copy(), reference.copy()))
+                kept.append(
+                    (*before, self._qacc.copy(), torque.copy(), reference.copy(), self._misread.copy())
+                )
                 for name, points in self._points.items():
                     places[name].append(points.copy())
                 if self._batch.warning.any():  # diverged: the caller tells
                     break
         stacked = {name: np.stack(points, axis=1) for name, points in places.items()}
         gaps = batch_gaps(self._models, stacked)
-        qpos, qvel, qacc, forces, logged = (np.stack(values, axis=1) for values in zip(*kept, strict=True))
-        return States(qpos, qvel, qacc, forces, logged, gaps)
+        qpos, qvel, qacc, forces, logged, misread = (
+            np.stack(values, axis=1) for values in zip(*kept, strict=True)
+        )
+        return States(qpos, qvel, qacc, forces, logged, misread, gaps)
 
     def _live(self, source: Array, indices: NDArray[np.signedinteger]) -> Array:
         """Columns of source, brought up to date at every step."""
@@ -133,6 +145,16 @@ class Stepper:
         if refresh is not None:
             self._refresh.append(refresh)
         return columns
+
+    def _misreading(self) -> None:
+        """Bring up to date what the encoders read too much, and its rate since the step before."""
+        before = self._misread.copy()
+        self._misread[:] = 0.0
+        for law in self._encoders:
+            self._misread[:, law.columns] += law.value()
+        if self._stepped:
+            self._misread_rate[:] = (self._misread - before) / self._signals.step
+        self._stepped = True
 
     def _oppose(self) -> None:
         if not self._opposing:

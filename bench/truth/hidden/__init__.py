@@ -30,6 +30,7 @@ from bench.truth.hidden.geometric_error import GeometricError
 from bench.truth.hidden.joint_spring import JointSpring
 from bench.truth.hidden.load_dependent_friction import LoadDependentFriction
 from bench.truth.hidden.passive_coulomb_friction import PassiveCoulombFriction
+from bench.truth.hidden.passive_spring import PassiveSpring
 from bench.truth.hidden.passive_viscous_friction import PassiveViscousFriction
 from bench.truth.hidden.payload_mass_error import PayloadMassError
 from bench.truth.hidden.periodic_disturbance import PeriodicDisturbance
@@ -45,6 +46,7 @@ from bench.truth.hidden.stribeck_friction import StribeckFriction
 from bench.truth.hidden.thermal_friction_drift import ThermalFrictionDrift
 from bench.truth.hidden.torque_drift import TorqueDrift
 from bench.truth.hidden.torque_ripple import TorqueRipple
+from bench.truth.hidden.transmission_error import TransmissionError
 from bench.truth.hidden.viscoelastic_cable import ViscoelasticCable
 from bench.truth.hidden.viscous_friction import ViscousFriction
 
@@ -82,6 +84,7 @@ HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "joint_spring": JointSpring,
     "load_dependent_friction": LoadDependentFriction,
     "passive_coulomb_friction": PassiveCoulombFriction,
+    "passive_spring": PassiveSpring,
     "passive_viscous_friction": PassiveViscousFriction,
     "payload_mass_error": PayloadMassError,
     "periodic_disturbance": PeriodicDisturbance,
@@ -96,6 +99,7 @@ HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "thermal_friction_drift": ThermalFrictionDrift,
     "torque_drift": TorqueDrift,
     "torque_ripple": TorqueRipple,
+    "transmission_error": TransmissionError,
     "viscoelastic_cable": ViscoelasticCable,
     "viscous_friction": ViscousFriction,
 }

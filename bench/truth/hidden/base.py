@@ -100,6 +100,11 @@ class JointEffect(HiddenEffect):
     joint: str
 
     @staticmethod
+    def encoder(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
+        """What the encoder reads more than s.position, (R, m)."""
+        return None
+
+    @staticmethod
     def log(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004
         """What is logged instead of the current reference s.current, (R, m)."""
         return None
@@ -125,7 +130,7 @@ class JointEffect(HiddenEffect):
         return None
 
 
-LAWS = ("log", "current", "gain", "torque", "dry_friction")
+LAWS = ("encoder", "log", "current", "gain", "torque", "dry_friction")
 """Methods of a joint's effect that return a law, in the order of evaluation."""
 
 

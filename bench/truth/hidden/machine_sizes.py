@@ -24,6 +24,15 @@ CLOSE = 0.02  # of the wished share
 ROTOR = 0.1  # of the inertia that the joint feels
 
 
+def passive_spring_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
+    """Relaxed in the middle of the movement, or all of them at joint position zero."""
+    q0 = 0.0
+    if joint is not None:
+        address = int(reference.simulation.machine.models[None].joint(joint).qposadr[0])
+        q0 = float(np.mean(np.concatenate([s.pose[:, address] for s in _samples(reference)])))
+    return _scaled(reference, effect, joint, None, share, lambda x: {"k": x, "q0": q0}, 0.1)
+
+
 def passive_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
     """Friction in one passive joint, or in all of them."""
     key = {"passive_viscous_friction": "Fv", "passive_coulomb_friction": "Fc"}[effect]
@@ -105,6 +114,20 @@ def backlash_size(reference: Reference, effect: str, joint: str | None, share: f
     return sizes(_solved(felt, 0.02 * j.span, share, 1))
 
 
+def transmission_error_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
+    """As if the joint had swung about its movement, three times over its span."""
+    j = _movement(reference, joint)
+    period = j.span / 3
+    steepness = 2 * np.pi / period
+    wave, slope = np.sin(steepness * j.position), steepness * np.cos(steepness * j.position)
+    rate = slope * j.acceleration - steepness**2 * wave * j.velocity**2
+
+    def felt(x: float) -> float:
+        return _shifted(reference, j, [-x * one for one in (wave, slope * j.velocity, rate)])
+
+    return {"a": 0.0, "b": _solved(felt, 1e-3 * period, share, 1), "period": period}
+
+
 MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]] = {
     "backlash": backlash_size,
     "base_tilt": base_tilt_size,
@@ -112,9 +135,11 @@ MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]
     "encoder_offset": encoder_offset_size,
     "geometric_error": geometric_error_size,
     "passive_coulomb_friction": passive_size,
+    "passive_spring": passive_spring_size,
     "passive_viscous_friction": passive_size,
     "payload_mass_error": payload_mass_error_size,
     "platform_force": platform_force_size,
+    "transmission_error": transmission_error_size,
 }
 """Rules by name of the effect: parameters for a share of the torque of `joint`, or of all motors."""
 

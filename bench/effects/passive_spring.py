@@ -1,0 +1,34 @@
+"""A spring in a joint without a motor."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Effect, EffectParameter
+from bench.effects.passive_joint import passive_position, seen_by_motors
+from bench.effects.signals import RobotSignals
+
+
+@dataclass(frozen=True)
+class PassiveSpring(Effect):
+    """A spring in a passive joint p, carried to the motors by the loops.
+
+    Valid for a linear spring: a balancing spring in a linkage, a flexure joint. Source: Arakelian and Briot, "Balancing
+    of Linkages and Robot Manipulators", 2015.
+    """
+
+    name = "passive_spring"
+    law = "τ = J_p' (k q_p − kq0): a spring in a passive joint p, carried to the motors by the loops."
+    symbols = (
+        "k: stiffness, positive, N·m/rad or N/m; kq0 = k q0: N·m or N, its torque at joint position zero, "
+        "from which the position q0 without torque follows; q_p: position of the passive joint, as the MJCF counts "
+        "it; J_p (1, n): its velocity for the motors' velocities."
+    )
+    shown_by = "move slowly over the whole range"
+    parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
+    place = "passive"
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        position = passive_position(robot, joint)
+        laws = (position, -np.ones(len(position)))
+        return np.stack([seen_by_motors(robot, joint, one) for one in laws], axis=2)

@@ -1,0 +1,26 @@
+"""A spring in a joint without a motor, as an actuator that nobody commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
+
+
+@dataclass(frozen=True)
+class PassiveSpring(JointEffect):
+    """k · (q - q0) in a passive joint, beside a spring of the MJCF; the motors feel it through the loops.
+
+    k: N·m/rad or N/m, at least 0.  q0: where it is relaxed, rad or m. Balls that close a loop are no joints of the
+    machine: none there.
+    """
+
+    name: ClassVar[str] = "passive_spring"
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    where = "passive"
+    k: float
+    q0: float
+
+    def change(self, draft: Draft) -> None:
+        add_affine_actuator(draft, self.name, draft.spec.joint(self.joint), (self.k * self.q0, -self.k))

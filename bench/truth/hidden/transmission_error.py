@@ -1,0 +1,30 @@
+"""An encoder or gear that is off its centre: what is measured swings about the true position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
+
+
+@dataclass(frozen=True)
+class TransmissionError(JointEffect):
+    """What is measured is q + a · cos(2π q / period) + b · sin(2π q / period): the controller acts on it, too.
+
+    a, b: rad or m.  period: rad or m; 2π for once a turn.
+    """
+
+    name: ClassVar[str] = "transmission_error"
+    positive: ClassVar[tuple[str, ...]] = ("period",)
+    a: float
+    b: float
+    period: float
+
+    @staticmethod
+    def encoder(p: Parameters, s: Signals) -> Law:
+        wave_number = 2 * np.pi / p["period"]
+        return lambda: harmonic(p, s.position, wave_number)
