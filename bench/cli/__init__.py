@@ -33,6 +33,7 @@ COMMANDS = {
     "report": LazyCommand(
         "bench.cli.report:report", "Write one page, in one file, that shows what a run found."
     ),
+    "export": LazyCommand("bench.cli.export:export", "Write an identified model as MJCF, URDF or a table."),
     "view": LazyCommand(
         "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer."
     ),

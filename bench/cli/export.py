@@ -1,0 +1,93 @@
+"""`bench export`: an identified model for other programs."""
+
+from pathlib import Path
+
+import click
+
+from bench.cli.options import effect_file_option
+
+FORMATS = ("mjcf", "urdf", "csv", "yaml")
+
+
+@click.command("export")
+@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL.json")
+@click.option("--to", "form", type=click.Choice(FORMATS), required=True, help="What to write.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="PATH", help="File to write."
+)
+@click.option(
+    "--robot", metavar="ROBOT", help="Name or folder. [default: that of the dataset behind the model]"
+)
+@click.option("--payload", metavar="NAME", help="Fix this payload at the tool (mjcf).")
+@click.option(
+    "--cad/--no-cad",
+    default=True,
+    help="Where the data leave masses open, stay near those of the MJCF; or near equal bars. [default: cad]",
+)
+@click.option(
+    "--nearest",
+    is_flag=True,
+    help="Write the nearest real bodies even where the data contradict all of them.",
+)
+@effect_file_option
+def export(
+    model: Path,
+    form: str,
+    output: Path,
+    robot: str | None,
+    payload: str | None,
+    cad: bool,
+    nearest: bool,
+    effect_files: tuple[Path, ...],
+) -> None:
+    """Write an identified model as MJCF, URDF or a table.
+
+    MODEL.json is what `bench identify --json` wrote. Bodies get masses and inertias that can exist and have the
+    identified base parameters; what the data leave open stays near the masses of the MJCF, which only this command
+    reads. The control of an exported motor is its current reference. What a format cannot hold is listed, and for MJCF
+    stands in NAME.twin.json beside it.
+    """
+    from bench.errors import BenchError
+    from bench.export.identified import load_identified
+    from bench.export.mjcf import write_mjcf
+    from bench.export.physical import physical_set
+    from bench.export.placed import left_lines
+    from bench.export.sidecar import sidecar, write_sidecar
+    from bench.export.tables import write_csv, write_yaml
+    from bench.export.urdf import write_urdf
+
+    if payload is not None and form != "mjcf":
+        raise click.UsageError("--payload goes with --to mjcf")
+    identified = load_identified(model, robot, effect_files)
+    physical = physical_set(identified, use_cad=cad)
+    if physical.contradiction is not None and not nearest:
+        raise BenchError(f"{model}: {physical.contradiction.words()}; --nearest writes them all the same")
+    click.echo(_bodies_line(physical.distance, physical.prior))
+    if physical.guessed:
+        click.echo(f"No mass in the MJCF, taken for bars: {', '.join(physical.guessed)}")
+    lines: list[str] = []
+    changed: tuple[str, ...] = ()
+    if form == "mjcf":
+        exported = write_mjcf(output, physical, payload)
+        lines, changed = left_lines(exported.placed.left), exported.changed
+        written = [output, write_sidecar(output, sidecar(physical, exported.placed.left, changed))]
+    elif form == "urdf":
+        lines, written = list(write_urdf(output, physical).not_held), [output]
+    else:
+        (write_csv if form == "csv" else write_yaml)(output, physical)
+        written = [output]
+    for line in changed:
+        click.echo(f"Changed: {line}")
+    for line in lines:
+        click.echo(f"Not held: {line}")
+    for path in written:
+        click.echo(f"Written: {path}")
+
+
+def _bodies_line(distance: float, prior: str) -> str:
+    if distance == 0.0:
+        return f"Real bodies with the identified base parameters, otherwise near {prior}."
+    return (
+        f"The nearest real bodies, {distance:.2g} standard errors from the identified base parameters, otherwise near "
+        f"{prior}."
+    )

@@ -1,0 +1,130 @@
+"""What identified parameters say of the bodies' standard parameters, as linear equations."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.estimate.payload_parameters import payload_columns
+from bench.export.identified import IdentifiedModel
+from bench.export.prior import Prior, cad_prior, geometric_prior, scaled_to
+from bench.export.pseudo_inertia import pseudo_inertia
+from bench.model.base import independent_columns
+from bench.payload import Payload
+
+LOAD = "payload "  # what the names of payloads begin with, among those of bodies
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body or payload whose ten standard parameters are sought.
+
+    prior (10,): what they are drawn towards; rows (nz, 10): what it adds to the estimated parameters for each of them;
+    held (k, 10), to (k,): equations that its own parameters keep, declared ones.
+    """
+
+    name: str
+    prior: np.ndarray
+    rows: np.ndarray
+    held: np.ndarray
+    to: np.ndarray
+
+
+@dataclass(frozen=True)
+class Equations:
+    """estimated (nz,) = sum of body.rows @ its parameters + rotors (nz, n) @ Ia.
+
+    covariance (nz, nz); fixed (nz,): estimated parameters that are to be met exactly. rotor_prior (n,).
+    """
+
+    estimated: np.ndarray
+    covariance: np.ndarray
+    fixed: np.ndarray
+    bodies: tuple[Body, ...]
+    rotors: np.ndarray
+    rotor_prior: np.ndarray
+    prior: Prior
+
+
+def equations_of(identified: IdentifiedModel, use_cad: bool) -> Equations:
+    """The equations of a model. use_cad: draw towards the masses of the MJCF, not towards bars."""
+    geometry, base = identified.model.geometry, identified.model.base
+    std = np.sqrt(np.maximum(np.diag(identified.covariance), 0.0))[: len(identified.base)]
+    known = std > 0.0
+    weights = np.where(known, 1.0 / np.where(known, std, 1.0), 0.0)
+    prior = (
+        cad_prior(geometry)
+        if use_cad
+        else scaled_to(geometric_prior(geometry), base.grouping, identified.base, weights)
+    )
+    nb, nz = len(identified.base), len(identified.estimated)
+    bodies = []
+    for joint, name in geometry.bodies:
+        own = slice(10 * joint, 10 * joint + 10)
+        rows = np.zeros((nz, 10))
+        rows[:nb] = base.grouping[:, own]
+        bodies.append(Body(name, prior.parameters[own], rows, np.zeros((0, 10)), np.zeros(0)))
+    place = nb
+    for name, values in identified.payloads.items():
+        declared = identified.declared.get(name, Payload(name))
+        bodies.append(_load(identified, declared, place, tuple(values)))
+        place += len(values)
+    rotors = np.zeros((nz, len(geometry.active)))
+    rotors[:nb] = base.rotors
+    return Equations(
+        estimated=identified.estimated,
+        covariance=identified.covariance[:nz, :nz],
+        fixed=identified.fixed,
+        bodies=tuple(bodies),
+        rotors=rotors,
+        rotor_prior=prior.rotors,
+        prior=prior,
+    )
+
+
+def _load(identified: IdentifiedModel, declared: Payload, place: int, kept: tuple[int, ...]) -> Body:
+    """A payload: its estimated parameters stand for themselves and for those that move the robot as they do."""
+    columns = payload_columns(declared)
+    nz = len(identified.estimated)
+    measured = identified.model.random_rows[1].reshape(-1, 10)
+    unknown = columns.unknown
+    candidates = measured[:, unknown]
+    with_known = bool(np.any(columns.known))
+    if with_known:
+        candidates = np.column_stack((measured @ columns.known, candidates))
+    independent, dependence = independent_columns(candidates)
+    found = [int(unknown[i - with_known]) for i in independent if i >= with_known]
+    rows = np.zeros((nz, 10))
+    share = dependence[with_known:, with_known:]
+    for row, index in zip(share, found, strict=True):
+        if index in kept:
+            rows[place + kept.index(index), unknown] = row
+    held = np.setdiff1d(np.arange(10), unknown)
+    equations, to = np.eye(10)[held], columns.known[held]
+    if with_known:
+        # what is left out of the estimate must not add to what is declared
+        beside = np.zeros((1, 10))
+        beside[0, unknown] = dependence[0, 1:]
+        if beside.any():
+            equations, to = np.vstack((equations, beside)), np.append(to, 0.0)
+    return Body(LOAD + declared.name, _solid_load(declared, identified, place, kept), rows, equations, to)
+
+
+def _solid_load(
+    declared: Payload, identified: IdentifiedModel, place: int, kept: tuple[int, ...]
+) -> np.ndarray:
+    """A ball of the payload's mass, where it was found to be."""
+    known = payload_columns(declared).known.copy()
+    known[list(kept)] = identified.estimated[place : place + len(kept)]
+    mass = known[0] if known[0] > 0.0 else 1.0
+    center = known[1:4] / mass
+    radius = max(0.02, 0.3 * float(np.linalg.norm(center)))
+    square = float(center @ center) * np.eye(3) - np.outer(center, center) + 0.4 * radius**2 * np.eye(3)
+    parameters = np.concatenate(
+        ([mass], mass * center, mass * square[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
+    )
+    return parameters
+
+
+def is_physical(parameters: np.ndarray) -> bool:
+    """Whether some distribution of positive density has these standard parameters (10,)."""
+    return bool(np.linalg.eigvalsh(pseudo_inertia(parameters))[0] > 0.0)

@@ -1,0 +1,208 @@
+"""A saved model with all that carrying it elsewhere needs: its robot, its effects, its covariance."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from bench.dataset import DATASET_FILE
+from bench.dataset_toml import DatasetSpec, PayloadSpec
+from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
+from bench.errors import BenchError
+from bench.estimate.model_file import SavedModel, load_model
+from bench.model.model import IdentificationModel, build_model
+from bench.model.regressor import PARAMETERS
+from bench.payload import Payload
+from bench.robot import Robot, load_robot
+from bench.toml_input import read_toml
+
+WHOLE_ROBOT = "robot"  # the place by which a model file calls an effect of the whole robot
+
+
+@dataclass(frozen=True)
+class EffectValues:
+    """One effect at its place, in its shape, with the values of its linear parameters."""
+
+    instance: EffectInstance
+    values: Mapping[str, float]
+
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.instance.effect.name
+
+    @property
+    def place(self) -> str:
+        """Joint, body or payload; empty for the whole robot."""
+        return self.instance.joint
+
+
+@dataclass(frozen=True)
+class IdentifiedModel:
+    """What was identified.
+
+    base (nb,) base parameters; payloads: what was estimated of each, by index among its ten standard parameters;
+    declared: what the dataset declares of them; gains (n,) in actuator order. covariance of [base, payloads in their
+    order, linear parameters of effects, gains], (k, k); fixed (nb + ...,): base and payload parameters that were left
+    out as not needed, zero and without a deviation.
+    """
+
+    path: Path
+    saved: SavedModel
+    robot: Robot
+    model: IdentificationModel
+    base: np.ndarray
+    payloads: Mapping[str, Mapping[int, float]]
+    declared: Mapping[str, Payload]
+    effects: tuple[EffectValues, ...]
+    gains: np.ndarray
+    covariance: np.ndarray
+    fixed: np.ndarray
+    effect_files: tuple[Path, ...] = ()
+
+    @property
+    def estimated(self) -> np.ndarray:
+        """Base and payload parameters (nz,), in the covariance's order."""
+        loads = [value for values in self.payloads.values() for value in values.values()]
+        return np.concatenate((self.base, loads))
+
+    def moved(self, estimated: np.ndarray) -> "IdentifiedModel":
+        """The model with other base and payload parameters (nz,), the rest as the covariance says it goes along."""
+        nz, step = len(estimated), estimated - self.estimated
+        std = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        free = np.flatnonzero(std[:nz] > 0.0)
+        correlation = self.covariance[:nz, :nz][np.ix_(free, free)] / np.outer(std[free], std[free])
+        weights = np.linalg.lstsq(correlation, step[free] / std[free], rcond=1e-10)[0] / std[free]
+        along = self.covariance[nz:][:, free] @ weights
+        effects, start = [], 0
+        for one in self.effects:
+            shift = along[start : start + len(one.values)]
+            values = {name: float(v + d) for (name, v), d in zip(one.values.items(), shift, strict=True)}
+            instance = replace(one.instance, effect=one.instance.effect.about(values))
+            effects.append(EffectValues(instance, values))
+            start += len(shift)
+        loads, place = {}, len(self.base)
+        for name, known in self.payloads.items():
+            loads[name] = dict(zip(known, estimated[place : place + len(known)].tolist(), strict=True))
+            place += len(known)
+        return replace(
+            self,
+            base=estimated[: len(self.base)],
+            payloads=loads,
+            effects=tuple(effects),
+            gains=self.gains + along[start : start + len(self.gains)],
+        )
+
+
+def load_identified(
+    path: str | Path, robot: str | Path | None = None, effect_files: Sequence[Path] = ()
+) -> IdentifiedModel:
+    """Read a model file with its robot: the one given, or that of the dataset from which it was identified.
+
+    Raises BenchError where model and robot do not belong together.
+    """
+    path = Path(path)
+    saved = load_model(path)
+    payloads: dict[str, Payload] = {}
+    files: tuple[Path, ...] = ()
+    found: Robot | None = None
+    if saved.dataset is not None and (saved.dataset / DATASET_FILE).is_file():
+        spec = read_toml(saved.dataset / DATASET_FILE, DatasetSpec)
+        payloads = {name: _declared(name, entry) for name, entry in spec.payloads.items()}
+        files = tuple(saved.dataset / name for name in spec.effects)
+        if robot is None:
+            found = load_robot(spec.robot, relative_to=saved.dataset)
+    if found is None:
+        if robot is None:
+            robot = saved.robot
+        found = load_robot(robot)
+    model = _together(path, saved, found, payloads, catalogue_for(files, tuple(effect_files)))
+    return replace(model, effect_files=(*files, *effect_files))
+
+
+def _together(
+    path: Path,
+    saved: SavedModel,
+    robot: Robot,
+    payloads: Mapping[str, Payload],
+    catalogue: Mapping[str, Effect],
+) -> IdentifiedModel:
+    if set(robot.joints) != set(saved.drive_gains):
+        raise BenchError(
+            f"{path}: a model of {saved.robot} ({', '.join(saved.drive_gains)}), but robot {robot.name} has the "
+            f"motors {', '.join(robot.joints)}"
+        )
+    model = build_model(robot)
+    names = model.base.names
+    unknown = [name for name in names if name not in saved.parameters and name not in saved.left_out]
+    if unknown:
+        raise BenchError(
+            f"{path}: no base parameter {unknown[0]}: the model does not belong to robot {robot.name}, or its "
+            "geometry has changed since"
+        )
+    loads = _payload_values(saved, names)
+    weighed = [name for name, one in payloads.items() if one.mass is not None]
+    instances = select_effects(saved.effects, places_in(model.geometry, weighed), catalogue)
+    effects = tuple(_with_values(path, saved, one) for one in instances)
+    every = (*names, *(f"{PARAMETERS[i]}({load})" for load, values in loads.items() for i in values))
+    count = len(every) + sum(len(one.values) for one in effects) + len(robot.joints)
+    return IdentifiedModel(
+        path=path,
+        saved=saved,
+        robot=robot,
+        model=model,
+        base=np.array([saved.parameters.get(name, 0.0) for name in names]),
+        payloads=loads,
+        declared=payloads,
+        effects=effects,
+        gains=np.array([saved.drive_gains[joint] for joint in robot.joints]),
+        covariance=_covariance(path, count),
+        fixed=np.array([name in saved.left_out for name in every]),
+    )
+
+
+def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[int, float]]:
+    """Estimated parameters of payloads by payload and index, those that were left out too, in the fit's order."""
+    found: dict[str, dict[int, float]] = {}
+    for name in (*saved.parameters, *saved.left_out):
+        if name not in base:
+            symbol, _, payload = name.removesuffix(")").partition("(")
+            found.setdefault(payload, {})[PARAMETERS.index(symbol)] = saved.parameters.get(name, 0.0)
+    return {payload: dict(sorted(values.items())) for payload, values in found.items()}
+
+
+def _with_values(path: Path, saved: SavedModel, instance: EffectInstance) -> EffectValues:
+    effect = instance.effect
+    given = saved.effect_parameters.get(effect.name, {}).get(instance.joint or WHOLE_ROBOT, {})
+    wanted = [one.name for one in effect.shape] + [one.name for one in effect.parameters]
+    for name in wanted:
+        if name not in given:
+            where = f" at {instance.joint!r}" if instance.joint else ""
+            raise BenchError(f"{path}: no {name} of {effect.name}{where}")
+    linear = {one.name: given[one.name] for one in effect.parameters}
+    shaped = replace(effect, **{one.name: given[one.name] for one in effect.shape}).about(linear)
+    return EffectValues(replace(instance, effect=shaped), linear)
+
+
+def _covariance(path: Path, count: int) -> np.ndarray:
+    content = json.loads(path.read_text(encoding="utf-8"))
+    try:
+        covariance = np.array(content["covariance"], dtype=float)
+    except (KeyError, TypeError, ValueError):
+        raise BenchError(f"{path}: damaged model file: no covariance") from None
+    if covariance.ndim != 2 or min(covariance.shape) < count or not np.isfinite(covariance).all():
+        raise BenchError(
+            f"{path}: its covariance is {' x '.join(map(str, covariance.shape))}, and {count} parameters are needed"
+        )
+    return covariance[:count, :count]
+
+
+def _declared(name: str, spec: PayloadSpec) -> Payload:
+    return Payload(
+        name,
+        spec.mass,
+        None if spec.center_of_mass is None else np.array(spec.center_of_mass),
+        None if spec.inertia is None else np.array(spec.inertia),
+    )

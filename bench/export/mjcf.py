@@ -1,0 +1,271 @@
+"""The user's MJCF with what was identified filled in; everything else stays as it is."""
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+
+from bench.errors import BenchError
+from bench.estimate.payload_parameters import payload_columns
+from bench.export.mjcf_actuators import DrivenJoint, set_motors
+from bench.export.physical import PhysicalSet
+from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
+from bench.export.pseudo_inertia import about_center
+from bench.files import atomic_path
+from bench.model.geometry import Placement
+from bench.robot_mjcf import INERTIA, MASS, ROTOR
+
+STEPS_TO_STICK = (
+    4.0  # time steps in which dry friction stops a joint: MuJoCo's default of 20 ms lets it creep
+)
+STIFF = [0.99, 0.999, 1e-4, 0.5, 2.0]
+PAYLOAD = "payload:"  # what the name of a payload's body begins with
+
+
+@dataclass(frozen=True)
+class Exported:
+    """text: of the MJCF; placed: which effects it holds; changed: what of the file was replaced, a line each."""
+
+    text: str
+    placed: Placed
+    changed: tuple[str, ...]
+
+
+def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None) -> Exported:
+    """Masses, inertias, armature, damping, dry friction, springs and drive gains in the robot's own MJCF.
+
+    A motor's control is its current reference, in the drive's unit. folder: where the file will lie, from which it
+    finds its meshes; payload: name of the one to be fixed at the tool. Numbers that are filled in have all their
+    digits, the others the six that MuJoCo writes. Raises BenchError where MuJoCo refuses the result.
+    """
+    robot = physical.model.robot
+    spec, compiled = robot.mjcf_spec(), robot.mjcf_model()
+    _name_all(spec)
+    _find_files_from(spec, robot.model_path.parent, folder)
+    placed = placed_effects(physical)
+    changed: list[str] = []
+    exact: dict[str, dict[str, str]] = {}
+    _set_bodies(spec, physical, exact, changed)
+    _set_joints(spec, compiled, placed, exact, changed)
+    if payload is not None:
+        _add_payload(spec, physical, payload, exact)
+    driven = [
+        DrivenJoint(joint, float(gain), placed.joints[joint].offset)
+        for joint, gain in zip(robot.joints, physical.model.gains, strict=True)
+    ]
+    for motor in set_motors(spec, compiled, driven, changed):
+        exact[f"actuator {motor.name}"] = {
+            "gainprm": _text(motor.gainprm[0]),
+            "biasprm": _text(motor.biasprm[0]),
+        }
+    for key, qpos in zip(spec.keys, compiled.key_qpos, strict=True):
+        exact[f"key {key.name}"] = {"qpos": _text(qpos)}
+    spec.comment = _comment(physical, placed)
+    try:
+        spec.compile()
+        text = _with_all_digits(spec.to_xml(), exact)
+    except (ValueError, mujoco.FatalError) as error:
+        raise BenchError(
+            f"{robot.model_path}: MuJoCo refuses the result: {' '.join(str(error).split())}"
+        ) from None
+    return Exported(text, placed, tuple(changed))
+
+
+def write_mjcf(path: Path, physical: PhysicalSet, payload: str | None = None) -> Exported:
+    """Write it, whole or not at all, once MuJoCo has read it back from where it lies."""
+    exported = mjcf_text(physical, path.resolve().parent, payload)
+    with atomic_path(path) as partial:
+        partial.write_text(exported.text, encoding="utf-8")
+        try:
+            mujoco.MjModel.from_xml_path(str(partial))
+        except ValueError as error:
+            raise BenchError(f"{path}: MuJoCo refuses the result: {' '.join(str(error).split())}") from None
+    return exported
+
+
+def _name_all(spec: mujoco.MjSpec) -> None:
+    """The names by which `bench.model.geometry` calls bodies and joints that have none."""
+    spec.compile()  # gives every element its number
+    for body in spec.bodies:
+        body.name = body.name or f"body_{body.id}"
+    for joint in spec.joints:
+        joint.name = joint.name or f"joint_{joint.id}"
+
+
+def _find_files_from(spec: mujoco.MjSpec, source: Path, folder: Path) -> None:
+    """Meshes and textures stay where they are, beside the robot's own file."""
+    for kind, listed in (
+        ("meshdir", (*spec.meshes, *spec.hfields, *spec.skins)),
+        ("texturedir", spec.textures),
+    ):
+        if any(one.file for one in listed):
+            setattr(spec.compiler, kind, os.path.relpath(source / getattr(spec.compiler, kind), folder))
+
+
+def _set_bodies(
+    spec: mujoco.MjSpec, physical: PhysicalSet, exact: dict[str, dict[str, str]], changed: list[str]
+) -> None:
+    compiler = spec.compiler
+    for name, neutral in (
+        ("balanceinertia", False),
+        ("boundmass", 0.0),
+        ("boundinertia", 0.0),
+        ("settotalmass", -1.0),
+    ):
+        if getattr(compiler, name) != neutral:
+            changed.append(f"compiler {name} is off: it would change the identified masses")
+            setattr(compiler, name, neutral)
+    compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
+    frames = physical.model.model.geometry.body_frames
+    carried = {joint for joint, _ in physical.model.model.geometry.bodies}
+    for body in spec.bodies:
+        if body.name == "world":
+            continue
+        if body.name.startswith(ROTOR):  # MuJoCo does not write so small a mass of its own accord
+            inertia = [INERTIA] * 3 + [0.0] * 3
+            exact[f"body {body.name}"] = {"mass": _text(MASS), "pos": "0 0 0", "fullinertia": _text(inertia)}
+            continue
+        joint, place = frames[body.name]
+        if body.name in physical.bodies:
+            _set_inertia(body, physical.bodies[body.name], place.inverse(), exact)
+        elif joint in carried:
+            changed.append(f"body {body.name} has no mass of its own: it is part of the body that carries it")
+            _set_inertia(body, np.zeros(10), place, exact)
+
+
+def _set_inertia(
+    body: mujoco.MjsBody, parameters: np.ndarray, place: Placement, exact: dict[str, dict[str, str]]
+) -> None:
+    """parameters: standard ones of a frame that has this place in the body's."""
+    mass, center, inertia = about_center(parameters)
+    center = place.rotation @ center + (place.translation if mass else 0.0)
+    inertia = place.rotation @ inertia @ place.rotation.T
+    body.explicitinertial = True
+    body.mass, body.ipos = mass, center
+    full = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    entries = {"mass": _text(mass), "pos": _text(center)}
+    if mass:
+        body.fullinertia = full
+        exact[f"body {body.name}"] = {**entries, "fullinertia": _text(full)}
+    else:
+        body.fullinertia = np.full(6, np.nan)
+        body.inertia, body.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def _set_joints(
+    spec: mujoco.MjSpec,
+    compiled: mujoco.MjModel,
+    placed: Placed,
+    exact: dict[str, dict[str, str]],
+    changed: list[str],
+) -> None:
+    kinds = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    step = float(compiled.opt.timestep)
+    for joint in spec.joints:
+        terms = placed.joints.get(joint.name, JointTerms())
+        _tell_replaced(joint, compiled, terms, changed)
+        degrees = 180.0 / math.pi if spec.compiler.degree and joint.type == kinds[0] else 1.0
+        joint.armature = terms.armature
+        joint.damping = terms.damping
+        joint.frictionloss = terms.frictionloss
+        joint.stiffness = [terms.stiffness, 0.0, 0.0]
+        if joint.type not in kinds:
+            continue
+        joint.springref = degrees * terms.springref
+        joint.springdamper = [0.0, 0.0]
+        exact[f"joint {joint.name}"] = {
+            "armature": _text(terms.armature),
+            "damping": _text(terms.damping),
+            "frictionloss": _text(terms.frictionloss),
+            "stiffness": _text(terms.stiffness),
+            "springref": _text(terms.springref),
+        }
+        if terms.frictionloss:
+            joint.solref_friction = [STEPS_TO_STICK * step, 1.0]
+            joint.solimp_friction = STIFF
+
+
+def _tell_replaced(
+    joint: mujoco.MjsJoint, compiled: mujoco.MjModel, terms: JointTerms, changed: list[str]
+) -> None:
+    """What the file says of a joint that the model does not."""
+    dof = int(compiled.jnt_dofadr[joint.id])
+    kept = {
+        "damping": (float(compiled.dof_damping[dof]), any(terms.damping)),
+        "frictionloss": (float(compiled.dof_frictionloss[dof]), terms.frictionloss),
+        "stiffness": (float(compiled.jnt_stiffness[joint.id]), terms.stiffness),
+        "armature": (float(compiled.dof_armature[dof]), terms.armature),
+    }
+    changed += [
+        f"joint {joint.name}: {name} {value:.6g} of the file is gone: the identified model has none there"
+        for name, (value, identified) in kept.items()
+        if value and not identified
+    ]
+
+
+def _add_payload(
+    spec: mujoco.MjSpec, physical: PhysicalSet, payload: str, exact: dict[str, dict[str, str]]
+) -> None:
+    model = physical.model
+    site = spec.site(model.robot.tool_site) if model.robot.tool_site else None
+    if site is None:
+        raise BenchError(f"robot {model.robot.name}: a payload needs [tool] site in robot.toml")
+    parameters = physical.payloads.get(payload)
+    if parameters is None and payload in model.declared:
+        columns = payload_columns(model.declared[payload])
+        parameters = columns.known if not len(columns.unknown) else None
+    if parameters is None:
+        known = ", ".join({*physical.payloads, *model.declared}) or "none"
+        raise BenchError(
+            f"{model.path}: neither the model nor its dataset knows payload {payload!r} in full ({known})"
+        )
+    body = site.parent.add_body(name=PAYLOAD + payload, pos=site.pos, quat=site.quat)
+    _set_inertia(body, parameters, Placement(np.eye(3), np.zeros(3)), exact)
+
+
+def _comment(physical: PhysicalSet, placed: Placed) -> str:
+    """For the head of the file; a comment in XML must not have two hyphens in a row."""
+    model = physical.model
+    lines = [
+        f"Identified: {model.path.name}, robot {model.robot.name}.",
+        "The control of a motor is its current reference: "
+        + ", ".join(f"{one.joint} {one.gain_unit}" for one in model.robot.actuators),
+        f"Bodies: real ones with the identified base parameters, otherwise near {physical.prior}.",
+    ]
+    if placed.left:
+        lines += ["Not in this file, see bench.twin:", *(f"  {line}" for line in left_lines(placed.left))]
+    return "\n  ".join(lines).replace("--", "- -")
+
+
+def _with_all_digits(text: str, exact: Mapping[str, Mapping[str, str]]) -> str:
+    """MuJoCo's XML with these attributes in full, where it wrote them at all."""
+    parser = ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
+    root = ET.fromstring(text, parser=parser)
+    for body in root.iter("body"):
+        inertial, entries = body.find("inertial"), exact.get(f"body {body.get('name')}")
+        if entries is not None:
+            if inertial is None:
+                inertial = ET.Element("inertial")
+                body.insert(0, inertial)
+            for name in ("quat", "diaginertia"):
+                inertial.attrib.pop(name, None)
+            inertial.attrib.update(entries)
+        for joint in body.findall("joint"):
+            for name, value in exact.get(f"joint {joint.get('name')}", {}).items():
+                if joint.get(name) is not None:
+                    joint.set(name, value)
+    for kind in ("actuator", "keyframe"):
+        for one in root.findall(f"{kind}/*"):
+            what = "key" if kind == "keyframe" else kind
+            entries = exact.get(f"{what} {one.get('name')}", {})
+            one.attrib.update({name: value for name, value in entries.items() if one.get(name) is not None})
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _text(values: float | np.ndarray | list[float]) -> str:
+    return " ".join(repr(float(value)) for value in np.atleast_1d(values))

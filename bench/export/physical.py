@@ -1,0 +1,117 @@
+"""Standard parameters of real bodies that reproduce the identified base parameters: two semidefinite programs.
+
+The first finds how far, in standard errors, the nearest set of bodies with positive definite pseudo-inertias lies from
+the estimate; the second, of all bodies with those base parameters, the ones nearest to a prior by the entropic
+divergence tr(P P0^-1) - log det(P P0^-1), which keeps every one of them definite. Sources: Sousa and Cortesao,
+"Physical feasibility of robot base inertial parameter identification: A linear matrix inequality approach",
+International Journal of Robotics Research 33(6), 2014; Wensing, Kim and Slotine, "Linear matrix inequalities for
+physically consistent inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018; Lee,
+Wensing and Park, "Geometric robot dynamic identification", IEEE Transactions on Robotics 36(2), 2020.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.chi_squared import exceeded_with
+from bench.errors import BenchError
+from bench.export.bodies import Equations, equations_of
+from bench.export.identified import IdentifiedModel
+from bench.export.programs import Programs
+from bench.export.pseudo_inertia import pseudo_inertia
+
+BY_CHANCE = 1e-3  # probability with which noise alone may call a real body impossible
+LEEWAY = 0.5  # standard errors farther than the nearest real bodies, which are at the limit of what is real
+EXACT = 0.01  # standard errors: nearer than this, the estimate itself belongs to real bodies
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """The data lie `distance` standard errors from any real bodies, where noise explains `expected`.
+
+    culprits: without the condition on which body alone the rest could be real, and the distance that would be left;
+    the one that leaves least first.
+    """
+
+    distance: float
+    expected: float
+    culprits: tuple[tuple[str, float], ...]
+
+    def words(self) -> str:
+        """In one line."""
+        name, left = self.culprits[0]
+        enough = [body for body, rest in self.culprits if rest <= self.expected]
+        who = " or ".join(enough) if enough else f"{name} most of all (without it {left:.1f} are left)"
+        return (
+            f"no real bodies have these base parameters: the nearest are {self.distance:.1f} standard errors away, "
+            f"where noise explains {self.expected:.1f}; it is {who} that would need a negative mass or inertia. An "
+            "effect may be missing from the model (bench diagnose)"
+        )
+
+
+@dataclass(frozen=True)
+class PhysicalSet:
+    """Bodies that can exist.
+
+    bodies: standard parameters (10,) in the frame of the joint that moves each; rotors (n,): Ia, kg m2 or kg, in
+    actuator order; payloads (10,) in the tool frame. distance: of their base parameters from the identified ones, in
+    standard errors, 0 where they are reproduced; model: the identified model moved there. contradiction: None where
+    noise explains the distance. prior: what they were drawn towards, in words.
+    """
+
+    bodies: dict[str, np.ndarray]
+    rotors: np.ndarray
+    payloads: dict[str, np.ndarray]
+    distance: float
+    model: IdentifiedModel
+    contradiction: Contradiction | None
+    prior: str
+    guessed: tuple[str, ...]
+
+
+def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> PhysicalSet:
+    """The real bodies nearest to a prior of those that have the identified base parameters.
+
+    use_cad: the prior are the masses of the MJCF, which identification itself never reads; bars of one mass without.
+    Raises BenchError where the solver fails.
+    """
+    equations = equations_of(identified, use_cad)
+    programs = Programs(equations)
+    nearest = programs.nearest()
+    contradiction = _contradiction(equations, programs, nearest.distance, nearest.freedom)
+    exact = nearest.distance < EXACT
+    reached = programs.drawn_to_prior(0.0 if exact else nearest.distance + LEEWAY)
+    if exact:
+        moved = programs.moved_onto(reached)
+        if moved is None:
+            raise BenchError(
+                f"{identified.path}: the search for real bodies failed: no exact ones were found"
+            )
+        reached = moved
+    parameters, rotors = reached
+    names = [body.name for body in equations.bodies]
+    count = len(identified.model.geometry.bodies)
+    for name, values in zip(names, parameters, strict=True):
+        if np.linalg.eigvalsh(pseudo_inertia(values))[0] <= 0.0:
+            raise BenchError(f"{identified.path}: the solver's {name} is not positive definite")
+    return PhysicalSet(
+        bodies=dict(zip(names[:count], parameters[:count], strict=True)),
+        rotors=rotors,
+        payloads=dict(zip(identified.payloads, parameters[count:], strict=True)),
+        distance=0.0 if exact else nearest.distance + LEEWAY,
+        model=identified if exact else identified.moved(programs.estimated_of(parameters, rotors)),
+        contradiction=contradiction,
+        prior=equations.prior.source,
+        guessed=equations.prior.guessed,
+    )
+
+
+def _contradiction(
+    equations: Equations, programs: Programs, distance: float, freedom: int
+) -> Contradiction | None:
+    """freedom: equations that the bodies at their limit put on the estimate: what noise has to miss them by."""
+    expected = float(np.sqrt(exceeded_with(BY_CHANCE, max(freedom, 1))))
+    if distance <= expected:
+        return None
+    left = [(body.name, programs.nearest(without=i).distance) for i, body in enumerate(equations.bodies)]
+    return Contradiction(distance, expected, tuple(sorted(left, key=lambda one: one[1])))

@@ -1,0 +1,125 @@
+"""Which effects a joint or an actuator of MuJoCo can hold, and which are left for `bench.twin`."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from bench.export.identified import EffectValues
+from bench.export.physical import PhysicalSet
+
+
+@dataclass
+class JointTerms:
+    """What acts in one joint: SI at the joint.
+
+    damping: d0 + d1 |v| + d2 v2, times v; stiffness times (q - springref) pulls back.
+    """
+
+    armature: float = 0.0
+    damping: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    frictionloss: float = 0.0
+    stiffness: float = 0.0
+    springref: float = 0.0
+    offset: float = 0.0
+    """Torque or force that the motor has to overcome, whatever the motion."""
+
+
+@dataclass(frozen=True)
+class Left:
+    """An effect that the file does not hold, and why."""
+
+    effect: EffectValues
+    why: str
+
+
+@dataclass(frozen=True)
+class Placed:
+    """joints: by name, every one with a motor or with an effect; left: what they cannot hold."""
+
+    joints: Mapping[str, JointTerms]
+    left: tuple[Left, ...]
+
+
+def placed_effects(physical: PhysicalSet) -> Placed:
+    """The effects of a model and its rotors in MuJoCo's joints, those that fit there as a whole."""
+    model = physical.model
+    joints = {
+        joint: JointTerms(armature=float(rotor))
+        for joint, rotor in zip(model.robot.joints, physical.rotors, strict=True)
+    }
+    left = []
+    for effect in model.effects:
+        terms = joints.setdefault(effect.place, JointTerms()) if effect.name in RULES else None
+        why = NO_PLACE if terms is None else RULES[effect.name](effect.values, terms)
+        if why:
+            left.append(Left(effect, why))
+    return Placed(joints, tuple(left))
+
+
+NO_PLACE = "MuJoCo's joints and actuators have no term for it"
+
+Rule = Callable[[Mapping[str, float], JointTerms], str]  # puts an effect into terms, or says why it cannot
+
+
+def _viscous(values: Mapping[str, float], terms: JointTerms) -> str:
+    if values["Fv"] < 0.0:
+        return f"damping cannot be negative ({values['Fv']:.3g})"
+    terms.damping[0] += values["Fv"]
+    return ""
+
+
+def _drag(values: Mapping[str, float], terms: JointTerms) -> str:
+    if values["c"] < 0.0:
+        return f"damping cannot be negative ({values['c']:.3g})"
+    terms.damping[1] += values["c"]
+    return ""
+
+
+def _coulomb(values: Mapping[str, float], terms: JointTerms) -> str:
+    if values["Fc"] < 0.0:
+        return f"frictionloss cannot be negative ({values['Fc']:.3g})"
+    terms.frictionloss += values["Fc"]
+    return ""
+
+
+def _rotor(values: Mapping[str, float], terms: JointTerms) -> str:
+    if terms.armature + values["Ia"] < 0.0:
+        return f"armature cannot be negative ({terms.armature + values['Ia']:.3g})"
+    terms.armature += values["Ia"]
+    return ""
+
+
+def _offset(values: Mapping[str, float], terms: JointTerms) -> str:
+    terms.offset += values["c"]
+    return ""
+
+
+def _spring(values: Mapping[str, float], terms: JointTerms) -> str:
+    if values["k"] <= 0.0:
+        return f"stiffness must be positive ({values['k']:.3g})"
+    terms.stiffness, terms.springref = values["k"], values["kq0"] / values["k"]
+    return ""
+
+
+RULES: dict[str, Rule] = {
+    "constant_offset": _offset,
+    "coulomb_friction": _coulomb,
+    "joint_spring": _spring,
+    "passive_coulomb_friction": _coulomb,
+    "passive_spring": _spring,
+    "passive_viscous_friction": _viscous,
+    "quadratic_drag": _drag,
+    "rotor_inertia": _rotor,
+    "viscous_friction": _viscous,
+}
+"""Sorted by name of the effect."""
+
+
+def left_lines(left: Iterable[Left]) -> list[str]:
+    """What is left, a line each, with its values."""
+    lines = []
+    for one in left:
+        values = {**one.effect.instance.effect.shape_values(), **one.effect.values}
+        listed = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
+        at = f" at {one.effect.place}" if one.effect.place else ""
+        lines.append(f"{one.effect.name}{at} ({listed}): {one.why}")
+    return lines

@@ -1,0 +1,215 @@
+"""The semidefinite programs of `bench.export.physical`, written for cvxpy and solved by Clarabel.
+
+Unknown are Q of every body, P = L Q L' with L L' the prior's pseudo-inertia, so that all of them are about one, and
+the rotors' inertias.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from bench.errors import BenchError
+from bench.export.bodies import Equations
+from bench.export.pseudo_inertia import from_scaled, pseudo_inertia
+
+LEAST = 1e-4  # of the prior: what every body has of it at least
+AT_LIMIT = 1e-4  # of the largest multiplier of any condition: one that is smaller does not hold
+SMALLEST = (
+    1e-12  # of the largest eigenvalue of a correlation: below it a direction counts as known for certain
+)
+ROTOR = 1e-2  # weight of a rotor for which there is no prior, against a body's entries: inertia is the link's first
+
+Reached = tuple[list[np.ndarray], np.ndarray]  # standard parameters of every body, inertias of rotors
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """How far the nearest real bodies are from the estimate, in standard errors.
+
+    freedom: the number of independent conditions that hold them there.
+    """
+
+    distance: float
+    freedom: int
+
+
+class Programs:
+    """The programs of one set of equations."""
+
+    def __init__(self, equations: Equations) -> None:
+        self.equations = equations
+        roots = [np.linalg.cholesky(pseudo_inertia(body.prior)) for body in equations.bodies]
+        self._columns = [from_scaled(root) for root in roots]  # (10, 16) each
+        rotors = np.abs(equations.rotors)
+        self._moving = np.flatnonzero(rotors.any(axis=0))  # rotors that the estimate knows of
+        self._unit = self._rotor_units()
+
+    def _rotor_units(self) -> np.ndarray:
+        """What each rotor's inertia is counted in, kg m2 or kg: its prior, or what the bodies show at its motor."""
+        prior, share = self.equations.rotor_prior, np.abs(self.equations.rotors)
+        size = np.abs(self.equations.estimated)
+        shown = np.array([size[share[:, j] > 0.0].max(initial=0.0) for j in range(share.shape[1])])
+        return np.where(prior > 0.0, prior, np.where(shown > 0.0, shown, 1.0))
+
+    @cached_property
+    def _cvxpy(self) -> Any:
+        try:
+            import cvxpy  # noqa: PLC0415 - a second to import, and optional
+        except ModuleNotFoundError as error:
+            raise BenchError(
+                f"physical parameters need {error.name}: pip install 'parabench[export]'"
+            ) from None
+        return cvxpy
+
+    @cached_property
+    def _map(self) -> np.ndarray:
+        """(nz, 16 bodies + rotors): the estimated parameters of the unknowns."""
+        parts = [body.rows @ m for body, m in zip(self.equations.bodies, self._columns, strict=True)]
+        parts.append(self.equations.rotors[:, self._moving] * self._unit[self._moving])
+        return np.hstack(parts)
+
+    @cached_property
+    def _held(self) -> tuple[np.ndarray, np.ndarray]:
+        """Equations of single bodies (k, unknowns) and what they give (k,), each row of unit length."""
+        bodies = self.equations.bodies
+        blocks = [body.held @ m for body, m in zip(bodies, self._columns, strict=True)]
+        rows = np.hstack((block_diag(*blocks), np.zeros((sum(map(len, blocks)), len(self._moving)))))
+        given = np.concatenate([body.to for body in bodies])
+        length = np.linalg.norm(rows, axis=1)
+        return rows / length[:, None], given / length
+
+    @cached_property
+    def _whitening(self) -> np.ndarray:
+        """(k, nz): estimated parameters in standard errors."""
+        free = np.flatnonzero(~self.equations.fixed & (np.diag(self.equations.covariance) > 0.0))
+        if not len(free):
+            return np.zeros((0, len(self.equations.fixed)))
+        covariance = self.equations.covariance[np.ix_(free, free)]
+        std = np.sqrt(np.diag(covariance))
+        values, vectors = np.linalg.eigh(covariance / np.outer(std, std))
+        values = np.maximum(values, SMALLEST * values[-1])
+        white = np.zeros((len(free), len(self.equations.fixed)))
+        white[:, free] = (vectors / np.sqrt(values)).T / std
+        return white
+
+    @cached_property
+    def _steepness(self) -> float:
+        """The most standard errors that a unit of the unknowns is worth."""
+        return max(1.0, float(np.linalg.norm(self._whitening @ self._map, axis=1).max(initial=0.0)))
+
+    def _unknowns(self) -> tuple[list[Any], Any, Any]:
+        cp = self._cvxpy
+        bodies = [cp.Variable((4, 4), symmetric=True) for _ in self.equations.bodies]
+        rotors = cp.Variable(len(self._moving)) if len(self._moving) else None
+        listed = [cp.vec(one, order="C") for one in bodies]
+        return bodies, rotors, cp.hstack([*listed, rotors] if rotors is not None else listed)
+
+    def nearest(self, without: int | None = None) -> Nearest:
+        """The real bodies nearest to the estimate; without: a body that need not be real."""
+        cp = self._cvxpy
+        bodies, rotors, x = self._unknowns()
+        known = self._whitening
+        scale = 1.0 / self._steepness
+        real = [one >> LEAST * np.eye(4) for i, one in enumerate(bodies) if i != without]
+        real += [] if rotors is None else [rotors >= 0.0]
+        off = scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
+        problem = cp.Problem(cp.Minimize(cp.norm(off)), [*real, *self._held_conditions(x)])
+        self._solve(problem)
+        estimated = self._map @ x.value
+        distance = float(np.linalg.norm(known @ (estimated - self.equations.estimated)))
+        pressing = [_pressures(condition.dual_value) for condition in real]
+        least = AT_LIMIT * max((float(one.max(initial=0.0)) for one, _ in pressing), default=0.0)
+        freedom = 0
+        for pressures, matrix in pressing:
+            rank = int((pressures > least).sum()) if least > 0.0 else 0
+            freedom += rank * (rank + 1) // 2 if matrix else rank
+        return Nearest(distance, min(freedom, len(known)))
+
+    def drawn_to_prior(self, distance: float) -> Reached:
+        """Of all bodies so near to the estimate, in standard errors, those nearest to the prior.
+
+        distance: zero for bodies that reproduce the estimate.
+        """
+        cp = self._cvxpy
+        bodies, rotors, x = self._unknowns()
+        if distance > 0.0:
+            known = self._whitening
+            scale = 1.0 / max(distance, self._steepness)
+            off = scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
+            conditions = [cp.norm(off) <= scale * distance, *self._held_conditions(x)]
+        else:
+            length = np.linalg.norm(self._map, axis=1)
+            length[length == 0.0] = 1.0
+            reproduced = (self._map / length[:, None]) @ x == self.equations.estimated / length
+            conditions = [reproduced, *self._held_conditions(x)]
+        far = sum(cp.trace(one) - cp.log_det(one) for one in bodies)
+        if rotors is not None:
+            conditions.append(rotors >= 0.0)
+            given = self.equations.rotor_prior[self._moving] > 0.0
+            for i, has_prior in enumerate(given):
+                far = far + (rotors[i] - cp.log(rotors[i]) if has_prior else ROTOR * rotors[i])
+        problem = cp.Problem(cp.Minimize(far), conditions)
+        self._solve(problem)
+        return self._split(x.value)
+
+    def moved_onto(self, reached: Reached) -> Reached | None:
+        """The bodies moved the least way onto the estimate, to rounding; None if they are real no longer."""
+        parameters, rotors = reached
+        bodies = self.equations.bodies
+        columns = [from_scaled(np.linalg.cholesky(pseudo_inertia(one))) for one in parameters]
+        held = block_diag(*(body.held @ own for body, own in zip(bodies, columns, strict=True)))
+        rows = [body.rows @ own for body, own in zip(bodies, columns, strict=True)]
+        whole = np.vstack((np.hstack(rows), held))
+        missing = [body.to - body.held @ own for body, own in zip(bodies, parameters, strict=True)]
+        off = np.concatenate((self.equations.estimated - self.estimated_of(parameters, rotors), *missing))
+        length = np.linalg.norm(whole, axis=1)
+        length[length == 0.0] = 1.0
+        step = np.linalg.lstsq(whole / length[:, None], off / length, rcond=1e-12)[0].reshape(-1, 16)
+        moved = [p + own @ s for p, own, s in zip(parameters, columns, step, strict=True)]
+        if min(np.linalg.eigvalsh(pseudo_inertia(one))[0] for one in moved) <= 0.0:
+            return None
+        return moved, rotors
+
+    def estimated_of(self, parameters: list[np.ndarray], rotors: np.ndarray) -> np.ndarray:
+        """The estimated parameters (nz,) of bodies and rotors."""
+        bodies = zip(self.equations.bodies, parameters, strict=True)
+        return np.asarray(sum(body.rows @ own for body, own in bodies) + self.equations.rotors @ rotors)
+
+    def _held_conditions(self, x: Any) -> list[Any]:
+        rows, given = self._held
+        conditions = [rows @ x == given] if len(rows) else []
+        exactly = np.flatnonzero(self.equations.fixed)
+        if len(exactly):
+            conditions.append(self._map[exactly] @ x == self.equations.estimated[exactly])
+        return conditions
+
+    def _split(self, x: np.ndarray) -> Reached:
+        count = len(self.equations.bodies)
+        entries = x[: 16 * count].reshape(count, 16)
+        parameters = [m @ one for m, one in zip(self._columns, entries, strict=True)]
+        rotors = np.zeros(self.equations.rotors.shape[1])
+        rotors[self._moving] = np.maximum(x[16 * count :], 0.0) * self._unit[self._moving]
+        return parameters, rotors
+
+    def _solve(self, problem: Any) -> None:
+        cp = self._cvxpy
+        try:
+            problem.solve(solver=cp.CLARABEL)
+        except cp.error.SolverError as error:
+            raise BenchError(f"the search for real bodies failed: {error}") from None
+        if problem.status not in ("optimal", "optimal_inaccurate"):
+            left_out = " (base parameters were left out as not needed: identify without --essential)"
+            raise BenchError(
+                f"the search for real bodies failed: {problem.status}"
+                f"{left_out if self.equations.fixed.any() else ''}"
+            )
+
+
+def _pressures(dual: np.ndarray) -> tuple[np.ndarray, bool]:
+    """How hard a condition presses in its own directions, and whether it is one on a matrix."""
+    if dual.ndim == 2:
+        return np.linalg.eigvalsh(0.5 * (dual + dual.T)), True
+    return np.atleast_1d(dual), False

@@ -1,0 +1,132 @@
+"""A robot without loops as URDF: links with identified inertias, joints with damping and dry friction."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from bench.errors import BenchError
+from bench.export.physical import PhysicalSet
+from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
+from bench.export.pseudo_inertia import about_center
+from bench.files import write_text_atomically
+from bench.model.geometry import Geometry, Joint
+
+GRAVITY = np.array([0.0, 0.0, -9.81])  # m/s2: what programs that read URDF suppose
+UNLIMITED = "1e9"  # URDF wants numbers where nothing is known
+
+
+@dataclass(frozen=True)
+class Urdf:
+    """text: of the file; placed: which effects were placed; not_held: what URDF has no place for, a line each."""
+
+    text: str
+    placed: Placed
+    not_held: tuple[str, ...]
+
+
+def urdf_text(physical: PhysicalSet) -> Urdf:
+    """The URDF of a tree of hinges and slides. Raises BenchError for loops, couplings, ball and free joints.
+
+    A link is named after its body; its frame is that of its joint. Positions count from `Joint.offset`.
+    """
+    geometry = physical.model.model.geometry
+    _check_tree(geometry)
+    placed = placed_effects(physical)
+    root = ET.Element("robot", name=geometry.robot.name)
+    names = [joint.body or f"{joint.name}_link" for joint in geometry.joints]
+    ET.SubElement(root, "link", name="world")
+    for joint, name in zip(geometry.joints, names, strict=True):
+        link = ET.SubElement(root, "link", name=name)
+        if joint.body in physical.bodies:
+            _add_inertial(link, physical.bodies[joint.body])
+    for joint, name in zip(geometry.joints, names, strict=True):
+        parent = names[joint.parent] if joint.parent >= 0 else "world"
+        _add_joint(root, joint, parent, name, placed.joints.get(joint.name, JointTerms()))
+    not_held = (*_not_held(physical, placed), *left_lines(placed.left))
+    for line in not_held:
+        root.insert(0, ET.Comment(f" not held: {line.replace('--', '- -')} "))
+    ET.indent(root)
+    return Urdf('<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n", placed, not_held)
+
+
+def write_urdf(path: Path, physical: PhysicalSet) -> Urdf:
+    """Write it, whole or not at all."""
+    urdf = urdf_text(physical)
+    write_text_atomically(path, urdf.text)
+    return urdf
+
+
+def _check_tree(geometry: Geometry) -> None:
+    if geometry.closed:
+        closed = (*(loop.name for loop in geometry.loops), *(one.name for one in geometry.couplings))
+        raise BenchError(
+            f"robot {geometry.robot.name}: URDF has no loops and no couplings ({closed[0]}); use mjcf"
+        )
+    for joint in geometry.joints:
+        if joint.kind not in ("hinge", "slide"):
+            raise BenchError(
+                f"robot {geometry.robot.name}: URDF has no {joint.kind} joint ({joint.name}); use mjcf"
+            )
+
+
+def _add_inertial(link: ET.Element, parameters: np.ndarray) -> None:
+    mass, center, inertia = about_center(parameters)
+    inertial = ET.SubElement(link, "inertial")
+    ET.SubElement(inertial, "origin", xyz=_text(center), rpy="0 0 0")
+    ET.SubElement(inertial, "mass", value=_text(mass))
+    entries = {
+        f"i{a}{b}": _text(inertia["xyz".index(a), "xyz".index(b)])
+        for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
+    }
+    ET.SubElement(inertial, "inertia", entries)
+
+
+def _add_joint(root: ET.Element, joint: Joint, parent: str, child: str, terms: JointTerms) -> None:
+    limits = None if joint.limits is None else [limit - joint.offset for limit in joint.limits]
+    kind = "prismatic" if joint.kind == "slide" else "continuous" if limits is None else "revolute"
+    element = ET.SubElement(root, "joint", name=joint.name, type=kind)
+    angles = Rotation.from_matrix(joint.placement.rotation).as_euler("xyz")
+    ET.SubElement(element, "origin", xyz=_text(joint.placement.translation), rpy=_text(angles))
+    ET.SubElement(element, "parent", link=parent)
+    ET.SubElement(element, "child", link=child)
+    ET.SubElement(element, "axis", xyz=_text(joint.axis))
+    bounds = (
+        {}
+        if kind == "continuous"
+        else dict(
+            zip(("lower", "upper"), map(_text, limits or (-float(UNLIMITED), float(UNLIMITED))), strict=True)
+        )
+    )
+    ET.SubElement(element, "limit", {**bounds, "effort": UNLIMITED, "velocity": UNLIMITED})
+    ET.SubElement(element, "dynamics", damping=_text(terms.damping[0]), friction=_text(terms.frictionloss))
+
+
+def _not_held(physical: PhysicalSet, placed: Placed) -> list[str]:
+    """What MuJoCo's joints and motors hold and those of URDF do not."""
+    robot, geometry = physical.model.robot, physical.model.model.geometry
+    lines = [
+        f"drive gain of {actuator.joint} = {gain:.6g} {actuator.gain_unit}"
+        for actuator, gain in zip(robot.actuators, physical.model.gains, strict=True)
+    ]
+    for name, terms in placed.joints.items():
+        entries = {
+            "armature": terms.armature,
+            "damping by |v|": terms.damping[1],
+            "stiffness": terms.stiffness,
+            "spring position": terms.springref if terms.stiffness else 0.0,
+            "offset": terms.offset,
+        }
+        lines += [f"{what} of {name} = {value:.9g}" for what, value in entries.items() if value]
+    offsets = {joint.name: joint.offset for joint in geometry.joints if joint.offset}
+    lines += [f"zero of {name} is at {value:.9g} in the MJCF" for name, value in offsets.items()]
+    if np.abs(geometry.gravity - GRAVITY).max() > 1e-9:
+        lines.append(f"gravity = {_text(geometry.gravity)} m/s2")
+    return lines
+
+
+def _text(values: float | np.ndarray | Sequence[float]) -> str:
+    return " ".join(repr(float(value)) for value in np.atleast_1d(values))

@@ -1,0 +1,36 @@
+"""Identified models of short simulations, saved as a user would have them."""
+
+import functools
+import tempfile
+from pathlib import Path
+
+from bench.estimate.identify import identify
+from bench.estimate.model_file import save_model
+from bench.export.identified import load_identified
+from bench.truth.dataset import as_dataset
+from tests.hidden_kit import run
+
+FRICTION = (
+    {"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},
+    {"effect": "viscous_friction", "joint": "left", "Fv": 0.1},
+)
+RICH = {"optimise": False, "duration": 5.0, "ramp": 0.5}
+
+
+@functools.cache
+def simulated(name, hidden=(), **overrides):
+    """The dataset of a short simulation; hidden: names of the above."""
+    return as_dataset(run(name, *(FRICTION if hidden else ()), design=RICH, **overrides))
+
+
+@functools.cache
+def identified_file(name, hidden=False, effects=(), **overrides):
+    """A model file of it."""
+    path = Path(tempfile.mkdtemp()) / f"{name}.json"
+    save_model(identify(simulated(name, hidden, **overrides), effects), path)
+    return path
+
+
+def identified(name, hidden=False, effects=(), **overrides):
+    """The same, read."""
+    return load_identified(identified_file(name, hidden, effects, **overrides))

@@ -1,0 +1,129 @@
+"""Real bodies with the identified base parameters, and what is said where there are none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.dataset import load_dataset
+from bench.errors import BenchError
+from bench.estimate.identify import identify
+from bench.estimate.model_file import save_model
+from bench.export.identified import load_identified
+from bench.export.physical import physical_set
+from bench.export.prior import cad_prior
+from bench.export.pseudo_inertia import about_center, from_scaled, pseudo_inertia, standard_parameters
+from bench.model.regressor import moved_parameters
+from bench.truth.dataset import write_simulation
+from tests.export_kit import RICH, identified, identified_file
+from tests.hidden_kit import run
+
+BODY = np.array([2.0, 0.2, -0.1, 0.3, 0.5, 0.01, 0.6, -0.02, 0.03, 0.4])
+
+
+def base_of(physical):
+    """Base parameters (nb,) of the bodies and rotors."""
+    geometry, base = physical.model.model.geometry, physical.model.model.base
+    standard = np.zeros(10 * len(geometry.joints))
+    for joint, name in geometry.bodies:
+        standard[10 * joint : 10 * joint + 10] = physical.bodies[name]
+    return base.grouping @ standard + base.rotors @ physical.rotors
+
+
+def test_pseudo_inertia_and_back():
+    assert standard_parameters(pseudo_inertia(BODY)) == pytest.approx(BODY, abs=1e-15)
+    root = np.linalg.cholesky(pseudo_inertia(BODY))
+    assert from_scaled(root) @ np.eye(4).ravel() == pytest.approx(BODY, abs=1e-14)
+
+
+def test_a_body_about_its_center_and_back():
+    mass, center, inertia = about_center(BODY)
+    xx, yy, zz, xy, xz, yz = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    own = np.array([mass, 0, 0, 0, xx, xy, yy, xz, yz, zz])
+    assert moved_parameters(own, np.eye(3), center) == pytest.approx(BODY, abs=1e-14)
+
+
+def test_a_point_at_its_edge_is_no_body_and_a_cloud_of_points_is():
+    points = np.random.default_rng(1).normal(size=(5, 3))
+    lifted = np.column_stack((points, np.ones(5)))
+    assert np.linalg.eigvalsh(pseudo_inertia(standard_parameters(lifted.T @ lifted)))[0] > 0.0
+    needle = BODY.copy()
+    needle[4] = needle[6] + needle[9] + 1.0  # more than the sum of the other two
+    assert np.linalg.eigvalsh(pseudo_inertia(needle))[0] < 0.0
+
+
+@pytest.mark.parametrize("use_cad", [True, False])
+@pytest.mark.parametrize("name", ["five_bar", "two_link"])
+def test_bodies_are_real_and_have_the_base_parameters(name, use_cad):
+    model = identified(name)
+    physical = physical_set(model, use_cad=use_cad)
+    assert physical.contradiction is None
+    assert (physical.rotors >= 0.0).all()
+    for parameters in physical.bodies.values():
+        assert np.linalg.eigvalsh(pseudo_inertia(parameters))[0] > 0.0
+    assert base_of(physical) == pytest.approx(physical.model.base, rel=1e-9, abs=1e-10)
+    off = physical.model.base - model.base
+    std = np.sqrt(np.diag(model.covariance)[: len(off)])
+    assert np.abs(off / std).max() <= physical.distance + 1e-6
+    assert physical.distance < 2.0
+
+
+def test_masses_stay_near_those_of_the_mjcf_where_they_are_asked_for():
+    model = identified("five_bar")
+    cad = cad_prior(model.model.geometry).parameters
+    near, bars = physical_set(model), physical_set(model, use_cad=False)
+
+    def distance(physical):
+        own = [(cad[10 * joint], physical.bodies[name][0]) for joint, name in model.model.geometry.bodies]
+        return sum(abs(np.log(mass / found)) for mass, found in own)
+
+    assert distance(near) < 0.2
+    assert distance(near) < 0.5 * distance(bars)
+    assert "MJCF" in near.prior
+    assert "MJCF" not in bars.prior
+
+
+def test_an_impossible_body_is_named():
+    model = identified("two_link")
+    names = list(model.model.base.names)
+    base = model.base.copy()
+    base[names.index("Iyy(forearm)")] = -0.001
+    physical = physical_set(replace(model, base=base))
+    assert physical.contradiction is not None
+    assert physical.contradiction.distance > 3.0 * physical.contradiction.expected
+    assert physical.contradiction.culprits[0][0] == "forearm"
+    assert physical.contradiction.culprits[0][1] < physical.contradiction.expected
+    assert "forearm that would need" in physical.contradiction.words()
+    for parameters in physical.bodies.values():
+        assert np.linalg.eigvalsh(pseudo_inertia(parameters))[0] > 0.0
+
+
+def test_what_moves_with_the_base_parameters_moves_as_the_covariance_says():
+    model = identified("five_bar")
+    step = 0.3 * np.sqrt(np.diag(model.covariance))[0]
+    estimated = model.estimated.copy()
+    estimated[0] += step
+    nz = len(estimated)
+    moved = model.moved(estimated)
+    weights = np.linalg.solve(model.covariance[:nz, :nz], estimated - model.estimated)
+    assert moved.gains - model.gains == pytest.approx(model.covariance[nz:, :nz] @ weights, rel=1e-4)
+    assert moved.estimated == pytest.approx(estimated, abs=1e-15)
+
+
+def test_a_payload_that_was_estimated_is_a_real_body_too(tmp_path):
+    write_simulation(run("two_link", design=RICH), tmp_path / "data")
+    toml = tmp_path / "data" / "dataset.toml"
+    lines = toml.read_text().splitlines()
+    toml.write_text("\n".join(line for line in lines if not line.startswith(("center", "inertia"))) + "\n")
+    path = tmp_path / "model.json"
+    save_model(identify(load_dataset(tmp_path / "data")), path, tmp_path / "data")
+    model = load_identified(path)
+    physical = physical_set(model)
+    ((name, payload),) = physical.payloads.items()
+    assert payload[0] == pytest.approx(model.declared[name].mass, rel=1e-6)
+    assert np.linalg.eigvalsh(pseudo_inertia(payload))[0] > 0.0
+
+
+def test_a_model_of_another_robot_is_refused():
+    with pytest.raises(BenchError, match="motors"):
+        load_identified(identified_file("five_bar"), "two_link")
