@@ -30,6 +30,7 @@ class Recording:
     position  (N, n) rad or m, in the order of the robot's actuators
     current   (N, n) current reference in the drive's unit (A or V), same order
     extra     other columns of numbers, each (N,), for plots
+    part_of   the log that this is a part of, by name; empty: a log by itself
     """
 
     name: str
@@ -39,6 +40,12 @@ class Recording:
     position: Array
     current: Array
     extra: Mapping[str, Array] = field(default_factory=dict)
+    part_of: str = ""
+
+    @property
+    def log(self) -> str:
+        """The log, by name, to which it belongs: what is a log's own is that of all its parts."""
+        return self.part_of or self.name
 
     @property
     def rate(self) -> float:

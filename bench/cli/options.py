@@ -18,8 +18,9 @@ with_option = click.option(
     "--with",
     "effects",
     multiple=True,
-    metavar="EFFECT[:JOINT]",
-    help="Add an effect to the model, on every actuator or on one. Repeat for each.",
+    metavar="EFFECT[:PLACE][@recording]",
+    help="Add an effect to the model, on every actuator or at one place; with @recording each fitted recording has its "
+    "own value. Repeat for each.",
 )
 
 effect_file_option = click.option(

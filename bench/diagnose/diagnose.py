@@ -23,7 +23,6 @@ from bench.estimate.identify import fit, gains_can_be_fitted
 from bench.estimate.prepare import Prepared, prepare
 from bench.estimate.result import Identification, relative_error
 from bench.estimate.settle import settled
-from bench.estimate.summary import ROBOT
 from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
 from bench.threads import on_one_thread
@@ -115,7 +114,7 @@ def _where_it_shows(problem: Problem, model: Prepared) -> tuple[Prepared, Identi
 
 
 def _shows(result: Identification, instance: EffectInstance) -> bool:
-    values = result.effect_parameters[instance.effect.name][instance.joint or ROBOT]
+    values = result.effect_parameters[instance.effect.name][instance.place]
     linear = [(values[parameter.name], parameter.positive) for parameter in instance.effect.parameters]
     if any(positive and value.value < -SHOWS * value.std for value, positive in linear):
         return False
@@ -147,7 +146,7 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
     for one in model.effects:
         size = len(one.effect.parameters)
         if one.effect.name == effect:
-            found = result.effect_parameters[effect][one.joint or ROBOT]
+            found = result.effect_parameters[effect][one.place]
             values = np.array([found[parameter.name].value for parameter in one.effect.parameters])
             torque = np.concatenate([seen.effects[:, :, at : at + size] @ values for seen in model.fitted])
             total = torque if total is None else total + torque

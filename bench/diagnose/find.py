@@ -22,7 +22,7 @@ def find_missing_effects(
 ) -> Diagnosis:
     """Which physical effects the model lacks, judged on recordings that were not fitted.
 
-    effects: those that the model has already, each as EFFECT or EFFECT:JOINT. filters: settings by name, the
+    effects: those that the model has already, each as EFFECT[:PLACE][@recording]. filters: settings by name, the
     others chosen from the data. effect_files: Python files with effects of your own, which compete as well as
     those that the dataset names. progress: told how far the search is. Raises BenchError naming what in
     dataset, robot or files cannot be used.

@@ -8,7 +8,6 @@ from bench.diagnose.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.effects.names import begun
 from bench.estimate.result import Identification
-from bench.estimate.summary import ROBOT
 
 SHOWS = 3.0  # deviations by which a parameter must differ from zero for its effect to show at a joint
 
@@ -17,7 +16,7 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
     """Effects with a clearly negative parameter, that must be positive, wherever they are; and why they go."""
     found: dict[str, list[str]] = {}
     for one in added:
-        values = result.effect_parameters[one.effect.name][one.joint or ROBOT]
+        values = result.effect_parameters[one.effect.name][one.place]
         wrong = [
             parameter.name
             for parameter in one.effect.parameters

@@ -34,4 +34,5 @@ def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:
         position=recording.position[where],
         current=recording.current[where],
         extra={key: values[where] for key, values in recording.extra.items()},
+        part_of=recording.log,
     )

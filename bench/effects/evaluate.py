@@ -25,6 +25,8 @@ def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:
 def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np.ndarray, np.ndarray]:
     """Columns (N, m, p) of an effect at the motors (m,) at which it can show: its own, or all.
 
+    By the share with which it counts in this recording.
+
     Raises BenchError as `effect_columns` does.
     """
     effect = instance.effect
@@ -50,4 +52,4 @@ def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np
             f"{what}: its column of {effect.parameters[parameter].name} is not finite at "
             f"t = {robot.time[sample]:.4f} s"
         )
-    return columns, motors
+    return columns if not instance.recording else instance.share(robot.log) * columns, motors

@@ -17,6 +17,11 @@ class Places:
     body: tuple[str, ...]
     payload: tuple[str, ...]
 
+    @property
+    def names(self) -> frozenset[str]:
+        """All of them."""
+        return frozenset((*self.actuator, *self.passive, *self.body, *self.payload))
+
     def of(self, place: Place) -> tuple[str, ...]:
         """Where effects of that kind can sit; one empty name for the whole robot."""
         everywhere: dict[Place, tuple[str, ...]] = {

@@ -1,12 +1,15 @@
 """Find effects by name, and where they sit."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import Effect, Place
 from bench.effects.places import Places
 from bench.errors import BenchError, meant
+
+ROBOT = "robot"  # where an effect of the whole robot stands among the joints
+TAG = "@recording"  # behind an effect or its place: a value for each recording
 
 NOWHERE: dict[Place, str] = {
     "actuator": "the robot has no motor",
@@ -18,23 +21,51 @@ NOWHERE: dict[Place, str] = {
 
 @dataclass(frozen=True)
 class EffectInstance:
-    """An effect at one place (empty: the whole robot); `request` is how the user named it."""
+    """An effect at one place (empty: the whole robot); `request` is how the user named it.
+
+    recording: the only one, of those `among` which the effect has a value each, to which this value belongs; empty
+    where one value holds for all.
+    """
 
     effect: Effect
     joint: str
     request: str
+    recording: str = ""
+    among: tuple[str, ...] = ()
+
+    @property
+    def place(self) -> str:
+        """Under which name its values are told: such as left, robot, or left@unloaded.csv."""
+        return (self.joint or ROBOT) + (f"@{self.recording}" if self.recording else "")
+
+    def share(self, log: str) -> float:
+        """By which its columns count in a recording: the mean of all values holds for one that has none of its own."""
+        if not self.recording:
+            return 1.0
+        if log in self.among:
+            return float(log == self.recording)
+        return 1.0 / len(self.among)
+
+    def everywhere(self) -> "EffectInstance":
+        """The same effect with one value for all recordings."""
+        return replace(self, recording="", among=()) if self.recording else self
 
 
 def select_effects(
-    requests: Sequence[str], places: Places, catalogue: Mapping[str, Effect] = CATALOGUE
+    requests: Sequence[str],
+    places: Places,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+    recordings: Sequence[str] = (),
 ) -> tuple[EffectInstance, ...]:
     """Effects named as EFFECT (wherever it can sit) or EFFECT:PLACE, in the order given.
 
-    Raises BenchError that names an unknown effect or place, or an effect given twice for one place.
+    With @recording behind it an effect has a value for each of the `recordings`, the fitted ones by name.
+    Raises BenchError that names an unknown effect, place or tag, an effect given twice for one place, or one that
+    cannot have a value for each recording.
     """
     instances: list[EffectInstance] = []
     for request in requests:
-        name, _, joint = request.partition(":")
+        name, joint, each = _parts(request, places)
         if name not in catalogue:
             raise BenchError(f"unknown effect {name!r}; {meant(name, catalogue, 'known:')}")
         effect = catalogue[name]
@@ -45,8 +76,38 @@ def select_effects(
             raise BenchError(f"effect {request!r}: no {what} {joint!r} where it can sit; there are: {known}")
         if not possible:
             raise BenchError(f"effect {request!r}: {NOWHERE[effect.place]}")
+        if each and not can_differ(effect):
+            able = ", ".join(sorted(key for key, one in catalogue.items() if can_differ(one)))
+            raise BenchError(
+                f"effect {request!r}: {name} cannot have a value for each recording; those that can: {able}"
+            )
+        among = tuple(recordings) if each else ()
         for at in [joint] if joint else possible:
             if any(one.effect.name == name and one.joint == at for one in instances):
                 raise BenchError(f"effect {name!r} is given twice for {at or 'the robot'!r}")
-            instances.append(EffectInstance(effect, at, request))
+            instances += [EffectInstance(effect, at, request, one, among) for one in among or [""]]
     return tuple(instances)
+
+
+def can_differ(effect: Effect) -> bool:
+    """Whether an effect can have a value for each recording: no shape parameter, and no length or payload, which stays
+    what it is.
+    """
+    return not effect.shape and effect.place in {"actuator", "passive", "robot"}
+
+
+def _parts(request: str, places: Places) -> tuple[str, str, bool]:
+    """Name, place (empty: everywhere) and whether a value for each recording is asked for."""
+    named = request.removesuffix(TAG)
+    name, _, joint = named.partition(":")
+    plain = request.partition(":")[2]
+    if plain in places.names:  # may have an @ in it
+        return name, plain, False
+    told = joint or name
+    if "@" in told and joint not in places.names:
+        tag = told[told.rindex("@") :]
+        raise BenchError(
+            f"effect {request!r}: {tag!r} says nothing; {TAG} gives each fitted recording values of its own, and "
+            "without it one value holds for all"
+        )
+    return name, joint, named != request

@@ -105,7 +105,8 @@ class RobotSignals:
     carries, None without; payload_mass kg, as declared, zero where unknown; `carried` computes `payload_torque`.
     torque: the rigid-body torque of the present model. An effect that depends on it is linearised about the present
     model, and the fit repeats until it is settled. gaps: stretches of samples in which each joint stands still.
-    offsets: of the present model's encoders by joint, rad or m. lasting: rows of effects that do not depend on the
+    offsets: of the present model's encoders by joint, rad or m. log: the recording whose own values hold here, of
+    effects that have a value for each. lasting: rows of effects that do not depend on the
     present model, kept as long as the recording; passing: those that do. noted: what else effects have computed of
     the present model.
     """
@@ -122,6 +123,7 @@ class RobotSignals:
     torque: TorqueModel
     gaps: tuple[np.ndarray, ...]
     offsets: Mapping[str, float] = field(default_factory=dict)
+    log: str = ""
     lasting: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     passing: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     noted: dict[Hashable, np.ndarray] = field(default_factory=dict, compare=False, repr=False)

@@ -56,7 +56,7 @@ def columns_of(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> np.
 
 
 def _place(instance: EffectInstance) -> tuple[str, str]:
-    return instance.effect.name, instance.joint
+    return instance.effect.name, instance.place
 
 
 def _nothing(instance: EffectInstance) -> EffectInstance:

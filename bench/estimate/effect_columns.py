@@ -112,9 +112,8 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         return total
 
     mass = 0.0 if payload is None else float(present.declared[payload][0])
-    offsets = {
-        one.joint: offset for one, values in present.effects if (offset := one.effect.position_offset(values))
-    }
+    log = measured.recording.log
+    offsets = _encoder_offsets(present, log)
     signals = RobotSignals(
         joints,
         model.geometry,
@@ -125,9 +124,19 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         torque,
         measured.gaps,
         offsets=offsets,
+        log=log,
         lasting=measured.kept,
     )
     return signals
+
+
+def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
+    """Of the present model's encoders in a recording, by joint."""
+    offsets: dict[str, float] = {}
+    for one, values in present.effects:
+        if offset := one.share(log) * one.effect.position_offset(values):
+            offsets[one.joint] = offsets.get(one.joint, 0.0) + offset
+    return offsets
 
 
 def _moved(model: IdentificationModel, measured: Measured, offsets: Mapping[str, float]) -> Motion:

@@ -32,7 +32,12 @@ def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[Effect
 
 
 def _made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
-    """Of whose columns an effect's are the sum, with their shares: of itself, or in a search of two about its nodes."""
+    """Of whose columns an effect's are the sum, with their shares: of itself, or in a search of two about its nodes; of
+    none where its value is that of another recording.
+    """
+    if instance.recording:
+        share = instance.share(signals.log)
+        return [(one, share * own) for one, own in _made_of(signals, instance.everywhere())] if share else []
     nodes = instance.effect.nodes(signals, instance.joint) if signals.expands else None
     if nodes is None:
         return [(instance, 1.0)]

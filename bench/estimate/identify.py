@@ -47,7 +47,8 @@ def identify(
 ) -> Identification:
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
-    effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model. method: current, ls, wls, tls or
+    effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model; with @recording behind, an effect has a
+    value for each fitted recording. method: current, ls, wls, tls or
     wtls. filters: settings, or some of them by name; the others are chosen from the spectra. deviations: how
     standard deviations are computed. fit_gains: by default, where a fitted recording carries a payload of
     known mass; without one the gains stay nominal. essential: leave out base parameters that the data do not

@@ -12,6 +12,7 @@ import numpy as np
 from bench.dataset import Dataset
 from bench.effects import Effect, EffectInstance
 from bench.errors import BenchError
+from bench.estimate.by_recording import notes_by_recording
 from bench.estimate.layout import payload_parameter_names
 from bench.estimate.payload_parameters import payload_columns
 from bench.estimate.prepare import Prepared, prepare, with_effects
@@ -40,6 +41,8 @@ class SavedModel:
     settings: FilterSettings
     dataset: Path | None = None
     """The folder that it was identified from, where the file says so."""
+    fitted: tuple[str, ...] = ()
+    """The recordings that were fitted, by name: of them effects may have a value each."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class Comparison:
     model: str
     recordings: tuple[CurrentSeries, ...]
     error: ErrorSummary
+    notes: tuple[str, ...] = ()
 
 
 def to_json(result: Identification) -> dict[str, Any]:
@@ -132,6 +136,7 @@ def load_model(path: str | Path) -> SavedModel:
             },
             settings=FilterSettings(**settings),
             dataset=Path(content["dataset"]) if content.get("dataset") else None,
+            fitted=tuple(str(one["name"]) for one in content["recordings"] if one["use"] == "identify"),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
@@ -155,7 +160,8 @@ def apply_model(
     prepared, solution = applied(dataset, saved, catalogue)
     series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     joints = [actuator.joint for actuator in dataset.robot.actuators]
-    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints))
+    notes = tuple(notes_by_recording(prepared))
+    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), notes)
 
 
 def applied(
@@ -168,7 +174,12 @@ def applied(
             f"{saved.path}: a model of {saved.robot} ({', '.join(saved.drive_gains)}), but {dataset.folder} is of "
             f"{dataset.robot.name} ({', '.join(joints)})"
         )
-    prepared = prepare(dataset, saved.effects, saved.settings, fitted_only=False, catalogue=catalogue)
+    if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
+        strangers = tuple(replace(one, part_of=str(dataset.folder / one.log)) for one in dataset.recordings)
+        dataset = replace(dataset, recordings=strangers)
+    prepared = prepare(
+        dataset, saved.effects, saved.settings, fitted_only=False, catalogue=catalogue, logs=saved.fitted
+    )
     instances = [_shaped(instance, saved) for instance in prepared.effects]
     solution = Solution(
         theta=_theta(prepared, saved),
@@ -178,6 +189,11 @@ def applied(
         gains_fitted=False,
     )
     return with_effects(prepared, instances, present_model(prepared, solution)), solution
+
+
+def _own(dataset: Dataset, saved: SavedModel) -> bool:
+    """Whether a dataset is the one that the model was identified from."""
+    return saved.dataset is not None and saved.dataset.resolve() == dataset.folder.resolve()
 
 
 def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
@@ -206,9 +222,9 @@ def _shaped(instance: EffectInstance, saved: SavedModel) -> EffectInstance:
 def _effect_value(instance: EffectInstance, name: str, saved: SavedModel) -> float:
     joints = saved.effect_parameters.get(instance.effect.name, {})
     try:
-        return joints[instance.joint or ROBOT][name]
+        return joints[instance.place][name]
     except KeyError:
-        where = f" at joint {instance.joint!r}" if instance.joint else ""
+        where = f" at {instance.place!r}" if instance.place != ROBOT else ""
         raise BenchError(f"{saved.path}: no {name} of {instance.effect.name}{where}") from None
 
 
@@ -233,6 +249,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             "recordings": [
                 {"name": one.name, "use": one.use, "payload": one.payload} for one in comparison.recordings
             ],
+            "notes": list(comparison.notes),
         }
     )
     return dict(answer)

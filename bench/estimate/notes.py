@@ -7,9 +7,9 @@ import numpy as np
 
 from bench.effects import EffectInstance
 from bench.effects.names import spoken
+from bench.effects.select import ROBOT
 from bench.estimate.result import Identification
 
-ROBOT = "robot"  # where an effect of the whole robot stands among the joints
 LOOSE = 0.3  # relative deviation above which a parameter says little
 ILL_CONDITIONED = 1e3
 HOPELESS_CONDITION = 1e7  # beyond it, digits of the data that are rounding decide
@@ -28,7 +28,7 @@ def notes_on(
     left_aside: recordings that could not be used; outside: effects beyond their bounds.
     """
     notes = _beyond(outside)
-    apart = {(one.effect.name, one.joint or ROBOT) for one in outside}
+    apart = {(one.effect.name, one.place) for one in outside}
     if left_aside:
         notes.append(
             f"Left aside: {', '.join(left_aside)}. Their payload is not declared in full, and no fitted recording "
@@ -84,7 +84,7 @@ def _beyond(outside: Sequence[EffectInstance]) -> list[str]:
     """What is said of effects that would be so large that they are another name for the drive gain."""
     places: dict[str, list[str]] = {}
     for one in outside:
-        places.setdefault(one.effect.name, []).append(one.joint)
+        places.setdefault(one.effect.name, []).append(one.place)
     return [
         f"These data cannot tell {spoken(name)} at {', '.join(at)} from the drive gain there: it is left out, and the "
         "gain is what it would be without it. Record a payload that loads that joint more."

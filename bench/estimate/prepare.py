@@ -18,6 +18,7 @@ from bench.estimate.observation import Observation, observe
 from bench.estimate.payload_parameters import payload_columns
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
+from bench.recording import Recording
 from bench.signals.settings import FilterSettings, choose_settings
 
 
@@ -50,6 +51,11 @@ class Prepared:
         return tuple(one.name for one in self.dataset.recordings if one.name not in used)
 
     @property
+    def logs(self) -> tuple[str, ...]:
+        """The fitted recordings, by name: of them effects may have a value each."""
+        return logs_of([one.recording for one in self.measured if one.recording.use == "identify"])
+
+    @property
     def fitted(self) -> tuple[Observation, ...]:
         """The observations of recordings to identify from."""
         return tuple(one for one in self.observations if one.use == "identify")
@@ -62,12 +68,14 @@ def prepare(
     *,
     fitted_only: bool = True,
     catalogue: Mapping[str, Effect] | None = None,
+    logs: Sequence[str] | None = None,
 ) -> Prepared:
     """Build the model and turn every recording into equations, filtered and decimated alike.
 
     The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
     from all. A recording whose payload no such recording carries is left aside, unless all parameters of
     the payload are declared. catalogue: the effects by name, the built-in ones and the dataset's own by default.
+    logs: those of which effects may have a value each; by default the fitted ones.
     """
     fitted = [one for one in dataset.recordings if one.use == "identify" or not fitted_only]
     if not fitted:
@@ -75,7 +83,8 @@ def prepare(
     model = build_model(dataset.robot)
     weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
     known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
-    instances = select_effects(effects, places_in(model.geometry, weighed), known)
+    each = logs_of(fitted) if logs is None else logs
+    instances = select_effects(effects, places_in(model.geometry, weighed), known, each)
     if isinstance(filters, FilterSettings):
         settings = filters
     else:
@@ -101,6 +110,11 @@ def prepare(
         signals=tuple(robot_signals(model, one, present) for one in measured),
     )
     return with_effects(prepared, instances)
+
+
+def logs_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """The logs of recordings or of parts of them, each once."""
+    return tuple(dict.fromkeys(one.log for one in recordings))
 
 
 def with_effects(

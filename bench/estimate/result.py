@@ -81,7 +81,8 @@ class Identification:
     """The answer of `identify`.
 
     gains_fitted is False where no payload of known mass gave the scale: the gains are nominal, and all
-    parameters scale with their error. effect_parameters: effect -> joint -> parameter. covariance (P, P) of
+    parameters scale with their error. effect_parameters: effect -> place -> parameter, the place being a joint, or
+    joint@recording for the value of one recording. covariance (P, P) of
     [parameters, linear effect parameters, gains, shape parameters of effects], in this order. left_out: names of the
     base parameters without which the fit is as good, when only essential ones were asked for; the covariance
     has a row for each of them. notes: what limits the answer, in words.

@@ -1,13 +1,15 @@
 """A solution in the user's words: gains, parameters, effects and errors with their names and units."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from bench.effects import EffectInstance
+from bench.effects.select import ROBOT as ROBOT
+from bench.estimate.by_recording import notes_by_recording
 from bench.estimate.deviations import Deviations, Uncertainty
 from bench.estimate.layout import known_rows, payload_parameter_names, regressor_rows
-from bench.estimate.notes import ROBOT as ROBOT
 from bench.estimate.notes import notes_on
 from bench.estimate.observation import Observation
 from bench.estimate.prepare import Prepared
@@ -55,7 +57,7 @@ def summarise(
         if i in kept
     )
     joints = [actuator.joint for actuator in robot.actuators]
-    return notes_on(
+    result = notes_on(
         Identification(
             robot=robot.name,
             robot_folder=str(robot.folder),
@@ -80,6 +82,7 @@ def summarise(
         prepared.left_aside,
         outside,
     )
+    return replace(result, notes=(*result.notes, *notes_by_recording(prepared)))
 
 
 def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
@@ -137,5 +140,5 @@ def _effects(
             spread = 0.0 if shape.discrete else float(std[shape_at]) or float("inf")
             values[shape.name] = Quantity(float(value), spread, shape.unit_at(turning, drive))
             shape_at += not shape.discrete
-        found.setdefault(instance.effect.name, {})[instance.joint or ROBOT] = values
+        found.setdefault(instance.effect.name, {})[instance.place] = values
     return found

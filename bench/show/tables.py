@@ -86,6 +86,9 @@ def comparison_report(comparison: Comparison, console: Console | None = None) ->
     # Nothing is fitted here, whatever a recording's use in its dataset is.
     joints = tuple(comparison.error.by_actuator or comparison.error.by_actuator_validate)
     _errors_section(console, comparison.recordings, joints)
+    if comparison.notes:
+        console.print()
+        console.print(notes_list(comparison.notes))
     console.print()
 
 

@@ -155,7 +155,7 @@ def _differences(model: FoundModel, terms: Terms, known: np.ndarray, current: np
         return found[:count]
 
     names = [one.effect.name for one in terms.instances]
-    of_found = {(one.effect.name, one.joint) for one in model.found.effects}
+    of_found = {(one.effect.name, one.joint) for one in model.effects}
     found = [i for i, one in enumerate(terms.instances) if (one.effect.name, one.joint) in of_found]
     base = [terms.places[i] for i in found] + list(terms.following_found)
     reference = solved(base)

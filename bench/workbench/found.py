@@ -1,5 +1,6 @@
 """The model that a diagnosis found, made ready again: the one about which the workbench's columns are taken."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from bench.diagnose.result import Diagnosis
 from bench.diagnose.split import with_judged_parts
 from bench.effects import EffectInstance, places_in, select_effects
 from bench.effects.effect import Effect
+from bench.effects.select import TAG
 from bench.estimate.effect_columns import PresentModel
 from bench.estimate.identify import gains_can_be_fitted
 from bench.estimate.partial import PartialRegression, partial_regression
@@ -23,9 +25,10 @@ from bench.signals.settings import FilterSettings, choose_settings
 
 @dataclass(frozen=True)
 class FoundModel:
-    """plain: the equations without any effect; found: with those that the diagnosis found, linearised about the
-    answer; solution: the answer, theta in the order of `found`. bare, left: what the fits without any effect and
-    with the found ones leave. started: effects that the model had before the diagnosis, as (effect, place).
+    """plain: the equations without any effect but those with a value for each recording, which the page does not
+    change; found: with those that the diagnosis found behind them, linearised about the answer; solution: the answer,
+    theta in the order of `found`. bare, left: what the fits of plain and found leave. started: effects that the model
+    had before the diagnosis, as (effect, place).
     """
 
     plain: Prepared
@@ -36,6 +39,11 @@ class FoundModel:
     left: PartialRegression
     started: tuple[tuple[str, str], ...]
     judged_on: str
+
+    @property
+    def effects(self) -> tuple[EffectInstance, ...]:
+        """The found effects, those aside that the page does not change."""
+        return self.found.effects[len(self.plain.effects) :]
 
 
 def found_models(
@@ -82,30 +90,37 @@ def _found_model(
     fit_gains = gains_can_be_fitted(plain, None)
     weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
     places = places_in(plain.model.geometry, weighed)
-    instances = select_effects(_requests(after), places, catalogue)
-    instances = tuple(_as_found(after, one) for one in instances)
+    each = [one for one in after.effects if one.endswith(TAG)]
+    own = select_effects(each, places, catalogue, plain.logs)
+    instances = select_effects(_requests(after, own), places, catalogue)
+    own, instances = (tuple(_as_found(after, one) for one in some) for some in (own, instances))
     present = _present(plain, after)
-    found = with_effects(plain, instances, present)
+    plain = with_effects(plain, own, present)
+    found = with_effects(plain, (*own, *instances), present)
     stack, solution = solved_quickly(found, fit_gains)
     # the solution is about itself once more, as identify does it
-    found = with_effects(plain, instances, present_model(found, solution))
+    found = with_effects(plain, (*own, *instances), present_model(found, solution))
     stack, solution = solved_quickly(found, fit_gains)
     left = partial_regression(stack, solution)
     bare = left if not instances else partial_regression(*solved_quickly(plain, fit_gains))
-    started = tuple((one.effect.name, one.joint) for one in select_effects(before.effects, places, catalogue))
+    kept = [one for one in before.effects if not one.endswith(TAG)]
+    started = tuple((one.effect.name, one.joint) for one in select_effects(kept, places, catalogue))
     return FoundModel(plain, found, solution, fit_gains, bare, left, started, split)
 
 
-def _requests(result: Identification) -> list[str]:
+def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:
+    """The effects with one value for all recordings; own: the others."""
+    each = {(one.effect.name, one.place) for one in own}
     return [
         name if place == ROBOT else f"{name}:{place}"
         for name, values in result.effect_parameters.items()
         for place in values
+        if (name, place) not in each
     ]
 
 
 def _as_found(result: Identification, instance: EffectInstance) -> EffectInstance:
-    values = result.effect_parameters[instance.effect.name][instance.joint or ROBOT]
+    values = result.effect_parameters[instance.effect.name][instance.place]
     shapes = {one.name: values[one.name].value for one in instance.effect.shape}
     effect = replace(instance.effect, **shapes) if shapes else instance.effect
     linear = {one.name: values[one.name].value for one in effect.parameters}

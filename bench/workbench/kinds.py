@@ -59,7 +59,7 @@ class Kinds:
         weighed = [name for name, one in found.dataset.payloads.items() if one.mass is not None]
         self._places = places_in(found.model.geometry, weighed)
         self.roomy = len(self._places.body) + len(self._places.actuator) <= MANY
-        self.ticked = {(one.effect.name, one.joint) for one in found.effects}
+        self.ticked = {(one.effect.name, one.joint) for one in model.effects}
         self.seen = found.signals if self.roomy else tuple(small_changes(one) for one in found.signals)
         self._without: dict[str, PartialRegression] = {}
         self._additive: dict[str, bool] = {}
@@ -67,7 +67,7 @@ class Kinds:
     def of(self, effect: Effect) -> list[Variants]:
         """The effect at every place at which it can sit."""
         name = effect.name
-        found = {one.joint: one for one in self.model.found.effects if one.effect.name == name}
+        found = {one.joint: one for one in self.model.effects if one.effect.name == name}
         return [
             self._variants(
                 found.get(place) or EffectInstance(effect, place, f"{name}:{place}" if place else name)
@@ -161,9 +161,10 @@ class Kinds:
         """The equations and what they leave, without any effect, and with those found but this one."""
         model, found = self.model, self.model.found
         contexts = [(model.plain, model.bare), (found, model.left)]
-        if any(one.effect.name == name for one in found.effects):
+        if any(one.effect.name == name for one in model.effects):
             if name not in self._without:
-                others = with_effects(found, [one for one in found.effects if one.effect.name != name])
+                kept = [one for one in model.effects if one.effect.name != name]
+                others = with_effects(found, (*model.plain.effects, *kept))
                 self._without[name] = partial_regression(*solved_quickly(others, model.fit_gains))
             contexts[1] = (found, self._without[name])
         return contexts

@@ -9,6 +9,7 @@ from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
 from bench.effects import catalogue_for
 from bench.effects.effect import Effect
+from bench.effects.names import spoken
 from bench.threads import on_one_thread
 from bench.workbench.encode import doubles, floats, short_triangle, triangle
 from bench.workbench.found import FoundModel, found_models
@@ -54,11 +55,15 @@ def _carried(
     triangles: how many the page carries of each motor.
     """
     verdicts = {one.effect: one for one in diagnosis.ranking}
+    own = {one.effect.name for one in model.plain.effects}  # columns of the model, as the rigid bodies' are
     usable = [
         effect
         for name, effect in known.items()
-        if name in {one.effect.name for one in model.found.effects}
-        or (name in verdicts and verdicts[name].verdict != "absorbed")
+        if name not in own
+        and (
+            name in {one.effect.name for one in model.effects}
+            or (name in verdicts and verdicts[name].verdict != "absorbed")
+        )
     ]
     system = build(model, usable, triangles)
     robot = model.plain.dataset.robot
@@ -72,7 +77,7 @@ def _carried(
         "rows": int(system.fitted.sum()),
         "own": system.starts[0],
         "columns": system.columns.shape[2],
-        "parameters": _parameters(diagnosis),
+        "parameters": _parameters(model, diagnosis),
         "reference": doubles(system.reference),
         "basis": None if system.basis is None else _basis(system.basis),
         "effects": [
@@ -80,7 +85,7 @@ def _carried(
             for name in known
             if name in verdicts or known[name] in usable
         ],
-        "found": [[one.effect.name, one.joint] for one in model.found.effects],
+        "found": [[one.effect.name, one.joint] for one in model.effects],
         "started": [list(one) for one in model.started],
         "recordings": thinned(model, system) if drawn else [],
     }
@@ -119,8 +124,15 @@ def _basis(basis: np.ndarray) -> dict[str, Any]:
     return {"own": doubles(basis[:, :own]), "columns": others.tolist(), "others": floats(basis[:, others].T)}
 
 
-def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
-    return [{"name": one.name, "unit": one.unit} for one in diagnosis.after.parameters]
+def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]:
+    after = diagnosis.after
+    rigid = [{"name": one.name, "unit": one.unit} for one in after.parameters]
+    effects = [
+        {"name": f"{name} of {spoken(one.effect.name)} at {one.place}", "unit": value.unit}
+        for one in model.plain.effects
+        for name, value in after.effect_parameters[one.effect.name][one.place].items()
+    ]
+    return rigid + effects
 
 
 def _effect(model: FoundModel, system: System, diagnosis: Diagnosis, name: str) -> dict[str, Any]:

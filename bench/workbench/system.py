@@ -147,7 +147,7 @@ def _terms(
     for one in after:
         places_after[one.effect.name, one.joint] = at + np.arange(len(one.effect.parameters))
         at += len(one.effect.parameters)
-    found = {(one.effect.name, one.joint) for one in model.found.effects}
+    found = {(one.effect.name, one.joint) for one in model.effects}
     moving = np.concatenate([one.moving for one in model.plain.fitted])[:, :, None]
     return Terms(
         np.concatenate(rows, axis=2) * moving,
@@ -172,7 +172,7 @@ def _reference(model: FoundModel, parts: Sequence[Reduced], starts: np.ndarray, 
     index = {
         (one.variants.instance.effect.name, one.variants.instance.joint): i for i, one in enumerate(parts)
     }
-    for one in model.found.effects:
+    for one in model.effects:
         values = theta[at : at + len(one.effect.parameters)]
         at += len(values)
         i = index[one.effect.name, one.joint]
