@@ -11,6 +11,7 @@ from bench.estimate.result import (
     Identification,
     Parameter,
     Quantity,
+    Unknown,
     error_summary,
 )
 from bench.model.geometry import Geometry, read_geometry
@@ -109,6 +110,10 @@ def identification_of(
         parameters=PARAMETERS,
         effect_parameters=friction if effects else {},
         covariance=np.eye(size),
+        covariance_rows=tuple(
+            [Unknown("parameter", one.name) for one in PARAMETERS]
+            + [Unknown("gain", "gain", joint) for joint in gains]
+        ),
         rank=size,
         unknowns=size,
         condition=312.4,

@@ -324,7 +324,7 @@ def test_the_command_finds_what_was_hidden(diagnosed):
 
 def test_the_applied_model_has_the_effect_and_the_error_of_the_ladder(diagnosed):
     saved = load_model(diagnosed / "model.json")
-    assert saved.effects == ("viscous_friction:shoulder",)
+    assert saved.model.effects == ("viscous_friction:shoulder",)
     comparison = apply_model(load_dataset(diagnosed / "data"), saved)
     answer = json.loads((diagnosed / "answer.json").read_text())
     assert relative_error(comparison.recordings) < 1.2 * answer["ladder"][-1]["error"]["validate"]

@@ -8,7 +8,7 @@ import pytest
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.errors import BenchError
 from bench.estimate.identify import fit, identify, prepare
-from bench.estimate.model_file import to_json
+from bench.estimate.model_json import to_json
 from bench.estimate.prepare import Prepared, with_effects
 from bench.estimate.result import Identification
 from bench.excite.scenario import designer

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,8 @@ from bench.dataset import Dataset
 from bench.errors import BenchError
 from bench.estimate.estimators import ESTIMATORS
 from bench.estimate.identify import fit, identify, prepare
-from bench.estimate.model_file import apply_model, load_model, save_model, to_json
+from bench.estimate.model_file import apply_model, load_model, save_model
+from bench.estimate.model_json import to_json
 from bench.excite.scenario import designer
 from bench.robot import load_robot
 from bench.scenario import load_scenario, resolve_trajectories
@@ -139,6 +140,27 @@ def test_a_saved_model_gives_the_same_errors_again(noisy: Simulation, tmp_path: 
     content = json.loads((tmp_path / "model.json").read_text())
     assert content["drive_gains"]["left"]["nominal"] == 3.0
     assert content["effect_parameters"]["viscous_friction"]["left"]["Fv"]["unit"] == "N*m*s/rad"
+
+
+def test_a_model_file_gives_back_the_answer_with_its_covariance_named(
+    noisy: Simulation, tmp_path: Path
+) -> None:
+    dataset = as_dataset(noisy)
+    result = identify(dataset, ["stribeck_friction:left", "current_delay:right"])
+    save_model(result, tmp_path / "model.json")
+    again = load_model(tmp_path / "model.json").beside(dataset, result.recordings)
+    assert to_json(again) == to_json(result)
+    stds = {("parameter", one.name, "", ""): one.std for one in result.parameters}
+    stds |= {("gain", "gain", joint, ""): gain.std for joint, gain in result.drive_gains.items()}
+    for effect, places in result.effect_parameters.items():
+        for place, values in places.items():
+            stds |= {("effect", name, place, effect): one.std for name, one in values.items()}
+    del stds["effect", "delta", "left", "stribeck_friction"]  # a whole number, chosen
+    rows = {
+        astuple(one): std
+        for one, std in zip(again.covariance_rows, np.sqrt(np.diag(again.covariance)), strict=True)
+    }
+    assert rows == pytest.approx(stds)
 
 
 def test_the_same_data_give_the_same_answer(noisy: Simulation) -> None:

@@ -59,7 +59,13 @@ def compare(
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
     from bench.estimate.identify import identify
-    from bench.estimate.model_file import Comparison, apply_model, comparison_json, load_model
+    from bench.estimate.model_file import (
+        Comparison,
+        apply_model,
+        comparison_json,
+        load_model,
+        read_identification,
+    )
     from bench.files import write_json_atomically
     from bench.show.comparison import where_report
     from bench.show.tables import comparison_report
@@ -86,7 +92,6 @@ def compare(
         written.append(f"Comparison: {json_file}")
     if output is not None:
         from bench.report.content_run import Run
-        from bench.report.folder import read_identification
 
         options = {"model": str(model_file), **given} if model_file is not None else given
         run = Run("compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))

@@ -159,9 +159,9 @@ def _of_model(
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
     from bench.errors import BenchError
-    from bench.estimate.model_file import load_model
+    from bench.estimate.model_file import load_model, read_identification
     from bench.report.content_run import Run
-    from bench.report.folder import Kept, read_identification
+    from bench.report.folder import Kept
     from bench.report.write import write_kept
 
     saved = load_model(source)

@@ -17,9 +17,9 @@ from bench.effects.names import spoken
 from bench.errors import BenchError
 from bench.estimate.effect_torques import effect_torques
 from bench.estimate.identify import fit, identify, prepare
-from bench.estimate.model_file import load_model
+from bench.estimate.model_file import load_model, read_identification
 from bench.estimate.result import Identification
-from bench.report.folder import RUN_FILE, Kept, read_identification, read_run
+from bench.report.folder import RUN_FILE, Kept, read_run
 from bench.show.diagnosis_text import diagnosis_markdown
 from bench.show.recording import Told
 from bench.show.story import Known, Step, Story

@@ -5,7 +5,7 @@ from typing import Any
 
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.diagnose.summary import error_share, reason, summary_sentences
-from bench.estimate.model_file import to_json
+from bench.estimate.model_json import to_json
 from bench.estimate.result import Identification
 from bench.files import finite
 

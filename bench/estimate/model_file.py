@@ -1,8 +1,7 @@
 """Save an identified model as JSON, read it back, and apply it to recordings."""
 
 import json
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,9 +13,10 @@ from bench.effects import Effect, EffectInstance
 from bench.errors import BenchError
 from bench.estimate.by_recording import notes_by_recording
 from bench.estimate.layout import payload_parameter_names
+from bench.estimate.model_json import FORMAT, from_json, to_json
 from bench.estimate.payload_parameters import payload_columns
 from bench.estimate.prepare import Prepared, prepare, with_effects
-from bench.estimate.result import CurrentSeries, ErrorSummary, Identification, Quantity, error_summary
+from bench.estimate.result import CurrentSeries, ErrorSummary, Identification, error_summary
 from bench.estimate.settle import present_model
 from bench.estimate.solution import Solution
 from bench.estimate.summary import ROBOT, modelled_series
@@ -24,25 +24,38 @@ from bench.files import finite, write_text_atomically
 from bench.signals.settings import FilterSettings
 from bench.threads import on_one_thread
 
-FORMAT = 1
-
 
 @dataclass(frozen=True)
 class SavedModel:
-    """What a model file holds that applying it needs."""
+    """A model file: the answer that it holds, without currents, and where they came from.
+
+    dataset: the folder that it was identified from, where the file says so. fitted: the recordings that were fitted, by
+    name: of them effects may have a value each.
+    """
 
     path: Path
-    robot: str
-    effects: tuple[str, ...]
-    drive_gains: Mapping[str, float]
-    parameters: Mapping[str, float]
-    left_out: tuple[str, ...]
-    effect_parameters: Mapping[str, Mapping[str, Mapping[str, float]]]
-    settings: FilterSettings
+    model: Identification
     dataset: Path | None = None
-    """The folder that it was identified from, where the file says so."""
     fitted: tuple[str, ...] = ()
-    """The recordings that were fitted, by name: of them effects may have a value each."""
+
+    @property
+    def settings(self) -> FilterSettings:
+        """The filters of its fit."""
+        return self.model.settings
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The values of the base and payload parameters by name."""
+        return {one.name: one.value for one in self.model.parameters}
+
+    def beside(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
+        """The answer with the currents that it gives in a dataset's recordings."""
+        return replace(
+            self.model,
+            robot_folder=str(dataset.robot.folder),
+            error=error_summary(series, dataset.robot.joints),
+            recordings=tuple(series),
+        )
 
 
 @dataclass(frozen=True)
@@ -54,48 +67,6 @@ class Comparison:
     recordings: tuple[CurrentSeries, ...]
     error: ErrorSummary
     notes: tuple[str, ...] = ()
-
-
-def to_json(result: Identification) -> dict[str, Any]:
-    """The answer as plain data, ready for JSON; a number that is not finite becomes null."""
-
-    def quantity(one: Quantity) -> dict[str, Any]:
-        return {"value": one.value, "std": one.std, "unit": one.unit}
-
-    answer = {
-        "format": FORMAT,
-        "robot": result.robot,
-        "method": result.method,
-        "effects": list(result.effects),
-        "gains_fitted": result.gains_fitted,
-        "drive_gains": {
-            joint: {**quantity(gain), "nominal": gain.nominal} for joint, gain in result.drive_gains.items()
-        },
-        "parameters": [
-            {"name": one.name, **quantity(one), "grouping": one.grouping} for one in result.parameters
-        ],
-        "left_out": list(result.left_out),
-        "effect_parameters": {
-            effect: {
-                joint: {name: quantity(value) for name, value in values.items()}
-                for joint, values in joints.items()
-            }
-            for effect, joints in result.effect_parameters.items()
-        },
-        "error": asdict(result.error),
-        "rank": result.rank,
-        "unknowns": result.unknowns,
-        "condition": result.condition,
-        "scaled_condition": result.scaled_condition,
-        "deviations": result.deviations,
-        "settings": asdict(result.settings),
-        "covariance": result.covariance.tolist(),
-        "recordings": [
-            {"name": one.name, "use": one.use, "payload": one.payload} for one in result.recordings
-        ],
-        "notes": list(result.notes),
-    }
-    return dict(finite(answer))
 
 
 def save_model(result: Identification, path: str | Path, dataset: Path | None = None) -> None:
@@ -118,34 +89,19 @@ def load_model(path: str | Path) -> SavedModel:
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise BenchError(f"{path}: not a model file that `bench identify --json` wrote")
     try:
-        settings = dict(content["settings"])
-        settings["border"] = tuple(settings["border"])
-        return SavedModel(
-            path=path,
-            robot=str(content["robot"]),
-            effects=tuple(content["effects"]),
-            drive_gains={joint: _number(gain["value"]) for joint, gain in content["drive_gains"].items()},
-            parameters={str(one["name"]): _number(one["value"]) for one in content["parameters"]},
-            left_out=tuple(content["left_out"]),
-            effect_parameters={
-                effect: {
-                    joint: {name: _number(one["value"]) for name, one in values.items()}
-                    for joint, values in joints.items()
-                }
-                for effect, joints in content["effect_parameters"].items()
-            },
-            settings=FilterSettings(**settings),
-            dataset=Path(content["dataset"]) if content.get("dataset") else None,
-            fitted=tuple(str(one["name"]) for one in content["recordings"] if one["use"] == "identify"),
-        )
+        dataset = Path(content["dataset"]) if content.get("dataset") else None
+        fitted = tuple(str(one["name"]) for one in content["recordings"] if one["use"] == "identify")
+        return SavedModel(path, from_json(content), dataset, fitted)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
 
 
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"{value!r} is not a number")
-    return float(value)
+def read_identification(
+    path: Path, dataset: Dataset, catalogue: Mapping[str, Effect] | None = None
+) -> Identification:
+    """A model file as the answer that it was, with the currents that it gives in these recordings."""
+    saved = load_model(path)
+    return saved.beside(dataset, apply_model(dataset, saved, catalogue).recordings)
 
 
 @on_one_thread
@@ -169,21 +125,22 @@ def applied(
 ) -> tuple[Prepared, Solution]:
     """The equations of every recording of a dataset, and a saved model as their solution; see `apply_model`."""
     joints = [actuator.joint for actuator in dataset.robot.actuators]
-    if saved.robot != dataset.robot.name or set(joints) != set(saved.drive_gains):
+    model = saved.model
+    if model.robot != dataset.robot.name or set(joints) != set(model.drive_gains):
         raise BenchError(
-            f"{saved.path}: a model of {saved.robot} ({', '.join(saved.drive_gains)}), but {dataset.folder} is of "
+            f"{saved.path}: a model of {model.robot} ({', '.join(model.drive_gains)}), but {dataset.folder} is of "
             f"{dataset.robot.name} ({', '.join(joints)})"
         )
     if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
         strangers = tuple(replace(one, part_of=str(dataset.folder / one.log)) for one in dataset.recordings)
         dataset = replace(dataset, recordings=strangers)
     prepared = prepare(
-        dataset, saved.effects, saved.settings, fitted_only=False, catalogue=catalogue, logs=saved.fitted
+        dataset, model.effects, model.settings, fitted_only=False, catalogue=catalogue, logs=saved.fitted
     )
     instances = [_shaped(instance, saved) for instance in prepared.effects]
     solution = Solution(
         theta=_theta(prepared, saved),
-        gains=np.array([saved.drive_gains[joint] for joint in joints]),
+        gains=np.array([model.drive_gains[joint].value for joint in joints]),
         weights=np.ones(len(joints)),
         domain="current",
         gains_fitted=False,
@@ -197,16 +154,17 @@ def _own(dataset: Dataset, saved: SavedModel) -> bool:
 
 
 def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
-    values = [_base_value(name, saved) for name in prepared.model.base.names]
+    known = saved.parameters
+    values = [_base_value(name, known, saved) for name in prepared.model.base.names]
     for payload, index in prepared.layout.payloads.items():
         for name in payload_parameter_names(payload, index):
-            if name not in saved.parameters:
-                known = 10 - len(payload_columns(prepared.dataset.payloads[payload]).unknown)
+            if name not in known:
+                declared = 10 - len(payload_columns(prepared.dataset.payloads[payload]).unknown)
                 raise BenchError(
-                    f"{saved.path}: the model does not know {name}, and the dataset declares {known} of 10 "
+                    f"{saved.path}: the model does not know {name}, and the dataset declares {declared} of 10 "
                     f"parameters of payload {payload!r}"
                 )
-            values.append(saved.parameters[name])
+            values.append(known[name])
     for instance in prepared.effects:
         values += [_effect_value(instance, parameter.name, saved) for parameter in instance.effect.parameters]
     return np.array(values)
@@ -220,18 +178,18 @@ def _shaped(instance: EffectInstance, saved: SavedModel) -> EffectInstance:
 
 
 def _effect_value(instance: EffectInstance, name: str, saved: SavedModel) -> float:
-    joints = saved.effect_parameters.get(instance.effect.name, {})
+    joints = saved.model.effect_parameters.get(instance.effect.name, {})
     try:
-        return joints[instance.place][name]
+        return joints[instance.place][name].value
     except KeyError:
         where = f" at {instance.place!r}" if instance.place != ROBOT else ""
         raise BenchError(f"{saved.path}: no {name} of {instance.effect.name}{where}") from None
 
 
-def _base_value(name: str, saved: SavedModel) -> float:
-    if name in saved.parameters:
-        return saved.parameters[name]
-    if name in saved.left_out:
+def _base_value(name: str, known: Mapping[str, float], saved: SavedModel) -> float:
+    if name in known:
+        return known[name]
+    if name in saved.model.left_out:
         return 0.0
     raise BenchError(
         f"{saved.path}: no base parameter {name}; the robot's geometry or its base parameters have changed "

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -36,6 +37,16 @@ class Parameter(Quantity):
 
     name: str
     grouping: str
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What a row of a covariance is of. place: the joint of a gain, or where an effect sits."""
+
+    kind: Literal["parameter", "gain", "effect"]
+    name: str
+    place: str = ""
+    effect: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,10 +93,9 @@ class Identification:
 
     gains_fitted is False where no payload of known mass gave the scale: the gains are nominal, and all
     parameters scale with their error. effect_parameters: effect -> place -> parameter, the place being a joint, or
-    joint@recording for the value of one recording. covariance (P, P) of
-    [parameters, linear effect parameters, gains, shape parameters of effects], in this order. left_out: names of the
-    base parameters without which the fit is as good, when only essential ones were asked for; the covariance
-    has a row for each of them. notes: what limits the answer, in words.
+    joint@recording for the value of one recording. covariance (P, P), its rows named by covariance_rows; those of given
+    values and of parameters that were left out are zero. left_out: names of the base parameters without which the fit
+    is as good, when only essential ones were asked for. notes: what limits the answer, in words.
     """
 
     robot: str
@@ -97,6 +107,7 @@ class Identification:
     parameters: tuple[Parameter, ...]
     effect_parameters: Mapping[str, Mapping[str, Mapping[str, Quantity]]]
     covariance: np.ndarray
+    covariance_rows: tuple[Unknown, ...]
     rank: int
     unknowns: int
     condition: float

@@ -19,6 +19,7 @@ from bench.estimate.result import (
     Identification,
     Parameter,
     Quantity,
+    Unknown,
     error_summary,
 )
 from bench.estimate.solution import Solution
@@ -68,6 +69,7 @@ def summarise(
             parameters=parameters,
             effect_parameters=_effects(prepared, solution, std, kept, p + n),
             covariance=spread.covariance,
+            covariance_rows=_rows(prepared, [name for name, _, _ in names]),
             rank=spread.rank,
             unknowns=spread.unknowns,
             condition=spread.condition,
@@ -102,6 +104,23 @@ def modelled_series(prepared: Prepared, observation: Observation, solution: Solu
         moving=observation.moving,
         by_effect=_effect_torques(prepared, observation, solution),
     )
+
+
+def _rows(prepared: Prepared, parameters: Sequence[str]) -> tuple[Unknown, ...]:
+    """What the covariance's rows are of, in the order of [theta, gains, shape parameters]."""
+    linear = [
+        Unknown("effect", one.name, instance.place, instance.effect.name)
+        for instance in prepared.effects
+        for one in instance.effect.parameters
+    ]
+    shapes = [
+        Unknown("effect", one.name, instance.place, instance.effect.name)
+        for instance in prepared.effects
+        for one in instance.effect.shape
+        if not one.discrete
+    ]
+    gains = [Unknown("gain", "gain", joint) for joint in prepared.dataset.robot.joints]
+    return (*(Unknown("parameter", name) for name in parameters), *linear, *gains, *shapes)
 
 
 def _effect_torques(

@@ -1,6 +1,5 @@
 """A saved model with all that carrying it elsewhere needs: its robot, its effects, its covariance."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -116,7 +115,7 @@ def load_identified(
             found = load_robot(spec.robot, relative_to=saved.dataset)
     if found is None:
         if robot is None:
-            robot = saved.robot
+            robot = saved.model.robot
         found = load_robot(robot)
     model = _together(path, saved, found, payloads, catalogue_for(files, tuple(effect_files)))
     return replace(model, effect_files=(*files, *effect_files))
@@ -129,14 +128,14 @@ def _together(
     payloads: Mapping[str, Payload],
     catalogue: Mapping[str, Effect],
 ) -> IdentifiedModel:
-    if set(robot.joints) != set(saved.drive_gains):
+    if set(robot.joints) != set(saved.model.drive_gains):
         raise BenchError(
-            f"{path}: a model of {saved.robot} ({', '.join(saved.drive_gains)}), but robot {robot.name} has the "
-            f"motors {', '.join(robot.joints)}"
+            f"{path}: a model of {saved.model.robot} ({', '.join(saved.model.drive_gains)}), but robot {robot.name} "
+            f"has the motors {', '.join(robot.joints)}"
         )
     model = build_model(robot)
     names = model.base.names
-    unknown = [name for name in names if name not in saved.parameters and name not in saved.left_out]
+    unknown = [name for name in names if name not in saved.parameters and name not in saved.model.left_out]
     if unknown:
         raise BenchError(
             f"{path}: no base parameter {unknown[0]}: the model does not belong to robot {robot.name}, or its "
@@ -144,7 +143,7 @@ def _together(
         )
     loads = _payload_values(saved, names)
     weighed = [name for name, one in payloads.items() if one.mass is not None]
-    instances = select_effects(saved.effects, places_in(model.geometry, weighed), catalogue)
+    instances = select_effects(saved.model.effects, places_in(model.geometry, weighed), catalogue)
     effects = tuple(_with_values(path, saved, one) for one in instances)
     every = (*names, *(f"{PARAMETERS[i]}({load})" for load, values in loads.items() for i in values))
     count = len(every) + sum(len(one.values) for one in effects) + len(robot.joints)
@@ -157,16 +156,16 @@ def _together(
         payloads=loads,
         declared=payloads,
         effects=effects,
-        gains=np.array([saved.drive_gains[joint] for joint in robot.joints]),
-        covariance=_covariance(path, count),
-        fixed=np.array([name in saved.left_out for name in every]),
+        gains=np.array([saved.model.drive_gains[joint].value for joint in robot.joints]),
+        covariance=_covariance(path, saved.model.covariance, count),
+        fixed=np.array([name in saved.model.left_out for name in every]),
     )
 
 
 def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[int, float]]:
     """Estimated parameters of payloads by payload and index, those that were left out too, in the fit's order."""
     found: dict[str, dict[int, float]] = {}
-    for name in (*saved.parameters, *saved.left_out):
+    for name in (*saved.parameters, *saved.model.left_out):
         if name not in base:
             symbol, _, payload = name.removesuffix(")").partition("(")
             found.setdefault(payload, {})[PARAMETERS.index(symbol)] = saved.parameters.get(name, 0.0)
@@ -175,7 +174,8 @@ def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[in
 
 def _with_values(path: Path, saved: SavedModel, instance: EffectInstance) -> EffectValues:
     effect = instance.effect
-    given = saved.effect_parameters.get(effect.name, {}).get(instance.joint or WHOLE_ROBOT, {})
+    known = saved.model.effect_parameters.get(effect.name, {}).get(instance.joint or WHOLE_ROBOT, {})
+    given = {name: one.value for name, one in known.items()}
     wanted = [one.name for one in effect.shape] + [one.name for one in effect.parameters]
     for name in wanted:
         if name not in given:
@@ -186,12 +186,8 @@ def _with_values(path: Path, saved: SavedModel, instance: EffectInstance) -> Eff
     return EffectValues(replace(instance, effect=shaped), linear)
 
 
-def _covariance(path: Path, count: int) -> np.ndarray:
-    content = json.loads(path.read_text(encoding="utf-8"))
-    try:
-        covariance = np.array(content["covariance"], dtype=float)
-    except (KeyError, TypeError, ValueError):
-        raise BenchError(f"{path}: damaged model file: no covariance") from None
+def _covariance(path: Path, covariance: np.ndarray, count: int) -> np.ndarray:
+    """The rows and columns of the model's own parameters, its effects' and the gains."""
     if covariance.ndim != 2 or min(covariance.shape) < count or not np.isfinite(covariance).all():
         raise BenchError(
             f"{path}: its covariance is {' x '.join(map(str, covariance.shape))}, and {count} parameters are needed"

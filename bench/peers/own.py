@@ -68,8 +68,7 @@ def solve_two_masses(problem: Problem, effects: tuple[str, ...] = ()) -> Answer:
     rest, per_mass = _base_of_masses(problem, model)  # the CAD's part, known beforehand
     start = time.perf_counter()
     base, gains = len(rest), len(everything.gains)
-    size = len(result.covariance)
-    kept = [*range(base), *range(size - gains, size)]
+    kept = [i for i, one in enumerate(result.covariance_rows) if i < base or one.kind == "gain"]
     covariance = result.covariance[np.ix_(kept, kept)]
     measured = np.concatenate([[one.value for one in result.parameters[:base]] - rest, everything.gains])
     columns = np.zeros((len(kept), 2 + gains))

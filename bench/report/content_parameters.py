@@ -1,11 +1,10 @@
 """Sections on the parameters: values, deviations, groupings, conditioning, and what was not excited."""
 
-import math
 from itertools import pairwise
 
 import numpy as np
 
-from bench.estimate.result import CurrentSeries, Identification
+from bench.estimate.result import CurrentSeries, Identification, Unknown
 from bench.report.content_effects import effects_table
 from bench.report.parts import Cell, Column, Items, Part, Section, Table, one_figure, row
 from bench.report.thin import significant
@@ -198,8 +197,8 @@ def _not_excited(result: Identification) -> list[str]:
 
 def _alike(result: Identification) -> list[tuple[str, str, float]]:
     """Pairs of estimates whose errors are all but one, the closest first."""
-    names = _covariance_names(result)
-    if names is None:
+    names = [_named(one) for one in result.covariance_rows]
+    if not names:  # a model file of an earlier version does not tell them
         return []
     std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     safe = np.where(std > 0, std, np.inf)
@@ -211,23 +210,7 @@ def _alike(result: Identification) -> list[tuple[str, str, float]]:
     return sorted(pairs, key=lambda one: -abs(one[2]))
 
 
-def _covariance_names(result: Identification) -> list[str] | None:
-    """What the covariance's rows are of; None where that cannot be said for sure."""
-    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0)).tolist()
-    first = [(one.name, one.std) for one in result.parameters]
-    linear: list[tuple[str, float]] = []
-    shapes: list[tuple[str, float]] = []
-    for effect, joint, name, one in flat_effects(result):
-        at = len(first) + len(linear)
-        named = (f"{name} of {effect_name(effect)} at {joint}", one.std)
-        # shape parameters have their rows at the end, behind the gains
-        (linear if at < len(std) and _same(one.std, std[at]) else shapes).append(named)
-    gains = [(f"gain of {joint}", one.std) for joint, one in result.drive_gains.items()]
-    order = [*first, *linear, *gains, *shapes]
-    if len(order) != len(std) or not all(_same(one[1], row) for one, row in zip(order, std, strict=True)):
-        return None
-    return [name for name, _ in order]
-
-
-def _same(one: float, other: float) -> bool:
-    return math.isclose(one, other, rel_tol=1e-9)
+def _named(one: Unknown) -> str:
+    if one.kind == "gain":
+        return f"gain of {one.place}"
+    return one.name if one.kind == "parameter" else f"{one.name} of {effect_name(one.effect)} at {one.place}"

@@ -13,22 +13,13 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from bench.dataset import Dataset, load_dataset
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
 from bench.diagnose.split import with_judged_parts
-from bench.effects import Effect, catalogue_for
+from bench.effects import catalogue_for
 from bench.errors import BenchError
-from bench.estimate.model_file import apply_model, load_model, save_model
-from bench.estimate.result import (
-    CurrentSeries,
-    DriveGain,
-    Identification,
-    Parameter,
-    Quantity,
-    error_summary,
-)
+from bench.estimate.model_file import load_model, read_identification, save_model
+from bench.estimate.result import CurrentSeries, Identification
 from bench.files import finite, write_json_atomically, write_text_atomically
 from bench.report.content_run import Run
 from bench.report.digest import dataset_digest, file_digest
@@ -154,9 +145,10 @@ def read_run(folder: Path) -> Kept:
         diagnosis = None if told is None else _diagnosis(path, told, models, {})
         return Kept(run, dataset, models[0], diagnosis, model, said=said)
     between = _between(path, told)
-    effects = [tuple(load_model(one).effect_parameters) for one in paths]
+    saved = [load_model(one) for one in paths]
+    effects = [tuple(one.model.effect_parameters) for one in saved]
     series = read_series(folder / SERIES_FILE, judged, [*effects, *(() for _ in between)])
-    models = [_identification(one, judged, its) for one, its in zip(paths, series, strict=False)]
+    models = [one.beside(judged, its) for one, its in zip(saved, series, strict=False)]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
     diagnosis = None if told is None else _diagnosis(path, told, models, rungs)
     workbench = None
@@ -166,58 +158,6 @@ def read_run(folder: Path) -> Kept:
         else:
             said = f"{folder}: written by another version: the workbench is worked out anew"
     return Kept(run, dataset, models[0], diagnosis, model, workbench, by or versions(), said)
-
-
-def read_identification(
-    path: Path, dataset: Dataset, catalogue: Mapping[str, Effect] | None = None
-) -> Identification:
-    """A model file as the answer that it was, with the currents that it gives in these recordings."""
-    return _identification(path, dataset, apply_model(dataset, load_model(path), catalogue).recordings)
-
-
-def _identification(path: Path, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
-    """A model file as the answer that it was, with these currents."""
-    saved = load_model(path)
-    content = read_json(path)
-    try:
-        return Identification(
-            robot=saved.robot,
-            robot_folder=str(dataset.robot.folder),
-            method=str(content["method"]),
-            effects=saved.effects,
-            drive_gains={
-                joint: DriveGain(one["value"], _number(one["std"]), one["unit"], one["nominal"])
-                for joint, one in content["drive_gains"].items()
-            },
-            gains_fitted=bool(content["gains_fitted"]),
-            parameters=tuple(
-                Parameter(one["value"], _number(one["std"]), one["unit"], one["name"], one["grouping"])
-                for one in content["parameters"]
-            ),
-            effect_parameters={
-                effect: {
-                    joint: {
-                        name: Quantity(one["value"], _number(one["std"]), one["unit"])
-                        for name, one in values.items()
-                    }
-                    for joint, values in joints.items()
-                }
-                for effect, joints in content["effect_parameters"].items()
-            },
-            covariance=np.array(content["covariance"], dtype=float),
-            rank=int(content["rank"]),
-            unknowns=int(content["unknowns"]),
-            condition=_number(content["condition"]),
-            scaled_condition=_number(content["scaled_condition"]),
-            error=error_summary(series, dataset.robot.joints),
-            settings=saved.settings,
-            deviations=content["deviations"],
-            recordings=tuple(series),
-            left_out=saved.left_out,
-            notes=tuple(content["notes"]),
-        )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise _damaged(path, error) from None
 
 
 def read_json(path: Path) -> dict[str, Any]:
