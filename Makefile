@@ -4,6 +4,7 @@
 #   make test-kernels  the numeric tests under each kernel of OpenBLAS that the processor can execute
 #   make check   the quick reference scenarios beside results/reference (make check-full: all seeds)
 #   make speed   what things cost, beside the last time; history in results/speed
+#   make measured  identify and diagnose measured logs, beside what is known of their machines
 #   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
 #   make docs    the documentation as a site, in site/; open site/index.html
 #   make format  put the code into the shape that `make test` asks for
@@ -18,7 +19,7 @@ INSTALLED := $(VENV)/.installed
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests test-kernels check check-full speed peers docs format constraints clean
+.PHONY: demo test lint types imports tests test-kernels check check-full speed measured peers docs format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -49,6 +50,9 @@ check-full: $(INSTALLED)
 
 speed: $(INSTALLED)
 	$(BIN)/python -m bench.speed
+
+measured: $(INSTALLED)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.measured
 
 peers: $(PEERS)/.installed
 	OPENBLAS_NUM_THREADS=1 $(PEERS)/bin/python -W ignore -m bench.peers

@@ -1,0 +1,33 @@
+"""The records as a page of text."""
+
+from collections.abc import Mapping, Sequence
+
+from bench.measured.known import MachineTable
+from bench.measured.run import Record
+from bench.measured.tables import EXPLANATION, NO, RUN_HEADS, VALUE_HEADS, run_rows, sources, value_rows
+from bench.trial.markdown import table
+
+
+def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
+    """All machines: first what the commands gave, then each with its values beside what is known."""
+    rows = [(one.name, *row) for one in records for row in run_rows(one, machines[one.name])]
+    blocks = ["# On measured logs", EXPLANATION, table(("machine", *RUN_HEADS), map(_weighted, rows))]
+    for record in records:
+        machine = machines[record.name]
+        blocks += [
+            f"## {machine.machine}",
+            f"{machine.log}. Program: commit {record.program.get('commit', '')}.",
+        ]
+        blocks.append("\n".join(f"- {source}" for source in sources(machine)))
+        for run in record.runs:
+            blocks.append(f"### bench {run.command}")
+            if run.failed:
+                blocks.append(f"Failed: {run.failed}")
+                continue
+            blocks.append(table(VALUE_HEADS, map(_weighted, value_rows(run))))
+            blocks.append("\n".join(f"- {sentence}" for sentence in run.said))
+    return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def _weighted(row: Sequence[str]) -> list[str]:
+    return [f"**{cell}**" if cell.split(" ")[-1] == NO else cell for cell in row]

@@ -1,0 +1,159 @@
+"""The records as a page for a browser."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from bench.measured.known import WITHIN, MachineTable
+from bench.measured.run import Record, Run
+from bench.measured.tables import (
+    EXPLANATION,
+    NO,
+    RUN_HEADS,
+    VALUE_HEADS,
+    quantity_name,
+    run_rows,
+    sources,
+    value_rows,
+)
+from bench.report.content_run import versions_of
+from bench.report.content_sweep import footer, generator
+from bench.report.parts import Cell, Column, Commands, Figure, Items, Page, Part, Row, Section, Table, Tile
+from bench.report.parts import one_figure as figure_of
+from bench.report.thin import significant
+from bench.report.words import plural, share, typeset
+
+ROLES = ("before", "after", "noise")
+LINE = 16  # px, of an interval
+RUN_KINDS: Mapping[str, Literal["words"]] = {"command": "words", "missing, as it says": "words"}
+
+
+def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable], again: str) -> Page:
+    """What comes out on measured logs. again: the command that gives this page."""
+    return Page(
+        title="On measured logs",
+        facts=(plural(len(records), "machine"), plural(sum(len(one.runs) for one in records), "command")),
+        verdict=_verdict(records),
+        tiles=_tiles(records, machines),
+        sections=(
+            _commands_section(records, machines),
+            *(_machine_section(one, machines[one.name]) for one in records),
+            _again_section(records, again),
+        ),
+        generator=generator(),
+        footer=footer(),
+    )
+
+
+def _verdict(records: Sequence[Record]) -> tuple[str, ...]:
+    """Two sentences: how many values are right, and which are wrong."""
+    told = [(one, run, row) for one in records for run in one.runs for row in run.rows]
+    inside = [row.inside for _, _, row in told if row.inside is not None]
+    reached = [row.reached for _, _, row in told if row.reached is not None]
+    first = (
+        f"Of {plural(len(inside), 'value')} that can be compared, {sum(inside)} are inside twice their stated "
+        f"deviation and what the reference may be off by"
+    )
+    first += f"; of {plural(len(reached), 'goal')} {sum(reached)} are reached." if reached else "."
+    wrong = [
+        f"{quantity_name(row)} of {row.place} ({one.name}, {run.command.split(' ')[0]}, {share(row.off, signed=True)})"
+        for one, run, row in told
+        if row.inside is False
+    ]
+    failed = [f"bench {run.command}" for one in records for run in one.runs if run.failed]
+    second = f"Outside: {'; '.join(wrong)}." if wrong else "None is outside."
+    third = (f"No answer: {'; '.join(failed)}.",) if failed else ()
+    return tuple(typeset(one) for one in (first, second, *third))
+
+
+def _tiles(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> tuple[Tile, ...]:
+    tiles = []
+    for one in records:
+        best = [run for run in one.runs if run.error_identify is not None]
+        if best:
+            last = best[-1]
+            known = last.error_validate if last.error_validate is not None else last.error_identify
+            kind = "not fitted" if last.error_validate is not None else "fitted"
+            machine = machines[one.name].machine.split(":")[0]
+            tiles.append(Tile(machine, share(known), f"error, {kind}, after {last.command.split(' ')[0]}"))
+    return tuple(tiles)
+
+
+def _commands_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
+    columns = tuple(Column(head, RUN_KINDS.get(head, "right")) for head in RUN_HEADS)
+    rows = tuple(_row(cells) for one in records for cells in run_rows(one, machines[one.name]))
+    table = Table("Commands", "", columns, rows)
+    return Section("commands", "What the commands gave", EXPLANATION, (table,), "Commands")
+
+
+def _machine_section(record: Record, machine: MachineTable) -> Section:
+    parts: list[Part] = [*_figure(record)]
+    for run in record.runs:
+        title = typeset(f"bench {run.command}")
+        if run.failed:
+            parts.append(Items(title, "", (run.failed,)))
+            continue
+        columns = tuple(
+            Column(head, "right" if head in ("value ± std", "known", "off by", "goal") else "keep")
+            for head in VALUE_HEADS
+        )
+        parts.append(Table(title, "", columns, tuple(map(_row, value_rows(run)))))
+        if run.said:
+            parts.append(Items("What it says", "", tuple(map(typeset, run.said)), folded=not run.diagnosis))
+    parts.append(Items("What is known, and from where", "", tuple(map(typeset, sources(machine)))))
+    return Section(record.name, machine.machine, typeset(f"{machine.log}."), tuple(parts), record.name)
+
+
+def _figure(record: Record) -> list[Figure]:
+    """How far every estimate is from what is known, an interval for each command."""
+    runs = [run for run in record.runs if not run.failed]
+    names = list(
+        dict.fromkeys((quantity_name(r), r.place) for run in runs for r in run.rows if r.known is not None)
+    )
+    if not names:
+        return []
+    rule = {"kind": "rule", "role": "noise", "name": "as known", "axis": "x", "at": 0.0, "dashed": True}
+    series: list[dict[str, Any]] = [rule]
+    for i, run in enumerate(runs):
+        series.append(_intervals(run, names, ROLES[i % len(ROLES)], (i + 0.5) / len(runs) - 0.5))
+    labels = [typeset(f"{quantity} of {place}") for quantity, place in names]
+    spec = {
+        "label": "Estimates beside what is known",
+        "height": 76 + (LINE * len(runs) + 8) * len(labels),
+        "x": {"label": "off from what is known [%]", "percent": True},
+        "panels": [{"y": {"scale": "band", "categories": labels}, "series": series}],
+    }
+    aid = f"Whiskers: {WITHIN:g} of the stated deviations. The reference's own uncertainty stands in the tables."
+    return [figure_of("Estimates beside what is known", aid, spec)]
+
+
+def _intervals(run: Run, names: Sequence[tuple[str, str]], role: str, shift: float) -> dict[str, Any]:
+    found = {(quantity_name(one), one.place): one for one in run.rows}
+    rows = [found.get(name) for name in names]
+    centre = np.array([np.nan if one is None or one.off is None else one.off for one in rows])
+    half = np.array([np.nan if one is None or one.claimed is None else one.claimed for one in rows])
+    return {
+        "kind": "intervals",
+        "role": role,
+        "name": typeset(run.command),
+        "shift": 0.7 * shift,
+        "y": list(range(len(names))),
+        "x": significant(centre),
+        "low": significant(centre - half),
+        "high": significant(centre + half),
+    }
+
+
+def _row(cells: Sequence[str]) -> Row:
+    return Row(tuple(Cell(typeset(text), "poor" if text.split(" ")[-1] == NO else "") for text in cells))
+
+
+def _again_section(records: Sequence[Record], again: str) -> Section:
+    programs = [one.program for one in records]
+    columns = {name: [one.get(name, "") for one in programs] for name in programs[0]} if programs else {}
+    parts: tuple[Part, ...] = (
+        Commands("Run it again", "The logs are found through $PARABENCH_DATA.", (again,)),
+        versions_of(columns),
+    )
+    return Section("run", "How to run it again, and versions", "", parts, "Versions")

@@ -1,0 +1,170 @@
+"""The benchmark on measured logs: what is known is read, compared without favour, and shown."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from bench.effects import CATALOGUE
+from bench.errors import BenchError
+from bench.measured import __main__ as program
+from bench.measured.known import Compared, Known, compared, known_machines
+from bench.measured.machines import MACHINES
+from bench.measured.markdown import measured_markdown
+from bench.measured.run import Named, Record, Run, Step, keep, kept
+
+GAIN = Compared("drive_gain", "j1", "N*m/A", 11.0, 0.3, 10.0, 0.02, 0.05)
+
+
+def test_every_machine_has_a_table_whose_effects_are_in_the_catalogue() -> None:
+    assert list(known_machines()) == sorted(MACHINES)
+    for table in known_machines().values():
+        named = {*table.effects, *(one for start in table.diagnose_with for one in start)}
+        named |= {one.of for one in table.known} - {"drive_gain", "parameter"}
+        assert named <= set(CATALOGUE)
+        for one in table.known:
+            if one.parameter:
+                assert one.parameter in [parameter.name for parameter in CATALOGUE[one.of].parameters]
+
+
+@pytest.mark.parametrize(
+    ("change", "inside", "reached"),
+    [
+        ({}, False, False),  # 10 % off, where 6 % and 2 % are granted
+        ({"std": 0.41}, True, False),
+        ({"value": 10.79}, True, False),
+        ({"value": 10.4}, True, True),
+        ({"value": 9.1}, False, False),
+        ({"std": None}, False, False),  # the data do not determine it: nothing was claimed
+        ({"value": None}, None, False),  # the model has none
+        ({"fixed": True}, None, None),  # the nominal value, kept
+        ({"known": None, "goal": None}, None, None),
+        ({"known": -10.0}, False, False),
+    ],
+)
+def test_inside_and_reached(change: dict[str, object], inside: bool | None, reached: bool | None) -> None:
+    one = replace(GAIN, **change)  # type: ignore[arg-type]
+    assert (one.inside, one.reached) == (inside, reached)
+
+
+def model(**friction: float) -> dict[str, object]:
+    """A model as JSON holds it; friction by motor, with a tenth as deviation."""
+    return {
+        "gains_fitted": True,
+        "drive_gains": {"a": {"value": 2.0, "std": 0.1, "unit": "N*m/A"}},
+        "parameters": [{"name": "m(arm)", "value": 3.0, "std": None, "unit": "kg"}],
+        "effect_parameters": {
+            "viscous_friction": {
+                motor: {"Fv": {"value": value, "std": 0.1 * value, "unit": "N*m*s/rad"}}
+                for motor, value in friction.items()
+            }
+        },
+    }
+
+
+def test_a_friction_that_two_motors_share_is_summed_with_its_deviation() -> None:
+    known = Known(
+        of="viscous_friction",
+        parameter="Fv",
+        values={"elbow": 10.0},
+        felt={"elbow": {"a": 4.0, "b": 1.0}},
+        source="told",
+    )
+    gain, sum_of_both = compared(model(a=1.0, b=3.0), (known,))
+    assert (gain.quantity, gain.place, gain.known) == ("drive_gain", "a", None)
+    assert sum_of_both.value == pytest.approx(7.0)
+    assert sum_of_both.std == pytest.approx(0.5)
+    (_, lacking) = compared(model(a=1.0), (known,))
+    assert lacking.value is None
+
+
+def test_parameters_are_found_by_name_and_gains_stand_once() -> None:
+    known = (
+        Known(of="parameter", values={"m(arm)": 3.0}, source="told"),
+        Known(of="drive_gain", values={"a": 2.5}, source="told"),
+    )
+    mass, gain = compared(model(), known)
+    assert (mass.value, mass.std, mass.inside) == (3.0, None, False)
+    assert (gain.known, gain.off) == (2.5, pytest.approx(-0.2))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"of": "drive_gain", "parameter": "Fv", "values": {"a": 1.0}, "source": "told"},
+        {"of": "viscous_friction", "values": {"a": 1.0}, "source": "told"},
+        {"of": "drive_gain", "values": {"a": 1.0}, "goal": {"b": 0.1}, "source": "told"},
+    ],
+)
+def test_a_table_that_does_not_fit_is_refused(wrong: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match="should"):
+        Known(**wrong)  # type: ignore[arg-type]
+
+
+def record() -> Record:
+    """One of each kind of run: right, wrong, and failed."""
+    identified = Run(
+        "identify ur10e", 1.2, (), 0.05, 0.06, rows=(GAIN, replace(GAIN, place="j2", value=10.1))
+    )
+    diagnosed = Run(
+        "diagnose ur10e",
+        3.4,
+        ("coulomb_friction",),
+        0.03,
+        0.04,
+        rows=(replace(GAIN, std=None),),
+        said=("Coulomb friction is missing.",),
+        found=(Named("coulomb_friction", "missing", ("j1",), ("stribeck_friction",)),),
+        ladder=(Step((), 0.5, 0.6), Step(("coulomb_friction",), 0.03, 0.04)),
+        noise_floor=0.01,
+    )
+    failed = Run("diagnose ur10e --with x", 0.1, failed="bench: no effect 'x'")
+    return Record("ur10e", (identified, diagnosed, failed), {"commit": "abc"})
+
+
+def test_a_record_is_kept_whole_and_wrong_values_show(tmp_path: Path) -> None:
+    keep(record(), tmp_path)
+    assert kept(tmp_path) == [record()]
+    text = measured_markdown(kept(tmp_path), known_machines())
+    assert (
+        "| drive gain | j1 | 11.00 ± 0.30 | N·m/A | 10 ± 2.00 % | +10.00 % | **NO** | 5.00 % | **NO** |"
+        in text
+    )
+    assert "1 of 2" in text
+    assert "bench: no effect 'x'" in text
+    program.write_pages(tmp_path)
+    page = (tmp_path / "measured.html").read_text(encoding="utf-8")
+    assert "no effect &#39;x&#39;" in page
+    assert "not determined" in page
+
+
+def test_a_damaged_record_is_named(tmp_path: Path) -> None:
+    (tmp_path / "emps.json").write_text('{"name": "emps"}', encoding="utf-8")
+    with pytest.raises(BenchError, match=r"emps\.json: "):
+        kept(tmp_path)
+
+
+def test_an_unknown_machine_and_absent_logs_are_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PARABENCH_DATA", str(tmp_path))
+    assert program.main(["atlas", "-o", str(tmp_path / "out")]) == 2
+    assert program.main(["emps", "-o", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err.splitlines()
+    assert [line.startswith("bench: ") for line in error] == [True, True]
+    assert "PARABENCH_DATA" in error[1]
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_slide_is_measured(measured_data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if not (measured_data / "emps").is_dir():
+        pytest.skip("the measured EMPS data are not here (set PARABENCH_DATA)")
+    monkeypatch.setenv("PARABENCH_DATA", str(measured_data))
+    assert program.main(["emps", "-o", str(tmp_path)]) == 0
+    (found,) = kept(tmp_path)
+    assert [run.command.split()[0] for run in found.runs] == ["identify", "diagnose", "diagnose"]
+    assert all(not run.failed and run.seconds > 0.0 for run in found.runs)
+    content = json.loads((tmp_path / "emps.json").read_text(encoding="utf-8"))
+    mass = next(row for row in content["runs"][0]["rows"] if row["place"] == "m(carriage)")
+    assert mass["value"] == pytest.approx(95.1, rel=0.02)
