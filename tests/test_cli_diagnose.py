@@ -16,11 +16,13 @@ from bench.diagnose.as_json import diagnosis_json
 from bench.diagnose.possible import impossible_effects, refused, superfluous_effect
 from bench.diagnose.result import LadderStep
 from bench.diagnose.summary import doubts, error_share, motor_torques, reason, summary_sentences
+from bench.document.diagnosis import ranking_table, size_words
+from bench.document.terminal import bar
 from bench.effects import CATALOGUE, EffectInstance
 from bench.estimate.model_file import apply_model, load_model
 from bench.estimate.result import Quantity, relative_error
 from bench.robot import load_robot
-from bench.show.diagnosis import bar, diagnosis_report, ranking_table, size_words
+from bench.show.diagnosis import diagnosis_report
 from bench.show.diagnosis_figures import (
     errors_before_after_figure,
     gains_figure,

@@ -60,7 +60,7 @@ def test_what_rounding_leaves_is_nothing():
         replace(diagnosis(), ranking=(replace(first, evidence=-1e-13), *others)), dataset(), AGAIN
     )
     (ranking,) = [one for one in page.sections if one.id == "ranking"]
-    assert ranking.parts[0].rows[0].cells[5].text == "0"
+    assert ranking.parts[0].rows[0].cells[2].text == "0.0"
 
 
 def test_an_effect_that_tells_no_law_has_none():

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
+from bench.document.numbers import error_deviation, percent
 from bench.errors import BenchError
 from bench.robot import load_robot
 from bench.show import body_motion
 from bench.show import recording as writer
-from bench.show.numbers import error_deviation
 from bench.show.recording import entity_roots, write_rrd
 from bench.show.scene import PAYLOAD_DENSITY
 from tests.rrd_reader import batches, columns, numbers, static_value, verified
@@ -126,9 +126,12 @@ def test_text_tells_gains_parameters_effects_errors_and_notes(written):
     (parameters,) = static_value(path, "/parameters", "TextDocument:text")
     assert static_value(path, "/summary", "TextDocument:media_type") == ["text/markdown"]
     gain = result.drive_gains[dataset.robot.joints[0]]
-    assert f"| {dataset.robot.joints[0]} | {gain.value:.4f} ± 0.0015 | N·m/A |" in summary
+    assert (
+        f"| {dataset.robot.joints[0]} | {gain.value:.4f} ± 0.0015 | {percent(gain.relative_std)} | N·m/A |"
+        in summary
+    )
     assert "3.2500" in summary
-    assert "0.1200 ± 0.0030 | N·m·s/rad" in summary
+    assert "0.1200 ± 0.0030 | 2.50 % | N·m·s/rad" in summary
     assert result.notes[0] in summary
     for one in result.parameters:
         assert one.grouping in parameters

@@ -9,20 +9,21 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
-from bench.estimate.model_file import Comparison
-from bench.estimate.result import CurrentSeries, DriveGain, Quantity, relative_error
-from bench.robot import load_robot
-from bench.show.columns import Column, fit_columns
-from bench.show.numbers import (
+from bench.document.numbers import (
     deviations_away,
+    off_by,
     other_terms,
     percent,
     pretty_unit,
-    relative_error_to,
     rounded_terms,
     settings_lines,
     value_and_deviation,
 )
+from bench.document.table import Column
+from bench.document.terminal import Strip, fit_strips
+from bench.estimate.model_file import Comparison
+from bench.estimate.result import CurrentSeries, DriveGain, Quantity, relative_error
+from bench.robot import load_robot
 from bench.show.tables import comparison_report, identification_report
 from tests.shown import LONG, dataset_of, identification_of
 
@@ -85,13 +86,15 @@ def test_percentages(share, expected):
 
 def test_what_is_off_is_said_in_percent_and_in_deviations():
     quantity = Quantity(1.02, 0.01, "kg")
-    assert relative_error_to(quantity, 1.0) == "+2.00 %"
-    assert deviations_away(quantity, 1.0) == "+2.0 σ"
-    assert (
-        relative_error_to(replace(quantity, value=-1.02), -1.0) == "-2.00 %"
-    )  # of one sign with the deviations
-    assert relative_error_to(quantity, 0.0) == "–"
-    assert deviations_away(replace(quantity, std=0.0), 1.0) == "–"
+    negative = replace(quantity, value=-1.02)
+    off = [off_by(quantity, 1.0), off_by(negative, -1.0), off_by(quantity, 0.0)]
+    assert Column("off by", off, "change").texts == [
+        "+2.00 %",
+        "-2.00 %",
+        "–",
+    ]  # of one sign with the deviations
+    away = [deviations_away(quantity, 1.0), deviations_away(replace(quantity, std=0.0), 1.0)]
+    assert Column("in std", away, "sigma").texts == ["+2.0 σ", "–"]
 
 
 def test_a_grouping_is_taken_apart_without_its_own_parameter():
@@ -248,10 +251,10 @@ def test_a_comparison_is_told_by_recording_and_motor(result):
 
 
 def test_columns_of_the_highest_rank_go_first():
-    columns = [Column("a", ["x" * 10]), Column("b", ["y" * 10], rank=1), Column("c", ["z" * 10], rank=2)]
-    assert [column.header for column in fit_columns(columns, 34).columns] == ["a", "b", "c"]
-    assert fit_columns(columns, 34).gap == 2
-    assert fit_columns(columns, 32).gap == 1
-    assert [column.header for column in fit_columns(columns, 31).columns] == ["a", "b"]
-    assert [column.header for column in fit_columns(columns, 5).columns] == ["a"]
-    assert fit_columns(columns, 5).room == -5
+    columns = [Strip("a", ["x" * 10]), Strip("b", ["y" * 10], rank=1), Strip("c", ["z" * 10], rank=2)]
+    assert [column.header for column in fit_strips(columns, 34).strips] == ["a", "b", "c"]
+    assert fit_strips(columns, 34).gap == 2
+    assert fit_strips(columns, 32).gap == 1
+    assert [column.header for column in fit_strips(columns, 31).strips] == ["a", "b"]
+    assert [column.header for column in fit_strips(columns, 5).strips] == ["a"]
+    assert fit_strips(columns, 5).room == -5

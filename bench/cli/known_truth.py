@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from bench.dataset import Dataset
+from bench.document.numbers import effect_key
 from bench.errors import BenchError
 from bench.model.model import build_model
-from bench.show.numbers import effect_key
 from bench.show.story import Known
 from bench.sweep.true_parameters import true_values
 from bench.trial.true_effects import as_logged

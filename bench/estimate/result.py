@@ -1,13 +1,19 @@
 """An identified model, with all that is needed to trust it, to save it and to apply it to other recordings."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from bench.estimate.deviations import Deviations
+from bench.estimate.frame import data_frame
 from bench.signals.settings import FilterSettings
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -132,6 +138,11 @@ class Identification:
             {"kind": kind, "name": name, "value": one.value, "std": one.std, "unit": one.unit}
             for kind, name, one in named
         ]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The same as a data frame. Needs pandas."""
+        rows = self.rows()
+        return data_frame({name: [row[name] for row in rows] for name in rows[0]})
 
 
 def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) -> float | None:

@@ -1,28 +1,24 @@
 """Sections on effects and gains: the ranking with its reasons, and the drive gains before and after."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from bench.chi_squared import WITHIN_95
 from bench.diagnose.result import Diagnosis, EffectVerdict
-from bench.diagnose.summary import effort_unit, error_share, reason
+from bench.diagnose.summary import reason
+from bench.document import table as document
+from bench.document.diagnosis import gains_before_after, ranking_table
+from bench.document.identification import gains_table
+from bench.document.numbers import gain_change
 from bench.effects import Effect
-from bench.estimate.result import DriveGain, Identification
-from bench.report.parts import Cell, Column, Items, Part, Row, Section, Table, one_figure, row
+from bench.estimate.result import Identification
+from bench.report.parts import Column, Items, Part, Section, Table, one_figure, row
+from bench.report.tables import on_page
 from bench.report.thin import significant
-from bench.report.words import (
-    effect_name,
-    said_list,
-    share,
-    short,
-    typeset,
-    with_std,
-)
-from bench.show.numbers import flat_effects, gain_change, pretty_unit
+from bench.report.words import effect_name, typeset
 
-ROUNDING = 1e-6  # of an evidence in nats, of a share
-FEW = 4  # alternatives named in a cell
 UNSUPPORTED = ("not supported", "absorbed")
 VERDICTS_AID = (
     "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
@@ -42,9 +38,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
     absorbed = [one for one in diagnosis.ranking if one.verdict == "absorbed"]
     parts: list[Part] = []
     if shown:
-        parts.append(
-            Table("Effects that count", VERDICTS_AID, _COLUMNS, tuple(_row(diagnosis, one) for one in shown))
-        )
+        parts.append(on_page(ranking_table(diagnosis, shown), "Effects that count", VERDICTS_AID))
         parts += _laws(diagnosis, catalogue)
         parts.append(
             Items("Why", "", tuple(typeset(reason(diagnosis, one)) for one in shown)),
@@ -52,26 +46,14 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
     else:
         parts.append(Items("Effects that count", "", ("None: no effect of the catalogue is supported.",)))
     if rest:
-        rows = tuple(
-            row(
-                effect_name(one.effect),
-                share(one.error_before),
-                share(one.error_after),
-                short(_not_rounding(one.evidence)),
-                typeset(one.why),
-            )
-            for one in rest
-        )
-        columns = (
-            Column("effect", "keep"),
-            Column("error without", "right"),
-            Column("error with", "right"),
-            Column("evidence", "right"),
-            Column("reason", "words"),
-        )
         title = f"{len(rest)} effects that the data do not support"
         parts.append(
-            Table(title, "Adding one of them gains nothing that is sure.", columns, rows, folded=True)
+            on_page(
+                _with_reasons(diagnosis, rest),
+                title,
+                "Adding one of them gains nothing that is sure.",
+                folded=True,
+            )
         )
     if absorbed:
         title = f"{len(absorbed)} effects that no data of this robot could show"
@@ -94,6 +76,14 @@ def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
     return [Table("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
 
 
+def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> document.Table:
+    """The ranking of some effects with the sentence on each."""
+    table = ranking_table(diagnosis, chosen)
+    kept = [one for one in table.columns if one.header != "verdict"]
+    reasons = document.Column("reason", [one.why for one in chosen], "sentence")
+    return replace(table, columns=(*kept, reasons))
+
+
 def not_ranked_section() -> Section:
     """Says that nothing was looked for."""
     said_so = (
@@ -104,68 +94,6 @@ def not_ranked_section() -> Section:
     )
 
 
-_COLUMNS = (
-    Column("effect", "keep"),
-    Column("verdict"),
-    Column("at"),
-    Column("error without", "right"),
-    Column("error with", "right"),
-    Column("evidence", "right"),
-    Column("RMS size, largest"),
-    Column("of squared error", "right"),
-    Column("alternatives"),
-)
-
-
-def _row(diagnosis: Diagnosis, one: EffectVerdict) -> Row:
-    size = ""
-    if one.size:
-        joint = max(one.size, key=lambda name: one.size[name])
-        size = f"{short(one.size[joint], 3)} {effort_unit(diagnosis.after, joint)}"
-        size += f" at {joint}" if len(one.size) > 1 else ""
-    return row(
-        effect_name(one.effect),
-        Cell(one.verdict, f"badge {one.verdict}"),
-        _places(diagnosis, one),
-        share(one.error_before),
-        share(one.error_after),
-        short(_not_rounding(one.evidence)),
-        size or "–",
-        _most(error_share(one)),
-        _few([effect_name(name) for name in one.alternatives]),
-        kind="strong" if one.effect in diagnosis.missing else "",
-    )
-
-
-def _places(diagnosis: Diagnosis, one: EffectVerdict) -> str:
-    """Where an effect shows, in few words: the sentence beside has them all."""
-    motors = list(diagnosis.after.drive_gains)
-    if list(one.actuators) == motors and len(motors) > 1:
-        return "all motors"
-    return f"{len(one.actuators)} joints" if len(one.actuators) > 3 else said_list(one.actuators)
-
-
-def _few(names: list[str]) -> str:
-    """The first of many names: the sentence beside has them all."""
-    return (
-        said_list(names)
-        if len(names) <= FEW
-        else f"{said_list(names[: FEW - 1])} and {len(names) - FEW + 1} more"
-    )
-
-
-def _most(part: float | None) -> str:
-    """A share near one to the digits that tell it from one."""
-    if part is None:
-        return "–"
-    return "> 99.9\u00a0%" if part > 0.999 else f"{typeset(f'{100.0 * _not_rounding(part):.3g}')}\u00a0%"
-
-
-def _not_rounding(value: float) -> float:
-    """Zero for what is left of a difference of equal numbers."""
-    return value if abs(value) > ROUNDING else 0.0
-
-
 def gains_section(after: Identification, before: Identification | None) -> Section:
     """Drive gains with their 95 % intervals beside the nominal values; before: without what is missing."""
     if not after.gains_fitted:
@@ -173,13 +101,8 @@ def gains_section(after: Identification, before: Identification | None) -> Secti
             "No fitted recording carries a payload of known mass, which alone gives the gains their scale: they stay "
             "at their nominal values, and every parameter is wrong by the same share as the gain that scales it."
         )
-        rows = tuple(
-            row(joint, short(gain.nominal, 6), pretty_unit(gain.unit))
-            for joint, gain in after.drive_gains.items()
-        )
-        columns = (Column("motor"), Column("nominal", "right"), Column("unit", "keep"))
-        table = Table("Nominal gains", "As the maker's sheet gives them; not identified.", columns, rows)
-        return Section("gains", "Drive gains", lead, (table,))
+        aid = "As the maker's sheet gives them; not identified."
+        return Section("gains", "Drive gains", lead, (on_page(gains_table(after), "Nominal gains", aid),))
     models: list[tuple[str, str, Identification]] = [("after", "completed model", after)]
     if before is None:
         models = [("after", "identified", after)]
@@ -188,7 +111,10 @@ def gains_section(after: Identification, before: Identification | None) -> Secti
     lead = "What a motor really gives for its current, fitted together with the dynamic parameters."
     if before is not None:
         lead += " A model that lacks an effect bends the gains to make up for it."
-    return Section("gains", "Drive gains", lead, (_gains_figure(models), _gains_table(after, before)))
+    aid = "After ±: the standard deviation, under rel. std in percent. 95 % intervals are twice as wide."
+    values = gains_table(after) if before is None else gains_before_after(before, after)
+    table = on_page(values, "The same in numbers", aid)
+    return Section("gains", "Drive gains", lead, (_gains_figure(models), table))
 
 
 def _gains_figure(models: list[tuple[str, str, Identification]]) -> Part:
@@ -219,59 +145,3 @@ def _gains_figure(models: list[tuple[str, str, Identification]]) -> Part:
     }
     aid = "Whiskers: 95 % intervals, where they are wider than a dot. A maker's sheet is often wrong by a tenth."
     return one_figure("Drive gains against their nominal values", aid, spec)
-
-
-def _gains_table(after: Identification, before: Identification | None) -> Table:
-    columns = [Column("motor"), Column("unit", "keep"), Column("nominal", "right")]
-    if before is not None:
-        columns += [Column("model as it is", "right"), Column("completed model", "right")]
-        columns += [Column("moves by", "right")]
-    else:
-        columns += [Column("identified", "right")]
-    columns += [Column("std", "right"), Column("from nominal", "right")]
-    rows = []
-    for joint, gain in after.drive_gains.items():
-        cells = [joint, pretty_unit(gain.unit), short(gain.nominal, 6)]
-        if before is not None:
-            old: DriveGain = before.drive_gains[joint]
-            cells += [
-                with_std(old),
-                with_std(gain),
-                share(gain.value / old.value - 1.0, signed=True),
-            ]
-        else:
-            cells += [with_std(gain)]
-        rows.append(row(*cells, share(gain.relative_std), share(gain_change(gain), signed=True)))
-    aid = "After ± and under std, in percent of the value: the standard deviation. 95 % intervals are twice as wide."
-    return Table("The same in numbers", aid, tuple(columns), tuple(rows))
-
-
-def effects_table(result: Identification) -> Table:
-    """Parameters of the effects that a model has."""
-    rows = []
-    last = ""
-    for effect, joint, name, one in flat_effects(result):
-        first = effect_name(effect) if effect != last else ""
-        rows.append(
-            row(first, joint, name, with_std(one), pretty_unit(one.unit), share_of(one.std, one.value))
-        )
-        last = effect
-    columns = (
-        Column("effect", "keep"),
-        Column("at"),
-        Column("parameter"),
-        Column("value ± std", "right"),
-        Column("unit", "keep"),
-        Column("std of value", "right"),
-    )
-    return Table(
-        "Parameters of the effects", "The laws stand in bench/effects/README.md.", columns, tuple(rows)
-    )
-
-
-def share_of(std: float, value: float) -> Cell:
-    """The deviation in percent of the value, marked where the value says little; a dash where it was given."""
-    if std == 0.0 or value == 0.0:
-        return Cell("–")
-    part = std / abs(value)
-    return Cell(share(part) if np.isfinite(part) else "not determined", "poor" if part > 0.3 else "")

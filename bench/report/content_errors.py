@@ -1,29 +1,28 @@
 """Sections on the size of the errors: the ladder, errors by recording and motor, the currents themselves."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 from bench.compare.motor import MotorSeries
 from bench.diagnose.result import Diagnosis
-from bench.estimate.result import CurrentSeries, relative_error
+from bench.document import identification as document
+from bench.document.diagnosis import ladder_table, step_labels
+from bench.document.numbers import USES
+from bench.estimate.result import CurrentSeries
 from bench.report.chart_motor import currents_spec
 from bench.report.parts import (
     Chart,
     Choice,
-    Column,
     Figure,
-    Row,
     Section,
     Table,
     Text,
     Variant,
     one_figure,
-    row,
 )
 from bench.report.shown import Shown
+from bench.report.tables import on_page
 from bench.report.thin import significant
-from bench.report.words import effect_name, plural, share, typeset
-from bench.show.numbers import USES
+from bench.report.words import plural, share, typeset
 
 MOST_NUMBERS = 45_000  # of all curves of the currents together: about 0.4 MB
 MOST_POINTS, FEWEST_POINTS = 1200, 120  # of one curve
@@ -35,11 +34,7 @@ ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current
 def ladder_section(diagnosis: Diagnosis) -> Section:
     """The error after each added effect."""
     steps = diagnosis.ladder
-    names = ["model as it is"]
-    names += [
-        "+ " + ", ".join(effect_name(one) for one in after.effects if one not in before.effects)
-        for before, after in pairwise(steps)
-    ]
+    names = step_labels(steps)
     floor = diagnosis.unexplained.noise_floor
     lines = []
     for role, name, values in (
@@ -71,11 +66,6 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
             }
         ],
     }
-    rows = [
-        row(name, share(step.identify), share(step.validate), kind="")
-        for name, step in zip(names, steps, strict=True)
-    ]
-    rows.append(row("noise of the currents", "", share(floor), kind="weak"))
     lead = f"How the error falls as effects are added, the one that helps most first; judged on {diagnosis.split}."
     aid = "Down to the grey line: nothing is left but noise. Where only the fitted error falls, the model fits noise."
     figure: Figure | Text = one_figure("Error after each added effect", aid, spec)
@@ -84,16 +74,9 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
         only = steps[0].identify if steps[0].validate is None else steps[0].validate
         said = f"No effect was added: the model as it is leaves an error of {share(only)}, noise alone {share(floor)}."
         figure = Text("", (typeset(said),))
-    columns = (Column("model"), Column("error, fitted", "right"), Column("error, not fitted", "right"))
-    return Section(
-        "ladder",
-        "The ladder",
-        typeset(lead),
-        (
-            figure,
-            Table("The same in numbers" if len(steps) > 1 else "In numbers", ERROR_AID, columns, tuple(rows)),
-        ),
-    )
+    title = "The same in numbers" if len(steps) > 1 else "In numbers"
+    table = on_page(ladder_table(diagnosis), title, ERROR_AID)
+    return Section("ladder", "The ladder", typeset(lead), (figure, table))
 
 
 def errors_section(shown: Shown, recordings: Sequence[CurrentSeries], noise: float) -> Section:
@@ -106,29 +89,12 @@ def errors_table(shown: Shown, recordings: Sequence[CurrentSeries], noise: float
     """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all together."""
     joints = list(shown.what.joints)
     many = len(joints) > 1
-    columns = (
-        Column("recording"),
-        Column("use", "keep"),
-        Column("payload"),
-        *(Column(joint, "right") for joint in joints if many),
-        Column("all motors" if many else "error", "right"),
-    )
-    rows: list[Row] = []
-    for use, name in USES.items():
-        chosen = [one for one in recordings if one.use == use]
-        groups = [(one.name, name, one.payload or "none", [one], "") for one in chosen]
-        if len(chosen) > 1:
-            groups.append((f"all {name}", "", "", chosen, "strong"))
-        for first, second, load, series, kind in groups:
-            cells = [share(relative_error(series, j)) for j in range(len(joints)) if many]
-            rows.append(row(first, second, load, *cells, share(relative_error(series)), kind=kind))
-    by_motor = [share(one.noise) for one in shown.where.motors] if many else []
-    if len(by_motor) == len(joints) * many:
-        rows.append(row("noise of the currents", "", "", *by_motor, share(noise), kind="weak"))
+    by_motor = [one.noise for one in shown.where.motors]
+    noises = (by_motor, noise) if many and len(by_motor) == len(joints) else None
     title = "Error by recording and motor" if many else "Error by recording"
     if shown.name:
         title += f", {shown.name}"
-    return Table(title, ERROR_AID, columns, tuple(rows))
+    return on_page(document.errors_table(recordings, joints, noises), title, ERROR_AID)
 
 
 def currents_section(models: Sequence[Shown]) -> Section:

@@ -4,21 +4,19 @@ from itertools import pairwise
 
 import numpy as np
 
-from bench.estimate.result import CurrentSeries, Identification, Unknown
-from bench.report.content_effects import effects_table
-from bench.report.parts import Cell, Column, Items, Part, Section, Table, one_figure, row
-from bench.report.thin import significant
-from bench.report.words import effect_name, plural, relative_std, share, short, typeset, with_std
-from bench.show.numbers import (
+from bench.document.identification import effects_table, parameters_table
+from bench.document.numbers import (
     POOR,
     current_unit,
     flat_effects,
     is_poor,
-    other_terms,
-    pretty_unit,
-    rounded_terms,
     settings_lines,
 )
+from bench.estimate.result import CurrentSeries, Identification, Unknown
+from bench.report.parts import Column, Items, Part, Section, Table, one_figure, row
+from bench.report.tables import on_page
+from bench.report.thin import significant
+from bench.report.words import effect_name, plural, share, short, typeset
 
 ALIKE = 0.95  # correlation of two estimates from which on one can stand for the other
 MOST_PAIRS = 10
@@ -27,27 +25,16 @@ REVERSALS = 3  # fewer in all recordings tell little of friction
 
 def parameters_section(after: Identification, before: Identification | None) -> Section:
     """Base, payload and effect parameters with their relative deviations and groupings."""
-    old = {one.name: one for one in before.parameters} if before is not None else {}
-    columns = [Column("parameter", "keep"), Column("value ± std", "right"), Column("unit", "keep")]
-    columns += [Column("std of value", "right")]
-    if before is not None:
-        columns.append(Column("model as it is", "right"))
-    columns.append(Column("together with", "small"))
-    rows = []
-    for one in after.parameters:
-        terms = " ".join(rounded_terms(other_terms(one.name, one.grouping)))
-        cells: list[str | Cell] = [one.name, with_std(one), pretty_unit(one.unit), relative_std(one)]
-        if before is not None:
-            cells.append(with_std(old[one.name]) if one.name in old else "–")
-        rows.append(row(*cells, terms.replace("- ", "− ") or "alone", kind="weak" if is_poor(one) else ""))
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
         f"where the deviation is above {POOR:.0%} of the value: then it says little."
     ).replace("%", " %")
     parts: list[Part] = [_deviations_figure(after)] if len(after.parameters) > 1 else []
-    parts.append(Table("Base and payload parameters", aid, tuple(columns), tuple(rows)))
+    table = parameters_table(after, before=before)
+    parts.append(on_page(table, "Base and payload parameters", aid))
     if after.effect_parameters:
-        parts.append(effects_table(after))
+        aid = "The laws stand in bench/effects/README.md."
+        parts.append(on_page(effects_table(after), "Parameters of the effects", aid))
     if after.left_out:
         parts.append(Items("Left out, as the data do not need them", "", after.left_out))
     scale = "" if after.gains_fitted else " They scale with the nominal gains."

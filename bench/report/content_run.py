@@ -7,10 +7,10 @@ from typing import Any
 
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
+from bench.document.numbers import USES, fit_rate
 from bench.estimate.result import Identification
 from bench.report.parts import Column, Commands, Items, Part, Section, Table, row
 from bench.report.words import effect_name, short, typeset
-from bench.show.numbers import USES, fit_rate
 from bench.signals.settings import FilterSettings
 from bench.sweep.versions import Versions, versions
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+Kind = Literal["", "right", "keep", "words", "small"]
 Spec = Mapping[str, Any]
 """A figure as `assets/charts.js` takes it: {label, height, x, panels}."""
 
@@ -13,7 +14,7 @@ class Column:
     """A table's column. kind: how its cells stand, such as "right" for numbers, "words" for sentences."""
 
     header: str
-    kind: Literal["", "right", "keep", "words", "small"] = ""
+    kind: Kind = ""
 
 
 @dataclass(frozen=True)

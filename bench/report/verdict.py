@@ -5,11 +5,11 @@ from bench.compare.where import WhereItFails
 from bench.compare.words import motor_words
 from bench.diagnose.result import Diagnosis
 from bench.diagnose.summary import and_list, found_effects, or_list, summary_of
+from bench.document.numbers import gain_change, pretty_unit
 from bench.estimate.notes import runaway
 from bench.estimate.result import ErrorSummary, Identification
 from bench.report.parts import Tile
 from bench.report.words import effect_name, share, short, typeset
-from bench.show.numbers import gain_change, pretty_unit
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:

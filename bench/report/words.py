@@ -4,11 +4,11 @@ import math
 import re
 from collections.abc import Sequence
 
+from bench.document.numbers import GIVEN, is_poor, percent, value_and_deviation
+from bench.document.numbers import effect_name as spelled
 from bench.effects.names import named_after
 from bench.estimate.result import Quantity
 from bench.report.parts import Cell
-from bench.show.numbers import GIVEN, is_poor, percent, value_and_deviation
-from bench.show.numbers import effect_name as spelled
 
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 

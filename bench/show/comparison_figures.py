@@ -12,6 +12,7 @@ from bench.compare.motor import Compared, MotorSeries, relative_error_of, relati
 from bench.compare.profile import Variable
 from bench.compare.regions import regions
 from bench.compare.words import motor_words
+from bench.document.numbers import USES, percent
 from bench.files import atomic_path
 from bench.show.colours import ON_WHITE
 from bench.show.comparison_panels import (
@@ -26,7 +27,6 @@ from bench.show.comparison_panels import (
     draw_time_spectrum,
 )
 from bench.show.figures import DPI, PAGE_WIDTH, STYLE, currents_page
-from bench.show.numbers import USES, percent
 
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
 LOWER_MARGINS = {"left": 0.125, "right": 0.985, "top": 0.92, "bottom": 0.18, "wspace": 0.72}

@@ -11,12 +11,12 @@ from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
 from bench.diagnose.split import with_judged_parts
 from bench.diagnose.summary import and_list
+from bench.document.numbers import current_unit, effect_name, percent
 from bench.estimate.result import CurrentSeries, relative_error
 from bench.files import atomic_path
 from bench.show.comparison_figures import errors_figure
 from bench.show.diagnosis_panels import draw_before_after, draw_ladder, draw_moved, moved, rungs
 from bench.show.figures import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
-from bench.show.numbers import current_unit, effect_name, percent
 
 
 def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, dataset: Dataset) -> list[Path]:

@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 
 from bench.chi_squared import WITHIN_95
 from bench.diagnose.result import Diagnosis
+from bench.document.diagnosis import step_labels
+from bench.document.numbers import effect_name, is_poor, judged_error, percent, pretty_unit
 from bench.estimate.result import CurrentSeries, Quantity
 from bench.show.comparison_panels import NOISE, PLAIN, ZERO
-from bench.show.diagnosis_text import step_labels
-from bench.show.numbers import effect_name, is_poor, judged_error, percent, pretty_unit
 
 BEFORE, AFTER = "#D55E00", "#0072B2"  # after Okabe and Ito
 BEFORE_PALE = "#F0B58A"

@@ -10,10 +10,10 @@ from matplotlib.ticker import MaxNLocator
 from bench.discriminate.facts import RATE
 from bench.discriminate.files import trajectory_table
 from bench.discriminate.result import Discrimination
+from bench.document.numbers import effect_name
 from bench.errors import BenchError
 from bench.files import atomic_path
 from bench.show.figures import DPI, STYLE
-from bench.show.numbers import effect_name
 
 COLOURS = ("#0072B2", "#D55E00")  # after Okabe and Ito
 MOVING = "#3A424C"

@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from bench.document.numbers import USES, current_unit, error_deviation, judged_error, percent
 from bench.errors import BenchError
 from bench.estimate.result import CurrentSeries, Identification, relative_error
 from bench.files import atomic_path
 from bench.show.colours import ON_WHITE
-from bench.show.numbers import USES, current_unit, error_deviation, judged_error, percent
 
 PAGE_WIDTH = 11.0  # inches: text of 10 points can be read where a page is shown as wide as a column of text
 MOTOR_HEIGHT = 1.75  # inches

@@ -9,6 +9,7 @@ from matplotlib.ticker import SymmetricalLogLocator
 
 from bench.chi_squared import WITHIN_95
 from bench.diagnose.result import Diagnosis
+from bench.document.numbers import current_unit, judged_error, pretty_unit
 from bench.estimate.result import CurrentSeries, DriveGain, Identification
 from bench.show.comparison_panels import ZERO
 from bench.show.diagnosis_panels import (
@@ -23,7 +24,6 @@ from bench.show.diagnosis_panels import (
     moved,
     rungs,
 )
-from bench.show.numbers import current_unit, judged_error, pretty_unit
 from bench.show.paper import SCALE, Numbers, Panel, PaperFigure, file_part
 
 FOOT = 16.0  # mm that an axis with its label takes

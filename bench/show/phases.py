@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.document.numbers import percent
 from bench.estimate.result import CurrentSeries, relative_error
 from bench.payload import Payload
 from bench.show.colours import BACKWARDS_ON_DARK, FORWARDS_ON_DARK, REVERSAL_ON_DARK, STILL_ON_DARK
-from bench.show.numbers import percent
 
 FORWARDS, BACKWARDS, REVERSAL, STILL = "forwards", "backwards", "reversal", "standstill"
 MOTION_COLOURS = {

@@ -14,6 +14,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from bench.dataset import Dataset
+from bench.document.numbers import USES, Truth, current_unit, error_deviation, judged_error, percent
 from bench.errors import BenchError
 from bench.estimate.result import Identification, relative_error
 from bench.files import atomic_path
@@ -21,7 +22,6 @@ from bench.model.geometry import Geometry, read_geometry
 from bench.recording import Recording
 from bench.show.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
 from bench.show.body_motion import BodyMotion, body_motion, tool_path
-from bench.show.numbers import USES, Truth, current_unit, error_deviation, judged_error, percent
 from bench.show.scene import TOP, error_share, send_payload, send_robot
 from bench.show.shown import Motor, Shown
 from bench.show.story import Known, Story

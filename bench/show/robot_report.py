@@ -1,13 +1,15 @@
 """The check of a robot as tables in a terminal."""
 
-from rich.console import Console, RenderableType
-from rich.table import Table
+from rich.console import Console
+from rich.table import Table as Grid
 from rich.text import Text
 
+from bench.document.numbers import pretty_unit
+from bench.document.table import Column, Table
+from bench.document.terminal import printed
 from bench.robot_check.report import Check, JointLine, Mobility, RobotReport, Singularity, count
 from bench.robot_check.singularity import nearest_in_words
-from bench.show.columns import Column, table_of
-from bench.show.numbers import pretty_unit
+from bench.show.tables import section
 
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
 NOT_EXACT = 1e-9  # m or rad: a gap that is coloured
@@ -23,57 +25,55 @@ def robot_report(report: RobotReport, console: Console | None = None, *, verbose
     facts = f"{count(len(report.joints), 'joint')} · {count(len(report.robot.joints), 'motor')} · {loops}"
     console.print()
     console.print(Text.assemble((report.robot.name, "bold"), "  ", (facts, "dim")))
-    _section(console, "Joints", joints_table(report, console.width))
+    section(console, "Joints", printed(joints_table(report), console.width))
     if report.loops:
-        _section(console, "Loops", loops_table(report, console.width))
+        section(console, "Loops", printed(loops_table(report), console.width))
     if report.mobility is not None:
-        _section(console, "Degrees of freedom", Text(mobility_in_words(report.mobility)))
+        section(console, "Degrees of freedom", Text(mobility_in_words(report.mobility)))
     if report.singularity is not None:
-        _section(console, "Singularity", singularity_grid(report.singularity))
-    _section(console, "Checks", checks_grid(report.checks))
+        section(console, "Singularity", singularity_grid(report.singularity))
+    section(console, "Checks", checks_grid(report.checks))
     if report.base is not None:
         title = f"Base parameters: {len(report.base.names)}"
         if verbose:
-            _section(console, title, base_grid(report))
+            section(console, title, base_grid(report))
         else:
             console.print()
             console.print(Text.assemble((title, "bold"), ("  (--verbose lists them)", "dim")))
     console.print()
 
 
-def joints_table(report: RobotReport, width: int) -> Table:
+def joints_table(report: RobotReport) -> Table:
     """Every joint: kind, what it moves against, motor, range and home."""
     joints = report.joints
-    return table_of(
-        [
+    return Table(
+        (
             Column("joint", [joint.name for joint in joints]),
             Column("kind", [joint.kind for joint in joints]),
             Column("on", [joint.parent for joint in joints], rank=1),
-            Column("motor", [pretty_unit(joint.gain) if joint.actuated else "– passive" for joint in joints]),
+            Column("motor", [joint.gain if joint.actuated else "– passive" for joint in joints], "unit"),
             Column("range", [_range(joint) for joint in joints]),
-            Column("home", ["–" if joint.home is None else f"{joint.home:.4g}" for joint in joints], "right"),
+            Column("home", [joint.home for joint in joints], "number", format=".4g"),
             Column("unit", [{"hinge": "rad", "slide": "m"}.get(joint.kind, "") for joint in joints]),
-        ],
-        width,
-        row_styles=["" if joint.actuated else "dim" for joint in joints],
+        ),
+        tuple("" if joint.actuated else "weak" for joint in joints),
     )
 
 
-def loops_table(report: RobotReport, width: int) -> Table:
+def loops_table(report: RobotReport) -> Table:
     """Every loop closure: what it holds together and its gap at home."""
     loops = report.loops
     gaps = [_small(loop.gap) + (f" / {_small(loop.twist)}" if loop.kind == "weld" else "") for loop in loops]
     unit = " / rad" if any(loop.kind == "weld" for loop in loops) else ""
-    return table_of(
-        [
+    return Table(
+        (
             Column("loop", [loop.name for loop in loops]),
             Column("kind", [loop.kind for loop in loops]),
             Column("holds together", [" – ".join(loop.bodies) for loop in loops], rank=1),
-            Column("equations", [str(loop.equations) for loop in loops], "right"),
-            Column(f"gap at home, m{unit}", gaps, "right"),
-        ],
-        width,
-        row_styles=["yellow" if max(loop.gap, loop.twist) > NOT_EXACT else "" for loop in loops],
+            Column("equations", [loop.equations for loop in loops], "number", format="d"),
+            Column(f"gap at home, m{unit}", gaps, "number", format="s"),
+        ),
+        tuple("poor" if max(loop.gap, loop.twist) > NOT_EXACT else "" for loop in loops),
     )
 
 
@@ -87,10 +87,10 @@ def mobility_in_words(mobility: Mobility) -> str:
     )
 
 
-def singularity_grid(found: Singularity) -> Table:
+def singularity_grid(found: Singularity) -> Grid:
     """Home, reach of each motor, and the nearest singularity, in words."""
     fast = found.amplification
-    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(style="dim", no_wrap=True)
     grid.add_column(overflow="fold")
     grid.add_row(
@@ -104,9 +104,9 @@ def singularity_grid(found: Singularity) -> Table:
     return grid
 
 
-def checks_grid(checks: tuple[Check, ...]) -> Table:
+def checks_grid(checks: tuple[Check, ...]) -> Grid:
     """What was checked, with a mark for its outcome."""
-    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column()
     grid.add_column(overflow="fold")
@@ -117,9 +117,9 @@ def checks_grid(checks: tuple[Check, ...]) -> Table:
     return grid
 
 
-def base_grid(report: RobotReport) -> Table:
+def base_grid(report: RobotReport) -> Grid:
     """Every base parameter with what it stands for."""
-    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column(no_wrap=True, style="dim")
     grid.add_column(overflow="fold", style="dim")
@@ -129,12 +129,6 @@ def base_grid(report: RobotReport) -> Table:
         ):
             grid.add_row(Text(name), pretty_unit(unit), Text(grouping))
     return grid
-
-
-def _section(console: Console, title: str, part: RenderableType) -> None:
-    console.print()
-    console.print(Text(title, "bold"))
-    console.print(part)
 
 
 def _small(gap: float) -> str:

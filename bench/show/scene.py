@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 import rerun as rr
 
+from bench.document.numbers import judged_error
 from bench.estimate.result import CurrentSeries
 from bench.payload import Payload
 from bench.show.colours import scale_colours
 from bench.show.geoms import shapes
-from bench.show.numbers import judged_error
 from bench.show.shown import Shown
 
 PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a ball of steel that weighs the same

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from bench.document.numbers import Truth
 from bench.estimate.effect_torques import EffectTorques
 from bench.estimate.result import CurrentSeries
-from bench.show.numbers import Truth
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import rerun as rr
 
+from bench.document.numbers import effect_name, judged_error
 from bench.estimate.result import CurrentSeries
 from bench.show.colours import LADDER_ON_DARK, ON_DARK, rgb
-from bench.show.numbers import effect_name, judged_error
 from bench.show.phases import lanes
 from bench.show.shown import Line, Motor, Shown, send_line
 

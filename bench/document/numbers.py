@@ -11,6 +11,7 @@ from bench.estimate.result import CurrentSeries, DriveGain, Identification, Quan
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
+ABSORBED = "absorbed"  # by other parameters: no value of its own
 USES = {"identify": "fitted", "validate": "not fitted"}
 
 Truth = Mapping[str, float]
@@ -67,16 +68,29 @@ def percent(share: float | None, *, signed: bool = False) -> str:
     return f"{'-' if value < 0 else '+' if signed else ''}{text} %"
 
 
-def deviations_away(quantity: Quantity, truth: float) -> str:
-    """How far a value lies from the truth, in standard deviations; "–" for a value that was given."""
-    if not quantity.std:
-        return "–"
-    return f"{(quantity.value - truth) / quantity.std:+.1f} σ"
+def quantity_text(one: Quantity) -> str:
+    """A value with its deviation, or that it was given, or that other parameters take it up."""
+    if math.isinf(one.std):
+        return ABSORBED
+    value, std = value_and_deviation(one.value, one.std)
+    return f"{value} {std}" if std == GIVEN else f"{value} ± {std}"
 
 
-def relative_error_to(quantity: Quantity, truth: float) -> str:
-    """How far a value lies from the truth, in percent of the truth's size."""
-    return percent((quantity.value - truth) / abs(truth), signed=True) if truth else "–"
+def change_between(before: float, after: float) -> str:
+    """How a value changed, in percent; the difference itself where it changed its sign or was zero."""
+    if before * after > 0.0:
+        return percent((after - before) / abs(before), signed=True)
+    return f"{after - before:+.3g}"
+
+
+def deviations_away(quantity: Quantity, truth: float) -> float | None:
+    """How far a value lies from the truth, in standard deviations; None for a value that was given."""
+    return (quantity.value - truth) / quantity.std if quantity.std else None
+
+
+def off_by(quantity: Quantity, truth: float) -> float | None:
+    """How far a value lies from the truth, as a share of the truth's size; None where that is zero."""
+    return (quantity.value - truth) / abs(truth) if truth else None
 
 
 def gain_change(gain: DriveGain) -> float:

@@ -1,0 +1,177 @@
+"""What an identification found, as tables."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.document.numbers import (
+    USES,
+    Truth,
+    deviations_away,
+    effect_key,
+    flat_effects,
+    gain_change,
+    is_poor,
+    off_by,
+    other_terms,
+)
+from bench.document.table import Column, Mark, Table
+from bench.estimate.result import CurrentSeries, Identification, Quantity, relative_error
+
+
+def gains_table(result: Identification, truth: Truth | None = None) -> Table:
+    """Drive gains with deviation and, where they were fitted, the change against the nominal value."""
+    joints, gains = list(result.drive_gains), list(result.drive_gains.values())
+    against_nominal = (
+        Column("nominal", [gain.nominal for gain in gains], "number"),
+        Column("change", [gain_change(gain) for gain in gains], "change"),
+    )
+    return Table(
+        (
+            Column("joint", joints),
+            *_quantities(gains),
+            *(against_nominal if result.gains_fitted else ()),
+            *_truth(gains, joints, truth),
+        )
+    )
+
+
+def parameters_table(
+    result: Identification,
+    truth: Truth | None = None,
+    before: Identification | None = None,
+    *,
+    full: bool = False,
+) -> Table:
+    """Base and payload parameters with what they take up beside their own term, or (full) all that they stand for.
+
+    before: another model, whose values stand beside.
+    """
+    parameters = list(result.parameters)
+    names = [one.name for one in parameters]
+    columns = [Column("parameter", names), *_quantities(parameters), *_truth(parameters, names, truth)]
+    if before is not None:
+        old = {one.name: one for one in before.parameters}
+        columns.append(Column("model as it is", [old.get(name) for name in names], "quantity"))
+    others = [other_terms(one.name, one.grouping) for one in parameters]
+    whole = Column("stands for", [one.grouping for one in parameters])
+    columns.append(whole if full else Column("together with", others, "terms"))
+    return Table(tuple(columns), tuple("poor" if is_poor(one) else "" for one in parameters))
+
+
+def effects_table(result: Identification, truth: Truth | None = None) -> Table:
+    """Parameters of the physical effects, by effect and place."""
+    entries = flat_effects(result)
+    quantities = [quantity for *_, quantity in entries]
+    effects = [effect for effect, *_ in entries]
+    keys = [effect_key(effect, joint, name) for effect, joint, name, _ in entries]
+    return Table(
+        (
+            Column("effect", effects, "effect"),
+            Column("at", [joint for _, joint, _, _ in entries]),
+            Column("parameter", [name for _, _, name, _ in entries]),
+            *_quantities(quantities),
+            *_truth(quantities, keys, truth),
+        ),
+        tuple("poor" if is_poor(one) else "" for one in quantities),
+    )
+
+
+def errors_table(
+    series: Sequence[CurrentSeries],
+    joints: Sequence[str],
+    noise: tuple[Sequence[float], float] | None = None,
+) -> Table:
+    """Length and errors of the modelled current by recording and motor, fitted and not fitted, with totals.
+
+    noise: relative, by motor and of all together.
+    """
+    groups: list[tuple[str, str, str, list[CurrentSeries]]] = []
+    ends = []
+    for use in (use for use in USES if any(one.use == use for one in series)):
+        chosen = [one for one in series if one.use == use]
+        groups += [(one.name, USES[use], one.payload or "–", [one]) for one in chosen]
+        if len(chosen) > 1:
+            groups.append((f"all {USES[use]}", "", "", chosen))
+        ends.append(len(groups) - 1)
+    many = len(joints) > 1
+    last = noise is not None
+    noises = noise or ((), 0.0)
+    columns = (
+        Column("recording", [name for name, *_ in groups] + ["noise of the currents"] * last),
+        Column("use", [use for _, use, *_ in groups] + [""] * last),
+        Column("payload", [payload for _, _, payload, _ in groups] + [""] * last),
+        Column(
+            "length",
+            [sum(map(_seconds, chosen)) for *_, chosen in groups] + [""] * last,
+            "number",
+            2,
+            ".3g",
+            "s",
+        ),
+        Column(
+            "rows",
+            [sum(len(one.time) for one in chosen) for *_, chosen in groups] + [""] * last,
+            "number",
+            3,
+            "d",
+        ),
+        *(
+            Column(
+                joint,
+                [relative_error(chosen, j) for *_, chosen in groups] + [*noises[0][j : j + 1]],
+                "share",
+                1,
+            )
+            for j, joint in enumerate(joints)
+            if many
+        ),
+        Column(
+            "all" if many else "error",
+            [relative_error(chosen) for *_, chosen in groups] + [noises[1]] * last,
+            "share",
+        ),
+    )
+    marks: list[Mark] = ["strong" if len(chosen) > 1 else "" for *_, chosen in groups]
+    marks += ["weak"] * last
+    return Table(columns, tuple(marks), tuple(ends if last else ends[:-1]))
+
+
+def motor_errors_table(series: Sequence[CurrentSeries], joints: Sequence[str]) -> Table:
+    """Errors of the modelled current by motor, fitted and not fitted."""
+    columns = [Column("joint", list(joints))]
+    for use, name in USES.items():
+        chosen = [one for one in series if one.use == use]
+        if chosen:
+            columns.append(Column(name, [relative_error(chosen, j) for j in range(len(joints))], "share"))
+    return Table(tuple(columns))
+
+
+def _seconds(series: CurrentSeries) -> float:
+    """How long a recording is, s."""
+    return float(np.ptp(series.time))
+
+
+def _quantities(quantities: Sequence[Quantity]) -> list[Column]:
+    unit = Column("unit", [one.unit for one in quantities], "unit")
+    if all(one.std == 0.0 for one in quantities):
+        return [Column("value", [one.value for one in quantities], "number"), unit]
+    return [
+        Column("value ± std", quantities, "quantity"),
+        Column("rel. std", quantities, "deviation", rank=1),
+        unit,
+    ]
+
+
+def _truth(quantities: Sequence[Quantity], keys: Sequence[str], truth: Truth | None) -> list[Column]:
+    """The true values and how far the estimates lie from them; none where no truth is known."""
+    known = [None if truth is None else truth.get(key) for key in keys]
+    if all(value is None for value in known):
+        return []
+    pairs = list(zip(quantities, known, strict=True))
+    return [
+        Column("truth", ["" if t is None else replace(one, value=t) for one, t in pairs], "true"),
+        Column("off by", ["" if t is None else off_by(one, t) for one, t in pairs], "change"),
+        Column("in std", ["" if t is None else deviations_away(one, t) for one, t in pairs], "sigma"),
+    ]

@@ -1,0 +1,135 @@
+"""A table in a terminal: columns give way where it is narrow, instead of being cut to pieces."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import rich.table
+from rich import box
+from rich.cells import cell_len
+
+from bench.document.numbers import GIVEN, rounded_terms
+from bench.document.table import RIGHT, Column, Table
+
+GAPS = (2, 1)  # blanks between columns: the wider where there is room
+WIDTH = 100  # columns of a table that is asked for by itself
+NARROWEST_TERMS = 14  # columns below which a grouping says nothing
+BAR = 30  # columns of the longest bar
+LEAST_BAR = 8
+EIGHTHS = " ▏▎▍▌▋▊▉"
+_PARTS = re.compile(r"(\S+)( ± |   )(\S+)")  # a value, and its deviation or that it was given
+POOR_STYLE = "yellow"
+STYLES = {"": "", "strong": "bold", "weak": "dim", "poor": POOR_STYLE}
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A column as it is printed: its texts, and when it may be left out (rank 0: never; the highest rank first)."""
+
+    header: str
+    cells: Sequence[str]
+    justify: Literal["left", "right"] = "left"
+    rank: int = 0
+    style: str = ""
+
+    @property
+    def width(self) -> int:
+        """Columns of the terminal that the widest cell takes."""
+        return max(cell_len(text) for text in (self.header, *self.cells))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Which strips stay, the gap between them, and the width that is left over (negative: too wide)."""
+
+    strips: tuple[Strip, ...]
+    gap: int
+    room: int
+
+
+def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = GAPS) -> Fit:
+    """Narrow the gaps, then leave out strips of the highest rank, until all fit into `width`."""
+    kept = list(strips)
+    while True:
+        total = sum(one.width for one in kept)
+        gap = next((gap for gap in gaps if total + gap * (len(kept) - 1) <= width), gaps[-1])
+        room = width - total - gap * (len(kept) - 1)
+        last = max(kept, key=lambda one: one.rank)
+        if room >= 0 or last.rank == 0:
+            return Fit(tuple(kept), gap, room)
+        kept = [one for one in kept if one.rank < last.rank]
+
+
+def printed(table: Table, width: int = WIDTH) -> rich.table.Table:
+    """A table at most `width` wide, or as near as its columns of rank 0 allow; those are then folded."""
+    strips = [_strip(one) for one in table.columns if one.kind not in {"bar", "terms"}]
+    for one in table.columns:
+        if one.kind == "bar":
+            room = width - sum(strip.width for strip in strips) - 2 * len(strips)
+            length = max(min(room, BAR), LEAST_BAR)
+            strips.append(Strip(one.header, [bar(share, length) for share in one.cells], rank=one.rank))
+        elif one.kind == "terms":
+            fit = fit_strips(strips, width)
+            room = fit.room - fit.gap
+            if room >= NARROWEST_TERMS and any(one.cells):
+                strips.append(Strip(one.header, [shortened(cell, room) for cell in one.cells], style="dim"))
+    return _rich(fit_strips(strips, width), table)
+
+
+def _rich(fit: Fit, table: Table) -> rich.table.Table:
+    grid = rich.table.Table(
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, fit.gap - 1, 0, 0),  # the box itself has one blank between columns
+        header_style="dim",
+        show_edge=False,
+    )
+    for one in fit.strips:
+        grid.add_column(
+            one.header, justify=one.justify, style=one.style, no_wrap=fit.room >= 0, overflow="fold"
+        )
+    for row, (mark, *cells) in enumerate(
+        zip(table.mark_of_rows, *(one.cells for one in fit.strips), strict=True)
+    ):
+        grid.add_row(*cells, style=STYLES[mark], end_section=row in table.ends)
+    return grid
+
+
+def _strip(one: Column) -> Strip:
+    texts = one.texts
+    if one.kind == "quantity":
+        texts = _aligned(texts)
+    if one.kind == "deviation":
+        texts = [f"{'! ' if poor else ''}{text}" for text, poor in zip(texts, one.poor, strict=True)]
+    return Strip(one.header, texts, "right" if one.kind in RIGHT else "left", one.rank)
+
+
+def _aligned(texts: Sequence[str]) -> list[str]:
+    """Values with their deviations that stand under each other at the sign between; what is absorbed as it is."""
+    pairs = [text.replace(f" {GIVEN}", f"   {GIVEN}") for text in texts]
+    apart = [_PARTS.fullmatch(one) for one in pairs]
+    first = max((len(one[1]) for one in apart if one), default=0)
+    second = max((len(one[3]) for one in apart if one), default=0)
+    return [
+        f"{one[1]:>{first}}{one[2]}{one[3]:<{second}}" if one else text
+        for text, one in zip(texts, apart, strict=True)
+    ]
+
+
+def bar(share: float, length: int) -> str:
+    """A bar of a share between 0 and 1 of `length` columns, to an eighth of a column; never quite empty."""
+    eighths = max(round(8 * length * min(share, 1.0)), 1)
+    return "█" * (eighths // 8) + EIGHTHS[eighths % 8].strip()
+
+
+def shortened(terms: Sequence[str], room: int) -> str:
+    """As many whole terms as fit into `room`, and how many are left out."""
+    terms = rounded_terms(list(terms))
+    for count in range(len(terms), 0, -1):
+        rest = len(terms) - count
+        for ending in (f" … {rest} more", " …") if rest else ("",):
+            text = " ".join(terms[:count]) + ending
+            if len(text) <= room:
+                return text
+    return f"{len(terms)} more term{'s' if len(terms) > 1 else ''}" if terms else ""
