@@ -16,7 +16,8 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The answer as plain data, ready for JSON; a number that is not finite becomes null.
 
     missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
-    in N by actuator; error_share: of the squared error, taken away. before, after: gains, parameters and errors of
+    in N by actuator; error_share: of the squared error, taken away. differs_by_recording: effects of which one value
+    for all recordings is not enough, with request as `--with` takes it. before, after: gains, parameters and errors of
     the models without and with what is missing.
     """
     answer = {
@@ -33,6 +34,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         ],
         "ranking": [_verdict(diagnosis, one) for one in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
+        "differs_by_recording": [{**asdict(one), "request": one.request} for one in diagnosis.differs],
         "before": _model(diagnosis.before),
         "after": _model(diagnosis.after),
     }

@@ -9,6 +9,7 @@ import numpy as np
 
 from bench.dataset import Dataset
 from bench.diagnose.candidates import Proposal
+from bench.diagnose.differs import differing
 from bench.diagnose.encoder_noise import encoder_error
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
@@ -95,6 +96,7 @@ def diagnose(
         unexplained=left,
         before=before,
         after=after,
+        differs=differing(model, fit_gains, catalogue),
     )
 
 

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from bench.estimate.result import CurrentSeries, Identification
+from bench.effects.select import TAG
+from bench.estimate.result import CurrentSeries, Identification, Quantity
 
 Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", "absorbed"]
 
@@ -53,8 +54,32 @@ class Unexplained:
 
 
 @dataclass(frozen=True)
+class Differing:
+    """An effect at a motor whose value differs from recording to recording.
+
+    values: by recording, of its one parameter. evidence: log-likelihood ratio on parts of the recordings that were not
+    fitted, nats; error_before, error_after: of that motor's current there, relative, with one value for all recordings
+    and with one for each.
+    """
+
+    effect: str
+    joint: str
+    values: Mapping[str, Quantity]
+    evidence: float
+    error_before: float
+    error_after: float
+
+    @property
+    def request(self) -> str:
+        """How it is added to a model."""
+        return f"{self.effect}:{self.joint}{TAG}"
+
+
+@dataclass(frozen=True)
 class Diagnosis:
-    """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with them."""
+    """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with
+    them. differs: what has another value in each recording, whether the model has it or not; `after` has one for all.
+    """
 
     robot: str
     split: str
@@ -64,3 +89,4 @@ class Diagnosis:
     unexplained: Unexplained
     before: Identification
     after: Identification
+    differs: tuple[Differing, ...] = ()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.diagnose.differs_words import from_run_to_run
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.effects.names import spoken
@@ -25,7 +26,8 @@ class Summary:
 
     verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
     nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
-    the gain that moves most, "" where none does; left: what no effect accounts for.
+    the gain that moves most, "" where none does; differs: what has another value in each recording; left: what no
+    effect accounts for.
     """
 
     verdict: str
@@ -33,12 +35,21 @@ class Summary:
     nominal: str
     undecided: tuple[str, ...]
     moved: str
+    differs: tuple[str, ...]
     left: str
 
     @property
     def sentences(self) -> list[str]:
         """All of them in the order in which they are told."""
-        told = [self.verdict, *self.strange, self.nominal, *self.undecided, self.moved, self.left]
+        told = [
+            self.verdict,
+            *self.strange,
+            self.nominal,
+            *self.undecided,
+            self.moved,
+            *self.differs,
+            self.left,
+        ]
         return [one for one in told if one]
 
 
@@ -54,13 +65,15 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
     left = f"{_capital(diagnosis.unexplained.why)}."
+    differs = from_run_to_run(diagnosis.differs, clear=not diagnosis.unexplained.significant)
     if not found:
+        what = "No effect with one value for all recordings" if differs else "Nothing"
         nothing = (
-            f"Nothing is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
+            f"{what} is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
             f"error clearly smaller than {_percent(before)} of the current."
         )
         strange = [one for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
-        return Summary(nothing, tuple(strange), "", (), "", left)
+        return Summary(nothing, tuple(strange), "", (), "", differs, left)
     sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
     like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
@@ -74,7 +87,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
         f"to {_percent(after)} of the current, where noise leaves {_percent(floor)}."
     )
     undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
-    return Summary(verdict, doubt, nominal, undecided, _largest_change(diagnosis) or "", left)
+    return Summary(verdict, doubt, nominal, undecided, _largest_change(diagnosis) or "", differs, left)
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects import EffectInstance
 from bench.effects.names import spoken
-from bench.effects.select import ROBOT
+from bench.effects.select import ROBOT, TAG
 from bench.estimate.result import Identification
 
 LOOSE = 0.3  # relative deviation above which a parameter says little
@@ -100,6 +100,12 @@ def unlike(result: Identification) -> str | None:
     by_recording = result.error.by_recording
     worst = max(by_recording, key=lambda name: by_recording[name])
     carried = {one.name: one.payload for one in result.recordings}.get(worst)
+    own = [one.removesuffix(TAG) for one in result.effects if one.endswith(TAG)]
+    if own:
+        return (
+            f"Recordings that were not fitted are modelled far worse ({_percent(checked)}) than those that were "
+            f"({_percent(fitted)}), {worst} worst: there {', '.join(own)} may have yet another value."
+        )
     load = f"the payload {carried}" if carried else "no payload"
     return (
         f"Recordings that were not fitted are modelled far worse ({_percent(checked)}) than those that were "

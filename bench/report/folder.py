@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from bench.dataset import Dataset, load_dataset
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnose.result import Diagnosis, Differing, EffectVerdict, LadderStep, Unexplained
 from bench.diagnose.split import with_judged_parts
 from bench.effects import catalogue_for
 from bench.errors import BenchError
 from bench.estimate.model_file import load_model, read_identification, save_model
-from bench.estimate.result import CurrentSeries, Identification
+from bench.estimate.result import CurrentSeries, Identification, Quantity
 from bench.files import finite, write_json_atomically, write_text_atomically
 from bench.report.content_run import Run
 from bench.report.digest import dataset_digest, file_digest
@@ -99,6 +99,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         ],
         "ranking": [asdict(one) for one in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
+        "differs": [asdict(one) for one in diagnosis.differs],
         "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
     }
 
@@ -205,9 +206,18 @@ def _diagnosis(
             ),
             before=before,
             after=after,
+            differs=tuple(_differing(one) for one in told.get("differs", ())),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
+
+
+def _differing(one: dict[str, Any]) -> Differing:
+    values = {
+        log: Quantity(value["value"], _number(value["std"]), value["unit"])
+        for log, value in one["values"].items()
+    }
+    return Differing(**{**one, "values": values})
 
 
 def _between(path: Path, told: dict[str, Any] | None) -> list[int]:

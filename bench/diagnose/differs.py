@@ -1,0 +1,197 @@
+"""Offsets and frictions that differ from run to run: a value for each recording, judged on parts of each."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnose.possible import SHOWS
+from bench.diagnose.result import Differing
+from bench.diagnose.search import NEEDED
+from bench.diagnose.system import memory_in_rows
+from bench.effects import Effect, EffectInstance
+from bench.effects.select import TAG
+from bench.estimate.identify import fit
+from bench.estimate.prepare import Prepared, with_effects
+from bench.estimate.quick import candidate_columns, solved_quickly
+from bench.estimate.result import Quantity
+from bench.estimate.settle import settled
+
+MAY_DIFFER = ("constant_offset", "coulomb_friction", "viscous_friction")
+BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
+MATERIAL = (
+    0.1  # share of a motor's error that values for each recording must take away: less may be another effect
+)
+DEPENDENT = 1e-12  # share of the largest eigenvalue of scaled normal equations
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """An effect at a motor: the columns of its common value and of its values in all recordings but one."""
+
+    effect: Effect
+    joint: str
+    common: tuple[int, ...]
+    own: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Halves:
+    """Normal equations of the linearised model: for either half of the blocks and every motor the inner products
+    (2, n, S, S) of all columns, weighted, the error last. own: how many are the model's; samples (n,): independent ones
+    of each motor; measured (n,): weighted squares of the currents.
+    """
+
+    inner: np.ndarray
+    own: int
+    samples: np.ndarray
+    measured: np.ndarray
+
+    def judged(self, columns: Sequence[int]) -> np.ndarray:
+        """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
+        used = np.array([*range(self.own), *(self.own + i for i in columns)])
+        left = np.zeros(self.inner.shape[1])
+        for fitted, checked in ((0, 1), (1, 0)):
+            values = _solution(self.inner[fitted].sum(axis=0), used)
+            left += np.einsum("i,nij,j->n", values, self.inner[checked], values)
+        return np.maximum(left, np.finfo(float).tiny)
+
+
+def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect]) -> tuple[Differing, ...]:
+    """Which effects of a settled model have another value in each fitted recording, or would have one, strongest first.
+
+    One value for all recordings competes with one for each. A recording that is not fitted has no value of its own, so
+    that every other part of each is kept apart to judge on.
+    """
+    logs = model.logs
+    if len(logs) < 2:
+        return ()
+    candidates, instances = _candidates(model, catalogue)
+    if not candidates:
+        return ()
+    halves = _halves(model, fit_gains, instances)
+    motors = list(model.dataset.robot.joints)
+    chosen: list[tuple[_Candidate, float, float, float]] = []
+    while len(chosen) < len(candidates):
+        taken = [i for one, *_ in chosen for i in (*one.common, *one.own)]
+        tried = []
+        for one in candidates:
+            if any(one is other for other, *_ in chosen):
+                continue
+            before = halves.judged([*taken, *one.common])
+            after = halves.judged([*taken, *one.common, *one.own])
+            j = motors.index(one.joint)
+            errors = np.sqrt(before[j] / halves.measured[j]), np.sqrt(after[j] / halves.measured[j])
+            evidence = 0.5 * float(halves.samples @ np.log(before / after))
+            if evidence > NEEDED and errors[1] < (1.0 - MATERIAL) * errors[0]:
+                tried.append((one, evidence, float(errors[0]), float(errors[1])))
+        if not tried:
+            break
+        chosen.append(max(tried, key=lambda one: one[1]))
+    return _that_show(model, fit_gains, chosen) if chosen else ()
+
+
+def _candidates(
+    model: Prepared, catalogue: Mapping[str, Effect]
+) -> tuple[list[_Candidate], list[EffectInstance]]:
+    """What may differ, and the instances of all their columns, one each."""
+    present = {(one.effect.name, one.joint): one for one in model.effects}
+    logs = model.logs
+    candidates: list[_Candidate] = []
+    instances: list[EffectInstance] = []
+    for name in MAY_DIFFER:
+        for joint in model.dataset.robot.joints if name in catalogue else ():
+            there = present.get((name, joint))
+            if there is not None and there.recording:
+                continue
+            added = [] if there is not None else [EffectInstance(catalogue[name], joint, f"{name}:{joint}")]
+            start = len(instances)
+            instances += added + [
+                EffectInstance(catalogue[name], joint, f"{name}:{joint}{TAG}", log, logs) for log in logs[:-1]
+            ]
+            at = start + len(added)
+            candidates.append(
+                _Candidate(catalogue[name], joint, tuple(range(start, at)), tuple(range(at, len(instances))))
+            )
+    return candidates, instances
+
+
+def _halves(model: Prepared, fit_gains: bool, instances: Sequence[EffectInstance]) -> _Halves:
+    """The equations about the model's solution, with the columns of further instances."""
+    stack, solution = solved_quickly(model, fit_gains)
+    modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains * stack.moving
+    error = stack.current - modelled
+    count = np.maximum(stack.moving.sum(axis=0), 1)
+    weights = 1.0 / np.sqrt((error**2).sum(axis=0) / count)
+    samples, n, p = stack.phi.shape
+    own = p + (n if fit_gains else 0)
+    further = candidate_columns(model, instances) * stack.moving[:, :, None]
+    rows = np.zeros((n, samples, own + further.shape[2] + 1))
+    for j in range(n):
+        rows[j, :, :p] = stack.phi[:, j] / solution.gains[j]
+        if fit_gains:
+            rows[j, :, p + j] = -modelled[:, j] / solution.gains[j]
+        rows[j, :, own:-1] = further[:, j] / solution.gains[j]
+        rows[j, :, -1] = error[:, j]
+    rows *= weights[:, None, None]
+    ends = [*stack.starts[1:], samples]
+    half = np.concatenate(
+        [
+            (BLOCKS * np.arange(end - start) // (end - start)) % 2
+            for start, end in zip(stack.starts, ends, strict=True)
+        ]
+    )
+    inner = np.array([[one[half == k].T @ one[half == k] for one in rows] for k in (0, 1)])
+    left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
+    parts = [np.split(one[:, None], stack.starts[1:]) for one in left]
+    memory = np.array([memory_in_rows(one) for one in parts])
+    return _Halves(inner, own, count / memory, ((stack.current * weights) ** 2).sum(axis=0))
+
+
+def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """How columns (S,) are combined to the error that is left: the used ones by least squares."""
+    normal, right = inner[np.ix_(used, used)], inner[used, -1]
+    lengths = np.sqrt(np.diag(normal))
+    lengths[lengths == 0.0] = 1.0
+    values = np.zeros(len(inner))
+    scaled = normal / np.outer(lengths, lengths)
+    values[used] = -np.linalg.lstsq(scaled, right / lengths, rcond=DEPENDENT)[0] / lengths
+    values[-1] = 1.0
+    return values
+
+
+def _that_show(
+    model: Prepared, fit_gains: bool, chosen: Sequence[tuple[_Candidate, float, float, float]]
+) -> tuple[Differing, ...]:
+    """Those whose values, all fitted together, differ clearly and are possible."""
+    places = {(one.effect.name, one.joint) for one, *_ in chosen}
+    kept = [one for one in model.effects if (one.effect.name, one.joint) not in places]
+    logs = model.logs
+    added = [
+        EffectInstance(one.effect, one.joint, f"{one.effect.name}:{one.joint}{TAG}", log, logs)
+        for one, *_ in chosen
+        for log in logs
+    ]
+    wider = settled(with_effects(model, (*kept, *added)), fit_gains)
+    result = fit(wider, fit_gains=fit_gains)
+    first = wider.layout.size - len(added)
+    found = []
+    for i, (one, evidence, before, after) in enumerate(chosen):
+        own = slice(first + i * len(logs), first + (i + 1) * len(logs))
+        (parameter,) = one.effect.parameters
+        told = result.effect_parameters[one.effect.name]
+        values = {log: told[f"{one.joint}@{log}"][parameter.name] for log in logs}
+        impossible = parameter.positive and any(x.value < -SHOWS * x.std for x in values.values())
+        if not impossible and _apart(list(values.values()), result.covariance[own, own]):
+            found.append(Differing(one.effect.name, one.joint, values, evidence, before, after))
+    return tuple(sorted(found, key=lambda one: -one.evidence))
+
+
+def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:
+    """Whether two of the values (k,) differ by more than chance makes of them; covariance (k, k)."""
+    return any(
+        abs(values[a].value - values[b].value)
+        > SHOWS * np.sqrt(covariance[a, a] + covariance[b, b] - 2.0 * covariance[a, b])
+        for a, b in combinations(range(len(values)), 2)
+    )

@@ -1,0 +1,94 @@
+"""What differs from run to run is found and told, and nothing where it does not."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.dataset import Dataset, load_dataset
+from bench.diagnose.as_json import diagnosis_json
+from bench.diagnose.diagnose import diagnose
+from bench.diagnose.differs import differing
+from bench.diagnose.result import Diagnosis
+from bench.diagnose.summary import summary_sentences
+from bench.effects import CATALOGUE
+from bench.estimate.identify import gains_can_be_fitted
+from bench.estimate.prepare import prepare
+from bench.estimate.settle import settled
+from tests.workbench_kit import RECORDINGS, write_dataset
+
+FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
+STEP = 0.1  # A, by which the left current of one recording is shifted, and that of the other against it
+
+
+@pytest.fixture(scope="module")
+def alike(tmp_path_factory) -> Dataset:
+    folder = tmp_path_factory.mktemp("runs") / "data"
+    return load_dataset(write_dataset(folder, hidden=(), recordings=RECORDINGS[:3]))
+
+
+@pytest.fixture(scope="module")
+def unlike(alike: Dataset) -> Dataset:
+    recordings = [
+        replace(one, current=one.current + np.array([step, 0.0]))
+        for one, step in zip(alike.recordings, (STEP, -STEP, 0.0), strict=True)
+    ]
+    return replace(alike, recordings=tuple(recordings))
+
+
+@pytest.fixture(scope="module")
+def told(unlike: Dataset) -> Diagnosis:
+    return diagnose(unlike)
+
+
+def found_in(dataset: Dataset, effects: tuple[str, ...] = ()) -> list[str]:
+    prepared = prepare(dataset, effects)
+    fit_gains = gains_can_be_fitted(prepared, None)
+    return [one.request for one in differing(settled(prepared, fit_gains), fit_gains, CATALOGUE)]
+
+
+@pytest.mark.parametrize("effects", [(), FRICTION, ("stribeck_friction", "constant_offset:right")])
+def test_recordings_that_are_alike_raise_no_alarm(alike: Dataset, effects: tuple[str, ...]) -> None:
+    assert found_in(alike, effects) == []
+
+
+@pytest.mark.parametrize("effects", [(), FRICTION])
+def test_an_offset_that_differs_is_found(unlike: Dataset, effects: tuple[str, ...]) -> None:
+    assert found_in(unlike, effects) == ["constant_offset:left@recording"]
+
+
+def test_nothing_is_told_of_one_recording_or_of_what_the_model_has(unlike: Dataset) -> None:
+    alone = replace(unlike, recordings=(unlike.recordings[0], unlike.recordings[2]))
+    assert found_in(alone) == []
+    assert found_in(unlike, ("constant_offset:left@recording",)) == []
+
+
+def test_a_friction_that_differs_is_found(tmp_path) -> None:
+    parts = []
+    for name, share in (("cold", 0.3), ("warm", 0.15)):
+        hidden = ({"effect": "coulomb_friction", "joint": "right", "Fc": share},)
+        parts.append(load_dataset(write_dataset(tmp_path / name, hidden=hidden, recordings=RECORDINGS[:2])))
+    mixed = replace(parts[0], recordings=(parts[0].recordings[0], parts[1].recordings[1]))
+    assert found_in(mixed, FRICTION) == ["coulomb_friction:right@recording"]
+
+
+def test_the_diagnosis_tells_it(told: Diagnosis) -> None:
+    (one,) = told.differs
+    values = [value.value for value in one.values.values()]
+    assert list(one.values) == ["free.csv", "held.csv"]
+    assert values[0] - values[1] == pytest.approx(2 * STEP * 3.3, rel=0.03)
+    assert told.missing == ()
+    sentences = summary_sentences(told)
+    assert sentences[0].startswith("No effect with one value for all recordings is missing")
+    (said,) = [sentence for sentence in sentences if "run to run" in sentence]
+    assert said.startswith("The constant offset at left differs from run to run: -0.3")
+    assert "`--with constant_offset:left@recording` gives them" in said
+
+
+def test_it_stands_in_the_json(told: Diagnosis) -> None:
+    (one,) = json.loads(json.dumps(diagnosis_json(told)))["differs_by_recording"]
+    assert one["request"] == "constant_offset:left@recording"
+    assert set(one["values"]) == {"free.csv", "held.csv"}
+    assert set(one["values"]["free.csv"]) == {"value", "std", "unit"}
+    assert one["error_after"] < 0.2 * one["error_before"]
