@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
+from bench.document.numbers import percent, pretty_unit, value_and_deviation
 from bench.effects.names import spoken
 from bench.measured.known import DRIVE_GAIN, PARAMETER, WITHIN, Compared, MachineTable
 from bench.measured.run import Named, Record, Run
-from bench.show.numbers import percent, pretty_unit, value_and_deviation
 
 _WORDS = {DRIVE_GAIN: "drive gain", PARAMETER: "base parameter"}
 MOST_OTHERS = 3  # alternatives that are named one by one
