@@ -1,4 +1,4 @@
-"""More motors than degrees of freedom: what they do against one another moves nothing and is seen by no current."""
+"""More motors than degrees of freedom: the motion tells the sum of their powers, not what each of them gives."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def redundant_motors(model: mujoco.MjModel, joints: Sequence[str]) -> str | None
     return (
         f"the loop closures leave {left} degrees of freedom for {len(motors)} motors; those of joint "
         f"{' and '.join(bound)} are not independent, through {' and '.join(through)} (redundant actuation is not "
-        "supported: what such motors do against one another moves nothing)"
+        "supported: the motion does not tell what each of such motors gives)"
     )
 
 
