@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from bench.dataset import Dataset
+from bench.estimate.finding import Code, Finding, Unknown
 from bench.estimate.result import (
     CurrentSeries,
     DriveGain,
     Identification,
     Parameter,
     Quantity,
-    Unknown,
     error_summary,
 )
 from bench.model.geometry import Geometry, read_geometry
@@ -36,6 +36,8 @@ PARAMETERS = (
     Parameter(-0.0358, 0.0215, "kg*m", "mz(left_rod)", "mz(left_rod)"),
     Parameter(0.065514, 0.000049, "kg*m^2", "m(left_rod)", LONG),
 )
+
+NOTE = "A note that says what limits the answer, at some length, so that it does not fit into one line."
 
 
 def dataset_of(robot: Robot, duration: float = 2.0, start: float = 0.0, recordings=RECORDINGS) -> Dataset:
@@ -123,7 +125,5 @@ def identification_of(
         deviations="autocorrelated",
         recordings=tuple(series),
         left_out=left_out,
-        notes=(
-            "A note that says what limits the answer, at some length, so that it does not fit into one line.",
-        ),
+        findings=(Finding(Code.TOLD, (NOTE,)),),
     )

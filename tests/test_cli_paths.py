@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from bench.cli import main
+from bench.estimate.finding_words import sentence
+from bench.estimate.shortness import short_recordings
 from bench.recording import Recording
 from bench.signals.settings import FilterSettings
-from bench.signals.shortness import shortness_notes
 from bench.truth.dataset import write_simulation
 from tests.good_data import RATE, write_good_dataset
 from tests.test_discriminate import machine, narrow_recordings
@@ -81,12 +82,12 @@ def recording(name, seconds, use="identify"):
 def test_a_recording_that_is_short_beside_its_filter_is_noted():
     settings = FilterSettings(position_cutoff=60.0, decimation=10)
     assert (
-        shortness_notes([recording("long.csv", 5.0), recording("checked.csv", 0.8, "validate")], settings)
+        short_recordings([recording("long.csv", 5.0), recording("checked.csv", 0.8, "validate")], settings)
         == []
     )
-    (note,) = shortness_notes([recording("long.csv", 5.0), recording("short.csv", 0.8)], settings)
-    assert note.startswith("short.csv lasts 0.8 s, 48 periods of the filter")
-    assert "Record 1.9 s at least" in note
+    (note,) = short_recordings([recording("long.csv", 5.0), recording("short.csv", 0.8)], settings)
+    assert sentence(note).startswith("short.csv lasts 0.8 s, 48 periods of the filter")
+    assert "Record 1.9 s at least" in sentence(note)
 
 
 def test_the_note_stands_in_the_answers(tmp_path, capsys):

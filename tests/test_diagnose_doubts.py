@@ -6,7 +6,7 @@ import pytest
 
 from bench.diagnose.as_json import diagnosis_json
 from bench.diagnose.summary import doubts, summary_sentences
-from bench.estimate.notes import notes_on, runaway
+from bench.estimate.findings import runaway, with_findings
 from bench.robot import load_robot
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
@@ -34,7 +34,7 @@ def test_a_gain_far_from_nominal_is_doubted_whatever_the_error(found, ratio):
     none = summary_sentences(replace(far, missing=(), ladder=found.ladder[:1], ranking=OTHERS))
     assert none[1].startswith("The drive gain of left came out at")
     assert (
-        notes_on(far.after, ())
+        with_findings(far.after, ())
         .notes[0]
         .startswith("This answer is not to be believed. The drive gain of left")
     )

@@ -6,7 +6,7 @@ import pytest
 
 from bench.compare.next_step import left_over, next_step
 from bench.errors import BenchError
-from bench.estimate.notes import notes_on
+from bench.estimate.findings import with_findings
 from bench.robot import load_robot
 from bench.truth.dataset import write_simulation
 from tests.compared_kit import NOISE, made
@@ -33,7 +33,7 @@ def identified():
 def test_one_negative_gain_is_a_sign_or_a_column(identified):
     gains = dict(identified.drive_gains)
     gains["left"] = replace(gains["left"], value=-gains["left"].value)
-    notes = notes_on(replace(identified, drive_gains=gains), ()).notes
+    notes = with_findings(replace(identified, drive_gains=gains), ()).notes
     (note,) = [one for one in notes if "negative" in one]
     assert "--scale current.left=-1" in note
     assert not any("far from its nominal" in one for one in notes)
@@ -41,7 +41,7 @@ def test_one_negative_gain_is_a_sign_or_a_column(identified):
 
 def test_an_error_above_the_current_itself_is_no_fit_at_all(identified):
     hopeless = replace(identified, error=replace(identified.error, identify=1.7))
-    assert any("more than with no model at all" in note for note in notes_on(hopeless, ()).notes)
+    assert any("more than with no model at all" in note for note in with_findings(hopeless, ()).notes)
 
 
 def test_a_measured_dataset_is_not_replaced_by_a_simulated_one(tmp_path):

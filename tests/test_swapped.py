@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from bench.dataset import load_dataset
+from bench.estimate.finding_words import sentence
+from bench.estimate.findings import with_findings
 from bench.estimate.identify import identify, prepare
-from bench.estimate.notes import notes_on
-from bench.estimate.swapped import LARGE, swapped_notes
+from bench.estimate.swapped import LARGE, swapped_columns
 from tests.workbench_kit import FRICTION, write_dataset
 
 
@@ -25,8 +26,8 @@ def five_bar(tmp_path_factory):
 
 def test_swapped_currents_are_named_with_the_error_they_cause(five_bar):
     wrong = replace(five_bar, recordings=tuple(_exchanged(one, 0, 1) for one in five_bar.recordings))
-    (note,) = swapped_notes(wrong, identify(wrong))
-    assert note.startswith(
+    (note,) = swapped_columns(wrong, identify(wrong))
+    assert sentence(note).startswith(
         "The columns of left and right are probably swapped: with current.left and current.right"
     )
 
@@ -34,15 +35,15 @@ def test_swapped_currents_are_named_with_the_error_they_cause(five_bar):
 def test_one_swapped_recording_is_named_though_friction_is_missing(lacking):
     recordings = tuple(_exchanged(one, 0, 1) if one.name == "held.csv" else one for one in lacking.recordings)
     wrong = replace(lacking, recordings=recordings)
-    (note,) = swapped_notes(wrong, identify(wrong))
-    assert note.startswith("The columns of left and right in held.csv are probably swapped")
+    (note,) = swapped_columns(wrong, identify(wrong))
+    assert sentence(note).startswith("The columns of left and right in held.csv are probably swapped")
 
 
 def test_swapped_currents_of_a_symmetric_robot_are_named(tmp_path):
     delta = load_dataset(write_dataset(tmp_path / "d", robot="delta", hidden=(), duration=5.0))
     wrong = replace(delta, recordings=tuple(_exchanged(one, 0, 2) for one in delta.recordings))
-    (note,) = swapped_notes(wrong, identify(wrong))
-    assert "current.motor_1 and current.motor_3" in note
+    (note,) = swapped_columns(wrong, identify(wrong))
+    assert "current.motor_1 and current.motor_3" in sentence(note)
 
 
 @pytest.fixture(scope="module")
@@ -52,20 +53,20 @@ def lacking(tmp_path_factory):
 
 
 def test_nothing_is_suspected_of_good_data_or_of_a_missing_effect(five_bar, lacking):
-    assert swapped_notes(five_bar, identify(five_bar)) == []
+    assert swapped_columns(five_bar, identify(five_bar)) == []
     result = identify(lacking)
     assert result.error.identify > LARGE
-    assert swapped_notes(lacking, result) == []
+    assert swapped_columns(lacking, result) == []
 
 
 def test_the_error_told_is_that_of_a_fit_with_the_columns_exchanged(five_bar):
     wrong = replace(five_bar, recordings=tuple(_exchanged(one, 0, 1) for one in five_bar.recordings))
     result = identify(wrong)
-    (note,) = swapped_notes(wrong, result)
-    told = float(note.partition("falls to ")[2].partition(" %")[0]) / 100.0
+    (note,) = swapped_columns(wrong, result)
+    told = note.numbers["error"]
     right = identify(five_bar, ("coulomb_friction", "viscous_friction"), filters=result.settings)
     assert told == pytest.approx(right.error.identify, rel=0.02)
-    assert swapped_notes(wrong, result, prepare(wrong, (), result.settings)) == [note]
+    assert swapped_columns(wrong, result, prepare(wrong, (), result.settings)) == [note]
 
 
 def test_currents_that_no_exchange_explains_are_no_swap(five_bar):
@@ -78,14 +79,14 @@ def test_currents_that_no_exchange_explains_are_no_swap(five_bar):
     )
     result = identify(wrong)
     assert result.error.identify > 2.0 * LARGE
-    assert swapped_notes(wrong, result) == []
+    assert swapped_columns(wrong, result) == []
 
 
 def test_a_swap_must_better_the_very_result_that_it_comments(five_bar):
     wrong = replace(five_bar, recordings=tuple(_exchanged(one, 0, 1) for one in five_bar.recordings))
     result, well = identify(wrong), identify(five_bar)
     assert result.error.identify > 2.0 * LARGE
-    assert swapped_notes(wrong, replace(result, error=well.error)) == []
+    assert swapped_columns(wrong, replace(result, error=well.error)) == []
 
 
 def test_a_reversed_sign_is_told_only_where_the_other_sign_explains_the_current(five_bar):
@@ -95,6 +96,6 @@ def test_a_reversed_sign_is_told_only_where_the_other_sign_explains_the_current(
     assert "the sign of current.left, or of position.left, is probably reversed" in told
     gain = result.drive_gains["left"]
     weak = replace(result, drive_gains={**result.drive_gains, "left": replace(gain, value=0.3 * gain.value)})
-    (told,) = [note for note in notes_on(weak, ()).notes if "came out negative" in note]
+    (told,) = [note for note in with_findings(weak, ()).notes if "came out negative" in note]
     assert "probably reversed" not in told
     assert "mounted another way" in told

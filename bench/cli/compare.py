@@ -82,7 +82,7 @@ def compare(
     else:
         result = identify(data, effects, filters=given, catalogue=catalogue)
         name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
-        comparison = Comparison(result.robot, name, result.recordings, result.error, result.notes)
+        comparison = Comparison(result.robot, name, result.recordings, result.error, result.findings)
         settings = result.settings
     what = compared(data.robot, data.recordings, comparison.recordings, settings)
     where = errors_by_motor(what)

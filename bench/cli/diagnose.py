@@ -57,8 +57,8 @@ def diagnose(
 
         from bench.dataset import load_dataset
         from bench.diagnose.find import find_missing_effects
-        from bench.estimate.swapped import swapped_notes
-        from bench.signals.shortness import shortness_notes
+        from bench.estimate.shortness import short_recordings
+        from bench.estimate.swapped import swapped_columns
 
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
@@ -66,10 +66,10 @@ def diagnose(
             data, effects, filters=given, effect_files=effect_files, progress=progress
         )
         progress.phase("looking for swapped columns")
-        short = shortness_notes(data.recordings, diagnosis.after.settings)
-        swapped = swapped_notes(data, diagnosis.before)
-        notes = (*swapped, *diagnosis.after.notes, *short)
-        diagnosis = replace(diagnosis, after=replace(diagnosis.after, notes=notes))
+        short = short_recordings(data.recordings, diagnosis.after.settings)
+        swapped = swapped_columns(data, diagnosis.before)
+        findings = (*swapped, *diagnosis.after.findings, *short)
+        diagnosis = replace(diagnosis, after=replace(diagnosis.after, findings=findings))
     written = []
     if json_file is not None:
         from bench.diagnose.as_json import diagnosis_json

@@ -81,9 +81,9 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.effects import catalogue_for
     from bench.estimate.identify import fit, prepare
     from bench.estimate.model_file import save_model
-    from bench.estimate.swapped import swapped_notes
+    from bench.estimate.shortness import short_recordings
+    from bench.estimate.swapped import swapped_columns
     from bench.show.tables import identification_report
-    from bench.signals.shortness import shortness_notes
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
@@ -95,8 +95,11 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
         essential=essential,
     )
-    short, swapped = shortness_notes(data.recordings, result.settings), swapped_notes(data, result, prepared)
-    result = replace(result, notes=(*swapped, *result.notes, *short))
+    short, swapped = (
+        short_recordings(data.recordings, result.settings),
+        swapped_columns(data, result, prepared),
+    )
+    result = replace(result, findings=(*swapped, *result.findings, *short))
     written = []
     if json_file is not None:
         save_model(result, json_file, data.folder)

@@ -9,10 +9,11 @@ from bench.diagnose.differs_words import from_run_to_run
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.effects.names import spoken
-from bench.estimate.notes import LOOSE, runaway, unlike
+from bench.estimate.finding import Code
+from bench.estimate.finding_words import sentence
+from bench.estimate.findings import LOOSE, runaway, unlike
 from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
-from bench.estimate.swapped import SWAPPED
 
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
@@ -72,7 +73,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
             f"{what} is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
             f"error clearly smaller than {_percent(before)} of the current."
         )
-        strange = [one for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
+        strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
         return Summary(nothing, tuple(strange), "", (), "", differs, left)
     sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
     like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
@@ -98,12 +99,12 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Recordings that do not fit, or far more left than noise."""
     result = diagnosis.after
-    swapped = [note for note in result.notes if SWAPPED in note]
+    swapped = [one for one in result.findings if one.code == Code.COLUMNS_SWAPPED]
     strange = swapped[0] if swapped else runaway(result) or unlike(result)
     left = diagnosis.unexplained
     false = "These names may be false"
     if strange:
-        return (f"{false}. {strange}",)
+        return (f"{false}. {sentence(strange)}",)
     if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL):
         times = left.error / left.noise_floor
         return (f"{false}: what is left is {times:.0f} times the noise. Check columns, signs and payloads.",)

@@ -1,20 +1,16 @@
-"""What is said of effects that have a value for each recording."""
+"""Recordings without a value of their own of an effect that has one for each recording."""
 
-from bench.effects.names import spoken
+from bench.estimate.finding import Code, Finding, Unknown
 from bench.estimate.prepare import Prepared
 
 
-def notes_by_recording(prepared: Prepared) -> list[str]:
-    """With what recordings are modelled that have no value of their own."""
+def without_own_values(prepared: Prepared) -> list[Finding]:
+    """The recordings, and the effect with the recordings by whose values they are modelled."""
     among = {one.effect.name: one.among for one in prepared.effects if one.recording}
-    notes = []
+    found = []
     for name, logs in among.items():
-        others = [one.recording.name for one in prepared.measured if one.recording.log not in logs]
+        others = tuple(one.recording.name for one in prepared.measured if one.recording.log not in logs)
         if others:
-            value = "the mean of the values of these" if len(logs) > 1 else "the value of that one"
-            has, its, it_is = ("has", "its", "it is") if len(others) == 1 else ("have", "their", "they are")
-            notes.append(
-                f"{', '.join(others)} {has} no {spoken(name)} of {its} own, as the fitted recordings have "
-                f"({', '.join(logs)}): {it_is} modelled with {value}."
-            )
-    return notes
+            of = tuple(Unknown("effect", "", log, name) for log in logs)
+            found.append(Finding(Code.NO_VALUE_OF_ITS_OWN, others, of))
+    return found

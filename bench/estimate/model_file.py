@@ -11,7 +11,9 @@ import numpy as np
 from bench.dataset import Dataset
 from bench.effects import Effect, EffectInstance
 from bench.errors import BenchError
-from bench.estimate.by_recording import notes_by_recording
+from bench.estimate.by_recording import without_own_values
+from bench.estimate.finding import Finding
+from bench.estimate.finding_words import note
 from bench.estimate.layout import payload_parameter_names
 from bench.estimate.model_json import FORMAT, from_json, to_json
 from bench.estimate.payload_parameters import payload_columns
@@ -66,7 +68,12 @@ class Comparison:
     model: str
     recordings: tuple[CurrentSeries, ...]
     error: ErrorSummary
-    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What limits the comparison, in words."""
+        return tuple(map(note, self.findings))
 
 
 def save_model(result: Identification, path: str | Path, dataset: Path | None = None) -> None:
@@ -116,8 +123,8 @@ def apply_model(
     prepared, solution = applied(dataset, saved, catalogue)
     series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     joints = [actuator.joint for actuator in dataset.robot.actuators]
-    notes = tuple(notes_by_recording(prepared))
-    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), notes)
+    findings = tuple(without_own_values(prepared))
+    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), findings)
 
 
 def applied(

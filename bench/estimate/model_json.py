@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.estimate.result import DriveGain, ErrorSummary, Identification, Parameter, Quantity, Unknown
+from bench.estimate.finding import Code, Finding, Unknown
+from bench.estimate.result import DriveGain, ErrorSummary, Identification, Parameter, Quantity
 from bench.files import finite
 from bench.signals.settings import FilterSettings
 
@@ -52,6 +53,7 @@ def to_json(result: Identification) -> dict[str, Any]:
             {"name": one.name, "use": one.use, "payload": one.payload} for one in result.recordings
         ],
         "notes": list(result.notes),
+        "findings": [asdict(one) for one in result.findings],
     }
     return dict(finite(answer))
 
@@ -93,7 +95,23 @@ def from_json(content: dict[str, Any]) -> Identification:
         deviations=content["deviations"],
         recordings=(),
         left_out=tuple(content["left_out"]),
-        notes=tuple(content["notes"]),
+        findings=_findings(content),
+    )
+
+
+def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:
+    """What the file says that was found; of a file of an earlier version its sentences."""
+    if "findings" not in content:
+        return tuple(Finding(Code.TOLD, (str(one),)) for one in content["notes"])
+    return tuple(
+        Finding(
+            Code(one["code"]),
+            tuple(one["names"]),
+            tuple(Unknown(**unknown) for unknown in one["of"]),
+            {name: _or_infinite(value) for name, value in one["numbers"].items()},
+            str(one["unit"]),
+        )
+        for one in content["findings"]
     )
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bench.estimate.deviations import Deviations
+from bench.estimate.finding import Finding, Unknown
+from bench.estimate.finding_words import note
 from bench.estimate.frame import data_frame
 from bench.signals.settings import FilterSettings
 
@@ -43,16 +45,6 @@ class Parameter(Quantity):
 
     name: str
     grouping: str
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """What a row of a covariance is of. place: the joint of a gain, or where an effect sits."""
-
-    kind: Literal["parameter", "gain", "effect"]
-    name: str
-    place: str = ""
-    effect: str = ""
 
 
 @dataclass(frozen=True)
@@ -101,7 +93,7 @@ class Identification:
     parameters scale with their error. effect_parameters: effect -> place -> parameter, the place being a joint, or
     joint@recording for the value of one recording. covariance (P, P), its rows named by covariance_rows; those of given
     values and of parameters that were left out are zero. left_out: names of the base parameters without which the fit
-    is as good, when only essential ones were asked for. notes: what limits the answer, in words.
+    is as good, when only essential ones were asked for. findings: what limits the answer.
     """
 
     robot: str
@@ -123,7 +115,12 @@ class Identification:
     deviations: Deviations
     recordings: tuple[CurrentSeries, ...]
     left_out: tuple[str, ...]
-    notes: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What limits the answer, in words."""
+        return tuple(map(note, self.findings))
 
     def rows(self) -> list[dict[str, str | float]]:
         """Gains, parameters and effect parameters as a table: one row with kind, name, value, std and unit each."""

@@ -1,16 +1,16 @@
 """A solution in the user's words: gains, parameters, effects and errors with their names and units."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
-from bench.estimate.by_recording import notes_by_recording
+from bench.estimate.by_recording import without_own_values
 from bench.estimate.deviations import Deviations, Uncertainty
+from bench.estimate.finding import Unknown
+from bench.estimate.findings import with_findings
 from bench.estimate.layout import known_rows, payload_parameter_names, regressor_rows
-from bench.estimate.notes import notes_on
 from bench.estimate.observation import Observation
 from bench.estimate.prepare import Prepared
 from bench.estimate.result import (
@@ -19,7 +19,6 @@ from bench.estimate.result import (
     Identification,
     Parameter,
     Quantity,
-    Unknown,
     error_summary,
 )
 from bench.estimate.solution import Solution
@@ -58,7 +57,7 @@ def summarise(
         if i in kept
     )
     joints = [actuator.joint for actuator in robot.actuators]
-    result = notes_on(
+    return with_findings(
         Identification(
             robot=robot.name,
             robot_folder=str(robot.folder),
@@ -79,12 +78,12 @@ def summarise(
             deviations=deviations,
             recordings=series,
             left_out=tuple(name for i, (name, _, _) in enumerate(names) if i not in kept),
-            notes=(),
+            findings=(),
         ),
         prepared.left_aside,
         outside,
+        without_own_values(prepared),
     )
-    return replace(result, notes=(*result.notes, *notes_by_recording(prepared)))
 
 
 def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:

@@ -10,6 +10,7 @@ import numpy as np
 
 from bench.dataset import Dataset
 from bench.estimate.current_error import minimised, squared_errors
+from bench.estimate.finding import Code, Finding
 from bench.estimate.layout import known_rows, regressor_rows
 from bench.estimate.observation import Observation, all_currents
 from bench.estimate.prepare import Prepared, prepare
@@ -19,13 +20,14 @@ from bench.estimate.stack import triangular_factors
 from bench.threads import on_one_thread
 
 LARGE = 0.05  # relative error from which it is worth a try
-SWAPPED = "are probably swapped"
 BETTER = 0.5  # of the error: what a swap must bring it down to
 
 
 @on_one_thread
-def swapped_notes(dataset: Dataset, result: Identification, prepared: Prepared | None = None) -> list[str]:
-    """A sentence on the two motors whose columns, exchanged, bring the error down most; none where none do.
+def swapped_columns(
+    dataset: Dataset, result: Identification, prepared: Prepared | None = None
+) -> list[Finding]:
+    """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
     and viscous friction beside the rigid bodies, lest it hide the swap. The error must fall far below that of the
@@ -46,13 +48,8 @@ def swapped_notes(dataset: Dataset, result: Identification, prepared: Prepared |
     if not reached < BETTER * min(error, trial.error(trial.exchanged((), a, b), least=True), 1.0):
         return []
     first, second = joints[a], joints[b]
-    where = "" if len(names) == len(trial.parts) else f" in {names[0]}"
-    note = (
-        f"The columns of {first} and {second}{where} {SWAPPED}: with current.{first} and current.{second} "
-        f"exchanged (or their positions, on a symmetric robot), and with friction, the error falls to "
-        f"{100 * reached:.3g} %. Exchange the names in the header."
-    )
-    return [note]
+    where = () if len(names) == len(trial.parts) else (names[0],)
+    return [Finding(Code.COLUMNS_SWAPPED, (first, second, *where), numbers={"error": reached})]
 
 
 def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...], int, int]]:

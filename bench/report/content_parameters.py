@@ -12,7 +12,8 @@ from bench.document.numbers import (
     is_poor,
     settings_lines,
 )
-from bench.estimate.result import CurrentSeries, Identification, Unknown
+from bench.estimate.finding import Unknown
+from bench.estimate.result import CurrentSeries, Identification
 from bench.report.parts import Column, Items, Part, Section, Table, one_figure, row
 from bench.report.tables import on_page
 from bench.report.thin import significant

@@ -6,7 +6,8 @@ from bench.compare.words import motor_words
 from bench.diagnose.result import Diagnosis
 from bench.diagnose.summary import and_list, found_effects, or_list, summary_of
 from bench.document.numbers import gain_change, pretty_unit
-from bench.estimate.notes import runaway
+from bench.estimate.finding_words import note, sentence
+from bench.estimate.findings import runaway
 from bench.estimate.result import ErrorSummary, Identification
 from bench.report.parts import Tile
 from bench.report.words import effect_name, share, short, typeset
@@ -16,7 +17,8 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Three sentences on a diagnosis."""
     said = summary_of(diagnosis)
     doubt = runaway(diagnosis.after)
-    middle = (doubt or said.nominal or said.moved or gains_sentence(diagnosis.after)).rstrip(".")
+    middle = sentence(doubt) if doubt else said.nominal or said.moved or gains_sentence(diagnosis.after)
+    middle = middle.rstrip(".")
     doubtful = [
         f"instead of {effect_name(one.effect)} it could as well be {or_list(list(map(effect_name, one.alternatives)))}"
         for one in found_effects(diagnosis)
@@ -30,9 +32,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
     """Three sentences on an identified model."""
     doubt = runaway(result)
-    gains = (
-        gains_sentence(result) if doubt is None else f"This answer is not to be believed. {typeset(doubt)}"
-    )
+    gains = gains_sentence(result) if doubt is None else typeset(note(doubt))
     return (*_level(result.error, noise, "The model"), gains, _failing(where))
 
 

@@ -19,7 +19,7 @@ from bench.compare.motor import compared
 from bench.dataset import RecordingEntry, load_dataset, write_dataset_toml
 from bench.errors import BenchError
 from bench.estimate.identify import fit, prepare
-from bench.estimate.swapped import swapped_notes
+from bench.estimate.swapped import swapped_columns
 from bench.recording import write_recording
 from bench.scenario import Scenario, payload_declared, scenario_from_dict
 from bench.scenario_file import find_scenario, read_with_bases
@@ -110,7 +110,7 @@ def main() -> None:
     dataset = load_dataset(sys.argv[1])
     prepared = prepare(dataset)
     result = fit(prepared)
-    swapped_notes(dataset, result, prepared)
+    swapped_columns(dataset, result, prepared)
     compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
     seconds = process_time() - start
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from bench.dataset import RecordingEntry, load_dataset, write_dataset_toml
 from bench.estimate.identify import fit, prepare
-from bench.estimate.swapped import swapped_notes
+from bench.estimate.swapped import swapped_columns
 from bench.recording import write_recording
 from bench.recording_checks import Check
 
@@ -57,5 +57,5 @@ def measure(data: Path) -> float:
         start = process_time()
         dataset = load_dataset(folder)
         prepared = prepare(dataset)
-        swapped_notes(dataset, fit(prepared), prepared)
+        swapped_columns(dataset, fit(prepared), prepared)
         return process_time() - start

@@ -1,0 +1,65 @@
+"""What limits an answer: codes with their numbers, in words only at the end."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from bench.estimate.finding import Code, Finding, Unknown
+from bench.estimate.finding_words import UNBELIEVABLE, WORDS, note, sentence
+from bench.estimate.findings import runaway, unlike, with_findings
+from bench.estimate.model_file import load_model, save_model
+from bench.robot import load_robot
+from tests.shown import dataset_of, identification_of
+
+
+@pytest.fixture
+def result():
+    return identification_of(dataset_of(load_robot("five_bar")), effects=True)
+
+
+def test_every_code_has_its_words():
+    assert set(WORDS) == set(Code)
+
+
+def test_a_finding_names_what_it_is_of_with_its_numbers(result):
+    gain = result.drive_gains["left"]
+    far = replace(result, drive_gains={**result.drive_gains, "left": replace(gain, value=3.0 * gain.nominal)})
+    found = {one.code: one for one in with_findings(far, ("strange.csv",)).findings}
+    assert next(iter(found)) == Code.GAIN_RUNAWAY  # what is not to be believed is said first
+    assert found[Code.GAIN_RUNAWAY].numbers == {"value": 3.0 * gain.nominal, "nominal": gain.nominal}
+    assert found[Code.GAIN_FAR].names == ("left",)
+    assert found[Code.PAYLOAD_NOT_DECLARED].names == ("strange.csv",)
+    assert found[Code.POORLY_DETERMINED].numbers["count"] == 1
+    assert runaway(far) == found[Code.GAIN_RUNAWAY]
+    assert (
+        note(found[Code.GAIN_RUNAWAY])
+        == f"This answer is not to be believed. {sentence(found[Code.GAIN_RUNAWAY])}"
+    )
+    assert all(note(one) == sentence(one) for code, one in found.items() if code not in UNBELIEVABLE)
+
+
+def test_the_worst_recording_that_was_not_fitted_is_named_with_its_payload(result):
+    error = replace(result.error, identify=0.01, validate=0.5)
+    found = unlike(replace(result, error=error))
+    assert found.code == Code.CHECKED_UNLIKE_FITTED
+    assert found.numbers == {"fitted": 0.01, "checked": 0.5}
+    assert found.names[0] == max(error.by_recording, key=error.by_recording.get)
+    own = unlike(replace(result, error=error, effects=("constant_offset@recording",)))
+    assert (own.code, own.names[1:]) == (Code.CHECKED_HAS_OTHER_VALUES, ("constant_offset",))
+
+
+def test_findings_are_saved_with_the_model(result, tmp_path):
+    told = (
+        Finding(Code.COLUMNS_SWAPPED, ("left", "right"), numbers={"error": 0.012}),
+        Finding(Code.TAKEN_UP, of=(Unknown("effect", "Ia", "left", "rotor_inertia"),)),
+        Finding(Code.ILL_CONDITIONED, numbers={"condition": float("inf")}),
+    )
+    path = tmp_path / "model.json"
+    save_model(replace(result, findings=told), path)
+    assert load_model(path).model.findings == told
+    content = json.loads(path.read_text())
+    assert content["notes"] == [note(one) for one in told]
+    del content["findings"]  # as an earlier version wrote it
+    path.write_text(json.dumps(content))
+    assert list(load_model(path).model.notes) == content["notes"]
