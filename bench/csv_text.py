@@ -46,9 +46,9 @@ class CsvText:
         """What is written in a cell, without the spaces around it."""
         return self._rows[row][1][column].strip()
 
-    def first_text(self, column: int) -> tuple[int, str] | None:
-        """Row and content of the first cell of a column that is no number, None where all are."""
-        for row in range(len(self._rows)):
+    def first_text(self, column: int, rows: range) -> tuple[int, str] | None:
+        """Row and content of the first cell of a column that is no number, None where all of these rows are."""
+        for row in rows:
             cell = self.cell(row, column)
             try:
                 if cell:
@@ -57,10 +57,22 @@ class CsvText:
                 return row, cell
         return None
 
-    def floats(self, column: int) -> list[float]:
-        """A column of numbers in spellings that only Python reads, such as +1.5; empty cells are NaN."""
-        cells = (self.cell(row, column) for row in range(len(self._rows)))
-        return [self.number(cell) if cell else float("nan") for cell in cells]
+    def floats(self, column: int, rows: range, otherwise: float | None = None) -> list[float]:
+        """Some rows of a column in spellings that only Python reads, such as +1.5; empty cells are NaN.
+
+        otherwise: what stands for text. Raises ValueError for text without it.
+        """
+        return [self._float(self.cell(row, column), otherwise) for row in rows]
+
+    def _float(self, cell: str, otherwise: float | None) -> float:
+        if not cell:
+            return float("nan")
+        try:
+            return self.number(cell)
+        except ValueError:
+            if otherwise is None:
+                raise
+            return otherwise
 
     def number(self, cell: str) -> float:
         """The number that a cell spells; ValueError for text."""

@@ -16,7 +16,8 @@ from bench.errors import BenchError
 from bench.joint_facts import joint_facts
 from bench.payload import Payload, payload_fault
 from bench.recording import Recording
-from bench.recording_file import load_recording
+from bench.recording_file import load_recordings
+from bench.recording_window import Window
 from bench.robot import Robot, load_robot
 from bench.toml_input import read_toml
 
@@ -57,11 +58,20 @@ def load_dataset(folder: str | Path) -> Dataset:
         if not file.is_file():
             raise BenchError(f"{path}: effects: no such file {name!r}")
     joints = joint_facts(robot)
-    recordings = tuple(
-        load_recording(folder / entry.file, entry.file, entry.use, entry.payload, joints, entry.accept)
+    recordings = [
+        one
         for entry in spec.recordings
-    )
-    return Dataset(folder, robot, payloads, recordings, effect_files)
+        for one in load_recordings(
+            folder / entry.file,
+            entry.file,
+            entry.use,
+            entry.payload,
+            joints,
+            entry.accept,
+            Window(entry.window, entry.exclude),
+        )
+    ]
+    return Dataset(folder, robot, payloads, tuple(recordings), effect_files)
 
 
 def _payload(path: Path, name: str, spec: PayloadSpec) -> Payload:

@@ -18,6 +18,7 @@ from bench.files import write_text_atomically
 from bench.payload import Payload, payload_fault
 from bench.recording import Use
 from bench.recording_checks import Check
+from bench.recording_window import Spans
 from bench.robot import Robot, load_robot
 from bench.toml_input import UserTable, read_toml
 
@@ -40,6 +41,8 @@ class RecordingSpec(UserTable):
     use: Use
     payload: str | None = None
     accept: tuple[Check, ...] = ()
+    window: Spans = ()
+    exclude: Spans = ()
 
 
 class DatasetSpec(UserTable):

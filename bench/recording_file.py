@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -12,22 +13,36 @@ from bench.errors import BenchError
 from bench.joint_facts import JointFacts
 from bench.recording import Recording, Use
 from bench.recording_checks import Channel, Finding, find
+from bench.recording_window import WHOLE, Window
 from bench.sampling import on_uniform_grid, time_fault
 from bench.table_file import Table, read_table, release_tables
 
 
-def load_recording(
+def load_recordings(
     path: Path,
     name: str,
     use: Use,
     payload: str | None,
     joints: Sequence[JointFacts],
     accept: Sequence[str] = (),
-) -> Recording:
-    """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table."""
-    recording = recording_from_table(read_table(path), name, use, payload, joints, accept)
+    window: Window = WHOLE,
+) -> list[Recording]:
+    """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table.
+
+    What is used of it in several stretches is as many recordings, since no filter may run across a cut. Only what is
+    used is checked.
+    """
+    table = read_table(path)
+    _check_columns(table, ["time"])
+    parts = window.parts(table)
+    recordings = [recording_from_table(one, name, use, payload, joints, accept) for one in parts]
     release_tables()
-    return recording
+    if len(recordings) == 1:
+        return recordings
+    return [
+        replace(one, name=f"{name} ({one.time[0]:.4g} to {one.time[-1]:.4g} s)", part_of=name)
+        for one in recordings
+    ]
 
 
 def recording_from_table(

@@ -75,10 +75,19 @@ class Table:
         if self.text is None:
             raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
         index = self.columns.index(column)
-        if (found := self.text.first_text(index)) is None:
-            return np.array(self.text.floats(index))
+        rows = range(self.first_row, self.first_row + self.data.num_rows)
+        if (found := self.text.first_text(index, rows)) is None:
+            return np.array(self.text.floats(index, rows))
         row, cell = found
-        raise BenchError(f"{self.place(column, row)}: {cell!r} is not a number")
+        raise BenchError(f"{self.place(column, row - self.first_row)}: {cell!r} is not a number")
+
+    def stamps(self) -> Array:
+        """The time column (N,), NaN where no number stands: for choosing rows, before they are checked."""
+        kind = self.data.schema.field("time").type
+        if self.is_plain("time") or self.text is None:
+            return self.numbers("time") if _is_numeric(kind) else np.full(self.data.num_rows, np.nan)
+        rows = range(self.first_row, self.first_row + self.data.num_rows)
+        return np.array(self.text.floats(self.columns.index("time"), rows, otherwise=float("nan")))
 
     def finite(self, column: str) -> Array:
         """The column (N,) as floats; BenchError that names the first row that is empty, NaN or infinite."""
