@@ -34,6 +34,9 @@ COMMANDS = {
         "bench.cli.report:report", "Write one page, in one file, that shows what a run found."
     ),
     "export": LazyCommand("bench.cli.export:export", "Write an identified model as MJCF, URDF or a table."),
+    "replay": LazyCommand(
+        "bench.cli.replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions."
+    ),
     "view": LazyCommand(
         "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer."
     ),

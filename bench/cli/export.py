@@ -70,7 +70,7 @@ def export(
     if form == "mjcf":
         exported = write_mjcf(output, physical, payload)
         lines, changed = left_lines(exported.placed.left), exported.changed
-        written = [output, write_sidecar(output, sidecar(physical, exported.placed.left, changed))]
+        written = [output, write_sidecar(output, sidecar(physical, exported))]
     elif form == "urdf":
         lines, written = list(write_urdf(output, physical).not_held), [output]
     else:

@@ -19,19 +19,20 @@ from bench.export.pseudo_inertia import about_center
 from bench.files import atomic_path
 from bench.model.geometry import Placement
 from bench.robot_mjcf import INERTIA, MASS, ROTOR
+from bench.twin.friction import STEPS_TO_STICK, STIFF
 
-STEPS_TO_STICK = (
-    4.0  # time steps in which dry friction stops a joint: MuJoCo's default of 20 ms lets it creep
-)
-STIFF = [0.99, 0.999, 1e-4, 0.5, 2.0]
 PAYLOAD = "payload:"  # what the name of a payload's body begins with
 
 
 @dataclass(frozen=True)
 class Exported:
-    """text: of the MJCF; placed: which effects it holds; changed: what of the file was replaced, a line each."""
+    """text: of the MJCF; placed: which effects it holds; changed: what of the file was replaced, a line each.
+
+    actuators: names of the motors, in the order of the robot's.
+    """
 
     text: str
+    actuators: tuple[str, ...]
     placed: Placed
     changed: tuple[str, ...]
 
@@ -58,7 +59,8 @@ def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None) -
         DrivenJoint(joint, float(gain), placed.joints[joint].offset)
         for joint, gain in zip(robot.joints, physical.model.gains, strict=True)
     ]
-    for motor in set_motors(spec, compiled, driven, changed):
+    motors = set_motors(spec, compiled, driven, changed)
+    for motor in motors:
         exact[f"actuator {motor.name}"] = {
             "gainprm": _text(motor.gainprm[0]),
             "biasprm": _text(motor.biasprm[0]),
@@ -73,7 +75,7 @@ def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None) -
         raise BenchError(
             f"{robot.model_path}: MuJoCo refuses the result: {' '.join(str(error).split())}"
         ) from None
-    return Exported(text, placed, tuple(changed))
+    return Exported(text, tuple(motor.name for motor in motors), placed, tuple(changed))
 
 
 def write_mjcf(path: Path, physical: PhysicalSet, payload: str | None = None) -> Exported:

@@ -3,28 +3,23 @@
 from pathlib import Path
 from typing import Any
 
+from bench.export.mjcf import Exported
 from bench.export.physical import PhysicalSet
-from bench.export.placed import Left
 from bench.files import write_json_atomically
-
-FORMAT = 1
-
-
-def sidecar_path(path: Path) -> Path:
-    """Where it lies: NAME.twin.json beside NAME.xml."""
-    return path.with_name(f"{path.stem}.twin.json")
+from bench.twin.file import FORMAT, sidecar_path
 
 
-def sidecar(physical: PhysicalSet, left: tuple[Left, ...], changed: tuple[str, ...]) -> dict[str, Any]:
+def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
     """Motors, effects that are left with their values and shapes, and where the bodies are from."""
     model = physical.model
     return {
         "format": FORMAT,
         "robot": model.robot.name,
         "motors": [
-            {"joint": actuator.joint, "gain": float(gain), "unit": actuator.gain_unit}
-            for actuator, gain in zip(model.robot.actuators, model.gains, strict=True)
+            {"joint": one.joint, "gain": float(gain), "unit": one.gain_unit, "actuator": name}
+            for one, gain, name in zip(model.robot.actuators, model.gains, exported.actuators, strict=True)
         ],
+        "tool": model.robot.tool_site,
         "effects": [
             {
                 "effect": one.effect.name,
@@ -33,7 +28,7 @@ def sidecar(physical: PhysicalSet, left: tuple[Left, ...], changed: tuple[str, .
                 "shape": one.effect.instance.effect.shape_values(),
                 "why": one.why,
             }
-            for one in left
+            for one in exported.placed.left
         ],
         "effect_files": [str(file.resolve()) for file in model.effect_files],
         "bodies": {
@@ -41,7 +36,7 @@ def sidecar(physical: PhysicalSet, left: tuple[Left, ...], changed: tuple[str, .
             "distance": physical.distance,
             "guessed": list(physical.guessed),
         },
-        "changed": list(changed),
+        "changed": list(exported.changed),
     }
 
 

@@ -1,0 +1,93 @@
+"""`bench replay`: the exported twin beside a dataset."""
+
+from pathlib import Path
+
+import click
+
+from bench.cli.options import dataset_argument, effect_file_option, in_existing_folder, json_option
+from bench.cli.progress import quiet_option
+
+
+@click.command("replay")
+@dataset_argument
+@click.option(
+    "--model",
+    "model_file",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="MODEL.json",
+    help="What `bench identify --json` wrote.",
+)
+@click.option(
+    "--cad/--no-cad",
+    default=True,
+    help="Where the data leave masses open, stay near those of the MJCF; or near equal bars. [default: cad]",
+)
+@click.option(
+    "--nearest", is_flag=True, help="Take the nearest real bodies even where the data contradict all of them."
+)
+@effect_file_option
+@json_option
+@quiet_option
+@click.option(
+    "--rrd",
+    "rrd_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE.rrd",
+    callback=in_existing_folder,
+    help="Write a recording for the Rerun viewer.",
+)
+def replay(
+    dataset: Path,
+    model_file: Path,
+    cad: bool,
+    nearest: bool,
+    effect_files: tuple[Path, ...],
+    json_file: Path | None,
+    rrd_file: Path | None,
+    quiet: bool,
+) -> None:
+    """Simulate an exported model in MuJoCo along a dataset's motions.
+
+    The twin that `bench export --to mjcf` writes follows every recording under a stiff controller; its currents stand
+    beside the recorded ones and beside those of the model itself. MuJoCo closes the loops and integrates on its own:
+    where both errors agree, the exported file does what the model says.
+    """
+    from dataclasses import replace
+
+    from rich.console import Console
+
+    from bench.cli.progress import shown_progress
+    from bench.dataset import load_dataset
+    from bench.effects import catalogue_for
+    from bench.errors import BenchError
+    from bench.export.identified import load_identified
+    from bench.export.physical import physical_set
+    from bench.files import write_json_atomically
+    from bench.replay.replay import replay as replayed
+    from bench.replay.replay import replay_json
+    from bench.replay.report import replay_report
+
+    data = load_dataset(dataset)
+    identified = load_identified(model_file, data.robot.folder, (*data.effect_files, *effect_files))
+    identified = replace(identified, declared={**identified.declared, **data.payloads})
+    physical = physical_set(identified, use_cad=cad)
+    if physical.contradiction is not None and not nearest:
+        raise BenchError(f"{model_file}: {physical.contradiction.words()}; --nearest takes them all the same")
+    with shown_progress(quiet) as progress:
+        result = replayed(data, physical, catalogue_for(data.effect_files, effect_files), progress)
+    written = []
+    if json_file is not None:
+        write_json_atomically(json_file, replay_json(result))
+        written.append(f"Replay: {json_file}")
+    if rrd_file is not None:
+        from bench.report.folder import read_identification
+        from bench.show.recording import write_rrd
+
+        model = read_identification(model_file, data, catalogue_for(data.effect_files, effect_files))
+        told = replace(model, method="twin", recordings=result.twin.recordings, error=result.twin.error)
+        write_rrd(rrd_file, told, data)
+        written.append(f"Recording: {rrd_file} (open it with: rerun {rrd_file})")
+    replay_report(result, Console())
+    for line in written:
+        click.echo(line)

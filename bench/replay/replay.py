@@ -1,0 +1,169 @@
+"""A saved model's twin beside every recording of a dataset."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.dataset import Dataset
+from bench.effects import Effect, JointSignals
+from bench.effects.effect import ActuatorEffect
+from bench.estimate.measured import Measured
+from bench.estimate.model_file import Comparison, applied
+from bench.estimate.observation import all_currents
+from bench.estimate.result import CurrentSeries, error_summary
+from bench.estimate.summary import modelled_series
+from bench.export.identified import IdentifiedModel
+from bench.export.mjcf import write_mjcf
+from bench.export.physical import PhysicalSet
+from bench.export.sidecar import sidecar, write_sidecar
+from bench.files import finite
+from bench.model.configuration import configuration_rates
+from bench.model.geometry import Geometry, to_mujoco
+from bench.progress import SILENT, Progress
+from bench.replay.tracking import Reference, Tracked, track
+from bench.threads import on_one_thread
+from bench.twin import load_twin
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """twin: measured currents beside those of the twin, at the fit's rate; model: beside those of the model itself.
+
+    left_out: effects of the model that the twin does not have. off (recordings, n): RMS distance of the twin's joints
+    from the recorded ones, rad or m.
+    """
+
+    twin: Comparison
+    model: Comparison
+    left_out: tuple[str, ...]
+    off: np.ndarray
+
+
+@on_one_thread
+def replay(
+    dataset: Dataset,
+    physical: PhysicalSet,
+    catalogue: Mapping[str, Effect] | None = None,
+    progress: Progress = SILENT,
+) -> Replay:
+    """Export a model, simulate it in MuJoCo along every recording, and compare its currents with the recorded ones.
+
+    Raises BenchError where model and dataset do not go together, and where the twin does not follow.
+    """
+    identified = replace(physical.model, declared={**physical.model.declared, **dataset.payloads})
+    physical = replace(physical, model=identified)
+    prepared, solution = applied(dataset, identified.saved, catalogue)
+    joints = list(dataset.robot.joints)
+    modelled = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    twins: list[CurrentSeries] = []
+    off: list[np.ndarray] = []
+    left_out: tuple[str, ...] = ()
+    with tempfile.TemporaryDirectory() as folder:
+        progress.phase("replay", len(modelled))
+        for one, series in zip(prepared.measured, modelled, strict=True):
+            path = Path(folder) / "twin.xml"
+            write_sidecar(path, sidecar(physical, write_mjcf(path, physical, one.recording.payload)))
+            twin = load_twin(path, partial=True)
+            tracked = track(twin, identified.gains, _reference(prepared.model.geometry, one))
+            left_out = _left_out(identified, twin.left_out)
+            currents = _currents(identified, one, tracked)
+            twins.append(replace(series, modelled=_at_fit_rate(one, currents), by_effect={}))
+            off.append(np.sqrt(((tracked.position - one.position) ** 2).mean(axis=0)))
+            progress.advance()
+    name = str(identified.path)
+    return Replay(
+        twin=Comparison(dataset.robot.name, name, tuple(twins), error_summary(twins, joints)),
+        model=Comparison(dataset.robot.name, name, modelled, error_summary(modelled, joints)),
+        left_out=left_out,
+        off=np.array(off),
+    )
+
+
+def replay_json(result: Replay) -> dict[str, Any]:
+    """The answer as plain data."""
+    answer = {
+        "robot": result.twin.robot,
+        "model": result.twin.model,
+        "error": asdict(result.twin.error),
+        "error_of_model": asdict(result.model.error),
+        "left_out": list(result.left_out),
+        "recordings": [
+            {"name": one.name, "use": one.use, "payload": one.payload, "off": off.tolist()}
+            for one, off in zip(result.twin.recordings, result.off, strict=True)
+        ],
+    }
+    return dict(finite(answer))
+
+
+def _reference(geometry: Geometry, measured: Measured) -> Reference:
+    first = measured.tree.at(slice(0, 1))
+    qpos = to_mujoco(geometry.joints, first.q)[0]
+    return Reference(
+        time=measured.time - measured.time[0],
+        position=measured.position,
+        velocity=measured.velocity,
+        acceleration=measured.acceleration,
+        qpos=qpos,
+        qvel=_mujoco_velocity(geometry, first.q, first.v, first.a),
+    )
+
+
+def _mujoco_velocity(geometry: Geometry, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """Velocity (nv,) in MuJoCo's coordinates, in which a free body's linear one is along the world's axes."""
+    velocity = v[0].copy()
+    rates = configuration_rates(geometry, q.T, v.T, a.T)[0]
+    for joint in geometry.joints:
+        if joint.kind == "free":
+            velocity[joint.v.start : joint.v.start + 3] = rates[joint.q.start : joint.q.start + 3, 0]
+    return velocity
+
+
+def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked) -> np.ndarray:
+    """Currents (N, n) that give these torques, through the effects that stand between them."""
+    total = tracked.torque.copy()
+    rate = measured.recording.rate
+    joints = list(identified.robot.joints)
+    kinds = {joint.name: joint.kind for joint in identified.model.geometry.joints}
+    for one in identified.effects:
+        effect = one.instance.effect
+        if not effect.before_torque or not isinstance(effect, ActuatorEffect):
+            continue
+        j = joints.index(one.place)
+        needed = tracked.torque[:, j]
+        signals = JointSignals(
+            time=measured.time - measured.recording.time[0],
+            position=measured.position[:, j],
+            velocity=measured.velocity[:, j],
+            acceleration=measured.acceleration[:, j],
+            current=needed / identified.gains[j],
+            gain=float(identified.gains[j]),
+            speed=float(np.sqrt((measured.velocity[:, j] ** 2).mean())),
+            rate=rate,
+            band=measured.settings.band(rate),
+            rotates=kinds[one.place] != "slide",
+            needs=partial(np.asarray, needed),
+        )
+        total[:, j] += effect.torque(signals) @ np.array(list(one.values.values()))
+    return np.asarray(total / identified.gains)
+
+
+def _left_out(identified: IdentifiedModel, by_twin: Sequence[str]) -> tuple[str, ...]:
+    """What the twin leaves out, less what stands between current and torque: that is worked out afterwards."""
+    between = {
+        f"{one.name} at {one.place}"
+        for one in identified.effects
+        if one.instance.effect.before_torque and isinstance(one.instance.effect, ActuatorEffect)
+    }
+    return tuple(name for name in by_twin if name not in between)
+
+
+def _at_fit_rate(measured: Measured, currents: np.ndarray) -> np.ndarray:
+    """Currents (N, n), bridged where joints stand still, filtered and decimated as the measured ones are: (M, n)."""
+    rows = all_currents(replace(measured, current=currents))
+    own = np.arange(currents.shape[1])
+    return rows[:, own, own]

@@ -1,0 +1,41 @@
+"""A replay as a table in a terminal."""
+
+from rich.console import Console
+from rich.text import Text
+
+from bench.document.table import Column, Mark, Table
+from bench.document.terminal import printed
+from bench.estimate.result import CurrentSeries, relative_error
+from bench.replay.replay import Replay
+
+
+def replay_table(result: Replay) -> Table:
+    """The errors of the twin by recording and motor, beside those of the model itself; the last row is of all."""
+    twins, models = result.twin.recordings, result.model.recordings
+    joints = tuple(result.twin.error.by_actuator or result.twin.error.by_actuator_validate)
+
+    def errors(recordings: tuple[CurrentSeries, ...], motor: int | None = None) -> list[float | None]:
+        return [*(relative_error([one], motor) for one in recordings), relative_error(recordings, motor)]
+
+    columns = (
+        Column("recording", [*(one.name for one in twins), "all"]),
+        Column("payload", [*(one.payload for one in twins), ""]),
+        *(Column(joint, errors(twins, motor), "share", rank=1) for motor, joint in enumerate(joints)),
+        Column("all", errors(twins), "share"),
+        Column("the model itself", errors(models), "share"),
+    )
+    marks: list[Mark] = [""] * len(twins)
+    return Table(columns, (*marks, "strong"), (len(twins) - 1,))
+
+
+def replay_report(result: Replay, console: Console | None = None) -> None:
+    """Print them, and what the twin leaves out."""
+    console = console or Console()
+    console.print()
+    console.print(Text.assemble((result.twin.robot, "bold"), "  ", (f"twin of {result.twin.model}", "dim")))
+    console.print()
+    console.print("Error of the twin's current, RMS(error) / RMS(measured)", style="bold")
+    console.print(printed(replay_table(result), console.width))
+    for name in result.left_out:
+        console.print(f"Not simulated, so that its part of the current is missing: {name}", style="yellow")
+    console.print()

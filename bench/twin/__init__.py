@@ -1,0 +1,5 @@
+"""An exported robot in MuJoCo with the effects that its MJCF cannot hold: `load_twin`."""
+
+from bench.twin.twin import Twin, load_twin
+
+__all__ = ["Twin", "load_twin"]

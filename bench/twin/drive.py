@@ -1,0 +1,129 @@
+"""From current to torque, forwards in time: what the effects between them do in a simulation."""
+
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bench.effects import Effect
+from bench.effects.current_delay import CurrentDelay
+from bench.effects.current_loop_lag import CurrentLoopLag
+from bench.effects.gain_saturation import GainSaturation
+from bench.effects.load_dependent_friction import LoadDependentFriction
+from bench.effects.periods import wave
+from bench.effects.torque_ripple import TorqueRipple
+from bench.twin.laws import Instant
+
+
+class DriveLaw(ABC):
+    """What one effect makes of a current; times the gain, it is the torque that acts."""
+
+    @abstractmethod
+    def passed(self, current: float, now: Instant) -> float:
+        """The current that counts."""
+
+    def reset(self) -> None:
+        """Forget what happened before."""
+        return
+
+
+@dataclass
+class Late(DriveLaw):
+    """`CurrentDelay`: the current of a time ago, interpolated; that of the start before."""
+
+    delay: float
+    _log: deque[tuple[float, float]] = field(default_factory=deque)
+
+    def passed(self, current: float, now: Instant) -> float:
+        """See `DriveLaw`."""
+        self._log.append((now.time, current))
+        wanted = now.time - self.delay
+        while len(self._log) > 2 and self._log[1][0] <= wanted:
+            self._log.popleft()
+        times, currents = zip(*list(self._log)[:2], strict=True)
+        return float(np.interp(wanted, times, currents))
+
+    def reset(self) -> None:
+        """See `DriveLaw`."""
+        self._log.clear()
+
+
+@dataclass
+class Lagging(DriveLaw):
+    """`CurrentLoopLag`: i_t + T di_t/dt = i, exact for a current that is held between steps."""
+
+    constant: float
+    _state: tuple[float, float, float] | None = None
+
+    def passed(self, current: float, now: Instant) -> float:
+        """See `DriveLaw`."""
+        if self._state is None:
+            lagging = current
+        else:
+            time, held, before = self._state
+            lagging = held + (before - held) * float(np.exp(-(now.time - time) / self.constant))
+        self._state = now.time, current, lagging
+        return lagging
+
+    def reset(self) -> None:
+        """See `DriveLaw`."""
+        self._state = None
+
+
+@dataclass(frozen=True)
+class Saturating(DriveLaw):
+    """`GainSaturation`: i (1 - k i2)."""
+
+    k: float
+
+    def passed(self, current: float, now: Instant) -> float:  # noqa: ARG002 - the same at any instant
+        """See `DriveLaw`."""
+        return current * (1.0 - self.k * current**2)
+
+
+@dataclass(frozen=True)
+class Rippling(DriveLaw):
+    """`TorqueRipple`: i (1 + a cos + b sin)."""
+
+    a: float
+    b: float
+    periods: float
+    rotates: bool
+
+    def passed(self, current: float, now: Instant) -> float:
+        """See `DriveLaw`."""
+        cosine, sine = wave(np.array([now.position]), self.periods, self.rotates)[0]
+        return current * (1.0 + self.a * float(cosine) + self.b * float(sine))
+
+
+@dataclass(frozen=True)
+class LossInGear(DriveLaw):
+    """`LoadDependentFriction`: what of the torque comes through a gear that it drives, or brakes."""
+
+    mu: float
+
+    def passed(self, current: float, now: Instant) -> float:
+        """See `DriveLaw`."""
+        return current * (1.0 - self.mu * float(np.sign(current * now.velocity)))
+
+
+def drive_law_of(effect: Effect, values: Mapping[str, float], rotates: bool) -> DriveLaw | None:
+    """The law of an effect between current and torque; None where there is none that runs forwards in time."""
+    law: DriveLaw | None = None
+    if isinstance(effect, CurrentDelay) and values["T"] >= 0.0:
+        law = Late(values["T"])
+    elif isinstance(effect, CurrentLoopLag) and values["T"] > 0.0:
+        law = Lagging(values["T"])
+    elif isinstance(effect, GainSaturation):
+        law = Saturating(values["k"])
+    elif isinstance(effect, TorqueRipple):
+        law = Rippling(values["a"], values["b"], effect.periods, rotates)
+    elif isinstance(effect, LoadDependentFriction):
+        law = LossInGear(values["mu"])
+    return law
+
+
+ORDER = (Late, Lagging, Saturating, Rippling, LossInGear)
+"""From the drive's input to the joint."""

@@ -1,0 +1,80 @@
+"""NAME.twin.json beside an exported MJCF: motors, and the effects that the MJCF does not hold."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from bench.effects import Effect, EffectInstance, catalogue_for
+from bench.errors import BenchError
+
+FORMAT = 1
+
+
+def sidecar_path(path: Path) -> Path:
+    """Where it lies: NAME.twin.json beside NAME.xml."""
+    return path.with_name(f"{path.stem}.twin.json")
+
+
+@dataclass(frozen=True)
+class Motor:
+    """A driven joint; gain: N*m or N per unit of current; actuator: its name in the MJCF."""
+
+    joint: str
+    gain: float
+    actuator: str
+
+
+@dataclass(frozen=True)
+class TwinFile:
+    """motors in actuator order; effects with the values of their linear parameters; tool: site, None without."""
+
+    path: Path
+    motors: tuple[Motor, ...]
+    effects: tuple[tuple[EffectInstance, Mapping[str, float]], ...]
+    tool: str | None
+
+
+def load_twin_file(mjcf: Path) -> TwinFile:
+    """Read the file beside an exported MJCF. Raises BenchError that names it and what is wrong with it."""
+    path = sidecar_path(mjcf)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BenchError(
+            f"{path}: {error.strerror or error}: it lies beside what `bench export` wrote"
+        ) from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: not a twin file ({error})") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise BenchError(f"{path}: not a twin file that `bench export` wrote")
+    try:
+        catalogue = catalogue_for([Path(file) for file in content["effect_files"]])
+        return TwinFile(
+            path=path,
+            motors=tuple(
+                Motor(one["joint"], float(one["gain"]), one["actuator"]) for one in content["motors"]
+            ),
+            effects=tuple(_effect(path, one, catalogue) for one in content["effects"]),
+            tool=content["tool"],
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise BenchError(f"{path}: damaged twin file: {type(error).__name__} at {error}") from None
+
+
+def _effect(
+    path: Path, entry: Mapping[str, object], catalogue: Mapping[str, Effect]
+) -> tuple[EffectInstance, Mapping[str, float]]:
+    name, place = str(entry["effect"]), str(entry["place"])
+    if name not in catalogue:
+        raise BenchError(f"{path}: unknown effect {name!r}")
+    values, shape = entry["values"], entry["shape"]
+    if not isinstance(values, dict) or not isinstance(shape, dict):
+        raise TypeError(f"values of {name}")
+    effect = replace(catalogue[name], **shape).about(values)
+    wanted = {one.name for one in effect.parameters}
+    if set(values) != wanted:
+        raise BenchError(
+            f"{path}: {name}: values of {', '.join(values)} instead of {', '.join(sorted(wanted))}"
+        )
+    return EffectInstance(effect, place, name), values

@@ -1,0 +1,146 @@
+"""Laws of effects in a simulation, one instant after the other: what a joint feels beside what the MJCF holds."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects import ActuatorEffect, Effect, JointSignals
+from bench.effects.presliding_hysteresis import PreslidingHysteresis
+from bench.effects.user_file import MISTAKES
+from bench.errors import BenchError
+
+TINY = 1e-9  # rad/s or m/s: a speed of either sign that is as good as none
+SAMPLES = 12  # at which it is seen whether an effect needs more than the instant
+ALIKE = 1e-9
+
+
+@dataclass(frozen=True)
+class Instant:
+    """Of one driven joint: time s, position and velocity, rad or m, and the current in drive units."""
+
+    time: float
+    position: float
+    velocity: float
+    current: float
+
+
+class JointLaw(ABC):
+    """What one effect does in one driven joint, N*m or N."""
+
+    @abstractmethod
+    def opposing(self, now: Instant) -> tuple[float, float]:
+        """Torque that the motor has to overcome, and dry friction beside it, which holds a joint that stands."""
+
+    def reset(self) -> None:
+        """Forget what happened before."""
+        return
+
+
+@dataclass(frozen=True)
+class Memoryless(JointLaw):
+    """An effect that follows from the instant. Its jump where the motion reverses is dry friction."""
+
+    effect: ActuatorEffect
+    values: np.ndarray
+    gain: float
+    rotates: bool
+
+    def opposing(self, now: Instant) -> tuple[float, float]:
+        """See `JointLaw`."""
+        velocity = np.array([now.velocity, TINY, -TINY])
+        torque = self.at(
+            np.full(3, now.time), np.full(3, now.position), velocity, np.zeros(3), np.full(3, now.current)
+        )
+        dry = max(0.5 * float(torque[1] - torque[2]), 0.0)
+        direction = float(np.sign(now.velocity))
+        return float(torque[0]) - dry * direction, dry
+
+    def at(
+        self,
+        time: np.ndarray,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        acceleration: np.ndarray,
+        current: np.ndarray,
+    ) -> np.ndarray:
+        """The torque (N,) of the law at samples."""
+        signals = JointSignals(
+            time=time,
+            position=position,
+            velocity=velocity,
+            acceleration=acceleration,
+            current=current,
+            gain=self.gain,
+            speed=1.0,
+            rate=1.0,
+            band=1.0,
+            rotates=self.rotates,
+            needs=_asked,
+        )
+        return np.asarray(self.effect.torque(signals), dtype=float) @ self.values
+
+
+@dataclass
+class Dahl(JointLaw):
+    """`PreslidingHysteresis`, step by step: z approaches the direction of motion with the way."""
+
+    friction: float
+    displacement: float
+    _state: float = 0.0
+    _before: float | None = None
+
+    def opposing(self, now: Instant) -> tuple[float, float]:
+        """See `JointLaw`."""
+        if self._before is not None and now.position != self._before:
+            way = now.position - self._before
+            direction = float(np.sign(way))
+            self._state = direction + (self._state - direction) * float(np.exp(-abs(way) / self.displacement))
+        self._before = now.position
+        return self.friction * self._state, 0.0
+
+    def reset(self) -> None:
+        """See `JointLaw`."""
+        self._state, self._before = 0.0, None
+
+
+def joint_law_of(effect: Effect, values: Mapping[str, float], gain: float, rotates: bool) -> JointLaw | None:
+    """The law of an effect at a driven joint; None where it needs more than the instant."""
+    if isinstance(effect, PreslidingHysteresis):
+        return Dahl(values["Fc"], effect.x0)
+    if not isinstance(effect, ActuatorEffect) or type(effect).columns is not ActuatorEffect.columns:
+        return None
+    if effect.before_torque:
+        return None
+    law = Memoryless(effect, np.array([values[one.name] for one in effect.parameters]), gain, rotates)
+    return law if _follows_from_the_instant(law) else None
+
+
+class _NeedsTorqueError(BenchError):
+    """An effect asked for the torque of the whole model."""
+
+
+def _asked() -> np.ndarray:
+    raise _NeedsTorqueError("an effect asked for the torque that the model needs")
+
+
+def _follows_from_the_instant(law: Memoryless) -> bool:
+    """Whether samples one by one, in another order and at another acceleration, give the same."""
+    random = np.random.default_rng(20121)
+    time = np.sort(random.uniform(0.0, 5.0, SAMPLES))
+    position, velocity, acceleration, current = random.normal(size=(4, SAMPLES))
+    order = random.permutation(SAMPLES)
+    try:
+        whole = law.at(time, position, velocity, acceleration, current)
+        other = law.at(time[order], position[order], velocity[order], -acceleration[order], current[order])
+        alone = [
+            law.at(
+                time[k : k + 1], position[k : k + 1], velocity[k : k + 1], np.zeros(1), current[k : k + 1]
+            )[0]
+            for k in range(SAMPLES)
+        ]
+    except (*MISTAKES, _NeedsTorqueError):
+        return False
+    scale = ALIKE * (1.0 + np.abs(whole).max())
+    return bool(np.abs(other - whole[order]).max() < scale and np.abs(alone - whole).max() < scale)

@@ -1,0 +1,124 @@
+"""The exported twin needs the recorded currents, in MuJoCo alone; what the file does not hold is added or named."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.dataset import load_dataset
+from bench.estimate.identify import identify
+from bench.estimate.model_file import apply_model, load_model, save_model
+from bench.export.identified import load_identified
+from bench.export.mjcf import write_mjcf
+from bench.export.physical import physical_set
+from bench.replay.replay import replay
+from bench.truth.dataset import write_simulation
+from tests.export_kit import FRICTION
+from tests.hidden_kit import run
+from tests.rrd_reader import verified
+
+LADDER = ((), ("coulomb_friction:left",), ("coulomb_friction:left", "viscous_friction:left"))
+BRIEF = {"optimise": False, "duration": 3.0, "ramp": 0.5}
+CURVED = {"effect": "stribeck_friction", "joint": "left", "Fc": 0.15, "Fs": 0.15, "vs": 0.3}
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A five-bar with friction at one motor, one recording without payload and one with."""
+    folder = tmp_path_factory.mktemp("recorded") / "data"
+    write_simulation(run("five_bar", *FRICTION, design=BRIEF), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def models(recorded):
+    """A model file for each step of the ladder."""
+    files = []
+    for number, effects in enumerate(LADDER):
+        files.append(recorded.parent / f"model_{number}.json")
+        save_model(identify(load_dataset(recorded), effects), files[-1], recorded)
+    return files
+
+
+@pytest.fixture(scope="module")
+def replays(recorded, models):
+    """The twin of each, beside the recordings."""
+    return [replay(load_dataset(recorded), physical_set(load_identified(model))) for model in models]
+
+
+def test_the_twin_is_as_near_as_the_model_is(replays):
+    for one in replays:
+        assert one.left_out == ()
+        assert one.twin.error.identify == pytest.approx(one.model.error.identify, rel=0.05)
+    assert (replays[-1].off < 1e-3).all()
+
+
+def test_its_error_falls_step_by_step_as_effects_are_added(replays):
+    errors = [one.twin.error.identify for one in replays]
+    assert errors[1] < 0.7 * errors[0]
+    assert errors[2] < 0.3 * errors[1]
+
+
+def test_twenty_lines_of_mujoco_and_numpy_find_the_same(recorded, models, project_root, tmp_path):
+    model = models[-1]
+    write_mjcf(tmp_path / "twin.xml", physical_set(load_identified(model)))
+    dataset = load_dataset(recorded)
+    ours = apply_model(dataset, load_model(model)).error.by_recording
+    name = dataset.recordings[0].name
+    settings = load_model(model).settings
+    words = [tmp_path / "twin.xml", recorded / name, 0.4 * dataset.recordings[0].rate / settings.decimation]
+    script = project_root / "tests" / "replay_script.py"
+    done = subprocess.run(
+        [sys.executable, str(script), *map(str, words)], capture_output=True, text=True, check=True
+    )
+    assert float(done.stdout) == pytest.approx(ours[name], rel=0.2)
+
+
+def test_effects_that_mjcf_cannot_hold_act_in_the_twin(tmp_path):
+    folder = tmp_path / "data"
+    write_simulation(run("five_bar", CURVED, design=BRIEF), folder)
+    dataset = load_dataset(folder)
+    save_model(identify(dataset, ["stribeck_friction:left", "torque_ripple:right"]), tmp_path / "model.json")
+    identified = load_identified(tmp_path / "model.json")
+    found = replay(dataset, physical_set(identified))
+    assert found.left_out == ()
+    assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.1)
+    bare = replay(dataset, replace(physical_set(identified), model=replace(identified, effects=())))
+    assert bare.twin.error.identify > 3.0 * found.twin.error.identify
+
+
+def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys):
+    save_model(identify(load_dataset(recorded), ["encoder_offset:left"]), tmp_path / "model.json", recorded)
+    words = ["replay", str(recorded), "--model", str(tmp_path / "model.json"), "-q"]
+    assert main(words) == 0
+    assert "Not simulated, so that its part of the current is missing: encoder_offset at left" in (
+        " ".join(capsys.readouterr().out.split())
+    )
+
+
+def test_the_command_tells_one_number_a_motor_and_writes_files(recorded, models, tmp_path, capsys):
+    answer, film = tmp_path / "replay.json", tmp_path / "replay.rrd"
+    words = ["replay", str(recorded), "--model", str(models[-1]), "--json", str(answer), "--rrd", str(film)]
+    assert main([*words, "-q"]) == 0
+    told = capsys.readouterr().out
+    assert "the model itself" in told
+    content = json.loads(answer.read_text())
+    assert set(content["error"]["by_actuator"]) == {"left", "right"}
+    assert content["error"]["identify"] == pytest.approx(content["error_of_model"]["identify"], rel=0.05)
+    assert np.array(content["recordings"][0]["off"]).shape == (2,)
+    assert verified(film)
+
+
+def test_a_model_of_another_robot_is_one_line(recorded, tmp_path, capsys):
+    content = json.loads((recorded.parent / "model_0.json").read_text())
+    content["drive_gains"] = {"shoulder": content["drive_gains"]["left"]}
+    (tmp_path / "other.json").write_text(json.dumps(content))
+    answer = tmp_path / "replay.json"
+    words = ["replay", str(recorded), "--model", str(tmp_path / "other.json"), "--json", str(answer)]
+    assert main(words) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not answer.exists()
