@@ -18,7 +18,7 @@ def test_the_python_example_runs_on_what_the_demo_leaves(blocks, tmp_path, monke
     assert main(["demo"]) == 0
     shown = capsys.readouterr().out
     assert shown.rstrip().splitlines()[-1].startswith("Open results/demo/")
-    (example,) = [code for language, code in blocks if language == "python"]
+    example, twin = [code for language, code in blocks if language == "python"]
     assert len(example.strip().splitlines()) <= 10 + 1  # ten lines, one of them blank
     names: dict[str, object] = {}
     exec(compile(example, "README.md", "exec"), names)
@@ -27,6 +27,10 @@ def test_the_python_example_runs_on_what_the_demo_leaves(blocks, tmp_path, monke
     assert "right: 2.76" in printed
     assert names["error"].shape[1] == 2
     assert {row["kind"] for row in names["table"]} == {"drive gain", "parameter"}
+    model = "results/demo/model.json"
+    assert main(["export", model, "--to", "mjcf", "-o", "five_bar_identified.xml"]) == 0
+    exec(compile(twin, "README.md", "exec"), names)
+    assert names["twin"].data.time >= 2.0
 
 
 def test_pictures_and_links_of_the_readme_are_there(project_root):

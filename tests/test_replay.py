@@ -91,6 +91,23 @@ def test_effects_that_mjcf_cannot_hold_act_in_the_twin(tmp_path):
     assert bare.twin.error.identify > 3.0 * found.twin.error.identify
 
 
+def test_values_of_single_recordings_are_theirs_in_a_replay_and_a_mean_in_a_file(recorded, tmp_path, capsys):
+    effects = [*LADDER[-1], "constant_offset:right@recording"]
+    save_model(identify(load_dataset(recorded), effects), tmp_path / "model.json", recorded)
+    identified = load_identified(tmp_path / "model.json")
+    one, other = (e.values["c"] for e in identified.effects if e.name == "constant_offset")
+    (mean,) = (e.values["c"] for e in identified.effects_in() if e.name == "constant_offset")
+    assert mean == pytest.approx(0.5 * (one + other), abs=1e-12)
+    logs = [e.instance.recording for e in identified.effects if e.name == "constant_offset"]
+    (own,) = (e.values["c"] for e in identified.effects_in(logs[1]) if e.name == "constant_offset")
+    assert own == pytest.approx(other, abs=1e-12)
+    found = replay(load_dataset(recorded), physical_set(identified))
+    assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.05)
+    words = ["export", str(tmp_path / "model.json"), "--to", "mjcf", "-o", str(tmp_path / "x.xml")]
+    assert main(words) == 0
+    assert "Mean of the recordings' own values: constant_offset:right@recording" in capsys.readouterr().out
+
+
 def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys):
     save_model(identify(load_dataset(recorded), ["encoder_offset:left"]), tmp_path / "model.json", recorded)
     words = ["replay", str(recorded), "--model", str(tmp_path / "model.json"), "-q"]

@@ -65,6 +65,10 @@ def export(
     click.echo(_bodies_line(physical.distance, physical.prior))
     if physical.guessed:
         click.echo(f"No mass in the MJCF, taken for bars: {', '.join(physical.guessed)}")
+    for request in dict.fromkeys(
+        one.instance.request for one in identified.effects if one.instance.recording
+    ):
+        click.echo(f"Mean of the recordings' own values: {request}")
     lines: list[str] = []
     changed: tuple[str, ...] = ()
     if form == "mjcf":

@@ -81,7 +81,7 @@ def replay(
         write_json_atomically(json_file, replay_json(result))
         written.append(f"Replay: {json_file}")
     if rrd_file is not None:
-        from bench.report.folder import read_identification
+        from bench.estimate.model_file import read_identification
         from bench.show.recording import write_rrd
 
         model = read_identification(model_file, data, catalogue_for(data.effect_files, effect_files))

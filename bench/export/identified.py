@@ -17,8 +17,6 @@ from bench.payload import Payload
 from bench.robot import Robot, load_robot
 from bench.toml_input import read_toml
 
-WHOLE_ROBOT = "robot"  # the place by which a model file calls an effect of the whole robot
-
 
 @dataclass(frozen=True)
 class EffectValues:
@@ -66,6 +64,18 @@ class IdentifiedModel:
         """Base and payload parameters (nz,), in the covariance's order."""
         loads = [value for values in self.payloads.values() for value in values.values()]
         return np.concatenate((self.base, loads))
+
+    def effects_in(self, log: str = "") -> tuple[EffectValues, ...]:
+        """The effects as they are in a recording: with its own values where each has some, else with their mean."""
+        merged: dict[tuple[str, str], EffectValues] = {}
+        for one in self.effects:
+            share, key = one.instance.share(log), (one.name, one.place)
+            before = merged[key].values if key in merged else dict.fromkeys(one.values, 0.0)
+            values = {name: before[name] + share * value for name, value in one.values.items()}
+            everywhere = one.instance.everywhere()
+            shaped = replace(everywhere, effect=everywhere.effect.about(values))
+            merged[key] = EffectValues(shaped, values)
+        return tuple(merged.values())
 
     def moved(self, estimated: np.ndarray) -> "IdentifiedModel":
         """The model with other base and payload parameters (nz,), the rest as the covariance says it goes along."""
@@ -143,7 +153,9 @@ def _together(
         )
     loads = _payload_values(saved, names)
     weighed = [name for name, one in payloads.items() if one.mass is not None]
-    instances = select_effects(saved.model.effects, places_in(model.geometry, weighed), catalogue)
+    instances = select_effects(
+        saved.model.effects, places_in(model.geometry, weighed), catalogue, saved.fitted
+    )
     effects = tuple(_with_values(path, saved, one) for one in instances)
     every = (*names, *(f"{PARAMETERS[i]}({load})" for load, values in loads.items() for i in values))
     count = len(every) + sum(len(one.values) for one in effects) + len(robot.joints)
@@ -174,13 +186,12 @@ def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[in
 
 def _with_values(path: Path, saved: SavedModel, instance: EffectInstance) -> EffectValues:
     effect = instance.effect
-    known = saved.model.effect_parameters.get(effect.name, {}).get(instance.joint or WHOLE_ROBOT, {})
+    known = saved.model.effect_parameters.get(effect.name, {}).get(instance.place, {})
     given = {name: one.value for name, one in known.items()}
     wanted = [one.name for one in effect.shape] + [one.name for one in effect.parameters]
     for name in wanted:
         if name not in given:
-            where = f" at {instance.joint!r}" if instance.joint else ""
-            raise BenchError(f"{path}: no {name} of {effect.name}{where}")
+            raise BenchError(f"{path}: no {name} of {effect.name} at {instance.place!r}")
     linear = {one.name: given[one.name] for one in effect.parameters}
     shaped = replace(effect, **{one.name: given[one.name] for one in effect.shape}).about(linear)
     return EffectValues(replace(instance, effect=shaped), linear)

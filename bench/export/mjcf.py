@@ -37,18 +37,19 @@ class Exported:
     changed: tuple[str, ...]
 
 
-def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None) -> Exported:
+def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None, log: str = "") -> Exported:
     """Masses, inertias, armature, damping, dry friction, springs and drive gains in the robot's own MJCF.
 
     A motor's control is its current reference, in the drive's unit. folder: where the file will lie, from which it
-    finds its meshes; payload: name of the one to be fixed at the tool. Numbers that are filled in have all their
-    digits, the others the six that MuJoCo writes. Raises BenchError where MuJoCo refuses the result.
+    finds its meshes; payload: name of the one to be fixed at the tool; log: as in `placed_effects`. Numbers that
+    are filled in have all their digits, the others the six that MuJoCo writes. Raises BenchError where MuJoCo refuses
+    the result.
     """
     robot = physical.model.robot
     spec, compiled = robot.mjcf_spec(), robot.mjcf_model()
     _name_all(spec)
     _find_files_from(spec, robot.model_path.parent, folder)
-    placed = placed_effects(physical)
+    placed = placed_effects(physical, log)
     changed: list[str] = []
     exact: dict[str, dict[str, str]] = {}
     _set_bodies(spec, physical, exact, changed)
@@ -78,9 +79,9 @@ def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None) -
     return Exported(text, tuple(motor.name for motor in motors), placed, tuple(changed))
 
 
-def write_mjcf(path: Path, physical: PhysicalSet, payload: str | None = None) -> Exported:
+def write_mjcf(path: Path, physical: PhysicalSet, payload: str | None = None, log: str = "") -> Exported:
     """Write it, whole or not at all, once MuJoCo has read it back from where it lies."""
-    exported = mjcf_text(physical, path.resolve().parent, payload)
+    exported = mjcf_text(physical, path.resolve().parent, payload, log)
     with atomic_path(path) as partial:
         partial.write_text(exported.text, encoding="utf-8")
         try:

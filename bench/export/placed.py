@@ -39,15 +39,18 @@ class Placed:
     left: tuple[Left, ...]
 
 
-def placed_effects(physical: PhysicalSet) -> Placed:
-    """The effects of a model and its rotors in MuJoCo's joints, those that fit there as a whole."""
+def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
+    """The effects of a model and its rotors in MuJoCo's joints, those that fit there as a whole.
+
+    log: the recording whose values count where each has its own; their mean otherwise.
+    """
     model = physical.model
     joints = {
         joint: JointTerms(armature=float(rotor))
         for joint, rotor in zip(model.robot.joints, physical.rotors, strict=True)
     }
     left = []
-    for effect in model.effects:
+    for effect in model.effects_in(log):
         terms = joints.setdefault(effect.place, JointTerms()) if effect.name in RULES else None
         why = NO_PLACE if terms is None else RULES[effect.name](effect.values, terms)
         if why:

@@ -67,7 +67,8 @@ def replay(
         progress.phase("replay", len(modelled))
         for one, series in zip(prepared.measured, modelled, strict=True):
             path = Path(folder) / "twin.xml"
-            write_sidecar(path, sidecar(physical, write_mjcf(path, physical, one.recording.payload)))
+            exported = write_mjcf(path, physical, one.recording.payload, one.recording.log)
+            write_sidecar(path, sidecar(physical, exported))
             twin = load_twin(path, partial=True)
             tracked = track(twin, identified.gains, _reference(prepared.model.geometry, one))
             left_out = _left_out(identified, twin.left_out)
@@ -129,7 +130,7 @@ def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked)
     rate = measured.recording.rate
     joints = list(identified.robot.joints)
     kinds = {joint.name: joint.kind for joint in identified.model.geometry.joints}
-    for one in identified.effects:
+    for one in identified.effects_in(measured.recording.log):
         effect = one.instance.effect
         if not effect.before_torque or not isinstance(effect, ActuatorEffect):
             continue
