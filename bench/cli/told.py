@@ -1,8 +1,7 @@
 """From what a user names (a dataset, a model, a folder of results or of a sweep) to what the viewer shows."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,8 @@ from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth
 from bench.dataset import DATASET_FILE, Dataset, load_dataset
 from bench.diagnose.result import Diagnosis, LadderStep
 from bench.diagnose.split import with_judged_parts
+from bench.document.diagnosis import step_labels
 from bench.effects import catalogue_for
-from bench.effects.names import spoken
 from bench.errors import BenchError
 from bench.estimate.effect_torques import effect_torques
 from bench.estimate.identify import fit, identify, prepare
@@ -25,8 +24,6 @@ from bench.show.recording import Told
 from bench.show.story import Known, Step, Story
 from bench.sweep.again import is_sweep_folder, plan_of, run_again, telling_runs
 from bench.truth.dataset import as_dataset
-
-AS_IT_IS = "the model as it is"
 
 
 @dataclass(frozen=True)
@@ -100,10 +97,10 @@ def _of_dataset(folder: Path, asked: Asked) -> Told:
     rungs = [asked.effects[:count] for count in range(len(asked.effects) + 1)]
     models = [identify(dataset, rung, filters=asked.filters, catalogue=catalogue) for rung in rungs]
     steps = tuple(
-        Step(word, model.recordings) for word, model in zip(step_words(rungs), models[:-1], strict=False)
+        Step(word, model.recordings) for word, model in zip(step_labels(rungs), models[:-1], strict=False)
     )
     story = _story(dataset, models[-1], steps, "", truth=asked.truth)
-    story = replace(story, label=step_words(rungs)[-1])
+    story = replace(story, label=step_labels(rungs)[-1])
     return Told(models[-1].robot, models[-1], dataset, story)
 
 
@@ -131,7 +128,7 @@ def _of_result(kept: Kept, asked: Asked) -> Told:
         return Told(after.robot, after, dataset, _story(dataset, after, (), "", truth=asked.truth))
     judged, _ = with_judged_parts(dataset)
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
-    words = step_words(rungs)
+    words = step_labels(rungs)
     steps = []
     for word, rung, step in zip(words[:-1], rungs[:-1], diagnosis.ladder[:-1], strict=True):
         recordings = step.recordings
@@ -169,15 +166,6 @@ def _of_sweep(folder: Path, asked: Asked) -> list[Told]:
             story = replace(story, known=known, truth=truth_values(dataset, content))
         found.append(Told(again.title, result, dataset, story))
     return found
-
-
-def step_words(steps: Sequence[Sequence[str]]) -> list[str]:
-    """What each model adds to the one before, as in "+ coulomb friction"."""
-    words = [AS_IT_IS]
-    for before, after in pairwise(steps):
-        new = [spoken(one.partition(":")[0]) for one in after if one not in before]
-        words.append(f"+ {', '.join(dict.fromkeys(new))}")
-    return words
 
 
 def _story(

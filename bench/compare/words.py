@@ -5,6 +5,7 @@ from bench.compare.opposing import Change
 from bench.compare.periods import Line
 from bench.compare.profile import Dependence
 from bench.compare.where import MotorErrors, WhereItFails
+from bench.effects.wording import in_percent
 
 CHANGES = {
     "warm-up": "friction changes while it moves, as with warming up",
@@ -19,8 +20,8 @@ def where_sentences(where: WhereItFails) -> list[str]:
 
 def level_sentence(motor: MotorErrors) -> str:
     """How large a motor's error is beside the noise of its current."""
-    size = f"{motor_words(motor.joint)}: error {_percent(motor.error)}"
-    noise = f"the noise of the current ({_percent(motor.noise)})"
+    size = f"{motor_words(motor.joint)}: error {in_percent(motor.error)}"
+    noise = f"the noise of the current ({in_percent(motor.noise)})"
     if not motor.above_noise:
         return f"{size}, no more than {noise} leaves: nothing to find"
     times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
@@ -104,7 +105,3 @@ def change_words(one: Change, unit: str) -> str:
 
 def _times(ratio: float) -> str:
     return f"{ratio:.3g}" if ratio < 100.0 else f"{ratio:.0f}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from bench.diagnose.result import Differing
 from bench.effects.names import spoken
+from bench.effects.wording import in_percent
 
 DOMINANT = 3.0  # times what is left with it, must be left without it, where no effect explains that
 
@@ -20,8 +21,8 @@ def from_run_to_run(differs: Sequence[Differing], *, clear: bool) -> tuple[str, 
     doubt = "" if sure else ", or something that no effect explains does the same"
     told = (
         f"The {_named(first)} {verb} from run to run: {_value(first, low)} and {_value(first, high)}{doubt}. "
-        f"With a value for each recording the error of {first.joint} falls from {_percent(first.error_before)} to "
-        f"{_percent(first.error_after)} on parts that were not fitted; `--with {first.request}` gives them."
+        f"With a value for each recording the error of {first.joint} falls from {in_percent(first.error_before)} to "
+        f"{in_percent(first.error_after)} on parts that were not fitted; `--with {first.request}` gives them."
     )
     said = [told]
     if others:
@@ -39,7 +40,3 @@ def _named(one: Differing) -> str:
 def _value(one: Differing, log: str) -> str:
     value = one.values[log]
     return f"{value.value:.3g} ± {value.std:.1g} {value.unit.replace('*', '·')} in {log}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"

@@ -9,6 +9,7 @@ from bench.diagnose.differs_words import from_run_to_run
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.effects.names import spoken
+from bench.effects.wording import in_percent
 from bench.estimate.finding import Code
 from bench.estimate.finding_words import sentence
 from bench.estimate.findings import LOOSE, runaway, unlike
@@ -71,7 +72,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
         what = "No effect with one value for all recordings" if differs else "Nothing"
         nothing = (
             f"{what} is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
-            f"error clearly smaller than {_percent(before)} of the current."
+            f"error clearly smaller than {in_percent(before)} of the current."
         )
         strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
         return Summary(nothing, tuple(strange), "", (), "", differs, left)
@@ -84,8 +85,8 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
     if doubt or nominal:
         said_of = "seems to be" if len(parts) == 1 else "seem to be"
     verdict = (
-        f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {_percent(before)} "
-        f"to {_percent(after)} of the current, where noise leaves {_percent(floor)}."
+        f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {in_percent(before)} "
+        f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
     )
     undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
     return Summary(verdict, doubt, nominal, undecided, _largest_change(diagnosis) or "", differs, left)
@@ -228,11 +229,7 @@ def _share(size: float, torque: float) -> str:
 
 
 def _most(share: float) -> str:
-    return "more than 99.9 %" if share > 0.999 else _percent(share)
-
-
-def _percent(share: float | None) -> str:
-    return "–" if share is None else f"{100.0 * share:.3g} %"
+    return "more than 99.9 %" if share > 0.999 else in_percent(share)
 
 
 def _capital(text: str) -> str:

@@ -9,6 +9,7 @@ from bench.diagnose.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnose.search import Found, Scored, close, contains, material, score
 from bench.diagnose.system import SetFit, System, solve_set, squared_errors
 from bench.effects.names import begun, spoken
+from bench.effects.wording import in_percent
 
 DOMINANT = 3.0
 MUCH_LEFT = (
@@ -65,10 +66,6 @@ def listed(names: Sequence[str]) -> str:
     return spoken_names[0] if len(names) == 1 else f"{', '.join(spoken_names[:-1])} or {spoken_names[-1]}"
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
-
-
 def checked_error(system: System, fit: SetFit) -> float:
     """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
     measured = system.checked.measured
@@ -112,8 +109,8 @@ def _found(
     after = _error(system, best, scale)
     where = f" at {', '.join(places)}"
     why = (
-        f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from {_percent(before)} to "
-        f"{_percent(after)} of the current"
+        f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from "
+        f"{in_percent(before)} to {in_percent(after)} of the current"
     )
     if alternatives:
         why += f"; these data cannot tell it from {listed(alternatives)}"
@@ -167,7 +164,7 @@ def _other(
         if after >= before or not material(best.fit, added.fit)
         else "gains too little to be sure"
     )
-    why = f"Adding {name} {gained} on recordings that were not fitted ({_percent(before)} to {_percent(after)})."
+    why = f"Adding {name} {gained} on recordings that were not fitted ({in_percent(before)} to {in_percent(after)})."
     return EffectVerdict(
         proposals[i].name, "not supported", before, after, added.checked - best.checked, (), (), {}, why
     )

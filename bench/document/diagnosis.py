@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
+from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.diagnose.summary import effort_unit, error_share, motor_torques
 from bench.document.numbers import effect_name, gain_change
 from bench.document.table import PLAIN, Column, Mark, Table
@@ -13,13 +13,16 @@ FEW = 4  # alternatives named in a cell
 ROUNDING = 1e-6  # of an evidence in nats, of a share
 
 
-def step_labels(steps: Sequence[LadderStep]) -> list[str]:
-    """A ladder's steps in words, as in "the model as it is", "+ coulomb friction"."""
-    added = (
-        [effect_name(name) for name in after.effects if name not in before.effects]
-        for before, after in pairwise(steps)
-    )
-    return ["the model as it is", *(f"+ {', '.join(names)}" for names in added)]
+def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
+    """What each model adds to the one before, as in "the model as it is", "+ Coulomb friction".
+
+    steps: the effects of every model, by name or as they are asked for, with a place.
+    """
+    labels = ["the model as it is"]
+    for before, after in pairwise(steps):
+        added = dict.fromkeys(effect_name(one.partition(":")[0]) for one in after if one not in before)
+        labels.append(f"+ {', '.join(added)}")
+    return labels
 
 
 def ladder_table(diagnosis: Diagnosis) -> Table:
@@ -30,7 +33,7 @@ def ladder_table(diagnosis: Diagnosis) -> Table:
     largest = max((value for value in values if value), default=1.0)
     return Table(
         (
-            Column("model", [*step_labels(steps), "noise of the currents"]),
+            Column("model", [*step_labels([one.effects for one in steps]), "noise of the currents"]),
             Column("fitted", [*(one.identify for one in steps), ""], "share"),
             Column("not fitted", [*(one.validate for one in steps), floor], "share"),
             Column("", [(value or 0.0) / largest for value in values], "bar", 1),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 from bench.effects.names import spoken
 from bench.effects.select import ROBOT
+from bench.effects.wording import in_percent
 from bench.estimate.finding import Code, Finding, Unknown
 
 UNBELIEVABLE = frozenset({Code.GAIN_RUNAWAY, Code.PARAMETER_WITHOUT_DEVIATION, Code.ROUNDING_DECIDES})
@@ -66,7 +67,7 @@ def _swapped(one: Finding) -> str:
     return (
         f"The columns of {first} and {second}{where} are probably swapped: with current.{first} and current.{second} "
         f"exchanged (or their positions, on a symmetric robot), and with friction, the error falls to "
-        f"{_percent(one.numbers['error'])}. Exchange the names in the header."
+        f"{in_percent(one.numbers['error'])}. Exchange the names in the header."
     )
 
 
@@ -129,7 +130,7 @@ def _other_values(one: Finding) -> str:
 
 
 def _far_worse(one: Finding) -> str:
-    checked, fitted = (_percent(one.numbers[name]) for name in ("checked", "fitted"))
+    checked, fitted = (in_percent(one.numbers[name]) for name in ("checked", "fitted"))
     return (
         f"Recordings that were not fitted are modelled far worse ({checked}) than those that were ({fitted})"
     )
@@ -138,7 +139,8 @@ def _far_worse(one: Finding) -> str:
 def _poorly(one: Finding) -> str:
     return (
         f"{one.numbers['count']:.0f} of {one.numbers['of']:.0f} parameters are poorly determined (deviation above "
-        f"{_percent(one.numbers['limit'])} of the value); `bench identify --essential` leaves out what does not matter."
+        f"{in_percent(one.numbers['limit'])} of the value); `bench identify --essential` leaves out what does not "
+        "matter."
     )
 
 
@@ -160,10 +162,6 @@ def _no_value(one: Finding) -> str:
         f"{', '.join(one.names)} {has} no {spoken(one.of[0].effect)} of {its} own, as the fitted recordings have "
         f"({', '.join(log.place for log in one.of)}): {it_is} modelled with {value}."
     )
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
 
 
 WORDS: Mapping[Code, Callable[[Finding], str]] = {
@@ -192,7 +190,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         "the currents in mA?"
     ),
     Code.NO_MODEL_IS_BETTER: lambda one: (
-        f"The error is {_percent(one.numbers['error'])} of the current, more than with no model at all: columns may "
+        f"The error is {in_percent(one.numbers['error'])} of the current, more than with no model at all: columns may "
         "be swapped, a sign wrong, or the robot another one."
     ),
     Code.SIGN_REVERSED: _sign,

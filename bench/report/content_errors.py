@@ -34,7 +34,7 @@ ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current
 def ladder_section(diagnosis: Diagnosis) -> Section:
     """The error after each added effect."""
     steps = diagnosis.ladder
-    names = step_labels(steps)
+    names = step_labels([one.effects for one in steps])
     floor = diagnosis.unexplained.noise_floor
     lines = []
     for role, name, values in (

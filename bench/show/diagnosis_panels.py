@@ -48,7 +48,9 @@ def rungs(diagnosis: Diagnosis) -> list[Rung]:
     """The errors after each added effect."""
     return [
         Rung(label, _percents(step.identify), _percents(step.validate))
-        for label, step in zip(step_labels(diagnosis.ladder), diagnosis.ladder, strict=True)
+        for label, step in zip(
+            step_labels([one.effects for one in diagnosis.ladder]), diagnosis.ladder, strict=True
+        )
     ]
 
 
