@@ -103,21 +103,26 @@ class CsvText:
         return rows
 
 
-def split_csv(path: Path, content: bytes) -> CsvText:
-    """Find header, delimiter and decimal sign of a CSV file.
-
-    Errors: BenchError when the content is not a text with a header line.
-    """
+def decoded(path: Path, content: bytes) -> str:
+    """The text of a file; BenchError where it is none, with what it is instead or the line that is not UTF-8."""
     for magic, kind in FOREIGN.items():
         if content.startswith(magic):
             raise BenchError(f"{path}: is {kind}, not a CSV text")
     if b"\x00" in content:
         raise BenchError(f"{path}: is not a text file (zero byte at offset {content.index(0)})")
     try:
-        text = content.decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         raise BenchError(f"{path}: line {line}: is not UTF-8 text") from error
+
+
+def split_csv(path: Path, content: bytes) -> CsvText:
+    """Find header, delimiter and decimal sign of a CSV file.
+
+    Errors: BenchError when the content is not a text with a header line.
+    """
+    text = decoded(path, content)
     opening = re.match(r"\s*", text)
     start = opening.end() if opening else 0
     header, end, body = re.split(r"(\r\n|\n|\r|\Z)", text[start:], maxsplit=1)
@@ -129,7 +134,7 @@ def split_csv(path: Path, content: bytes) -> CsvText:
         raise BenchError(f"{path}: line {first_line - 1}: is not a CSV header: {error}") from error
     if not names:
         raise BenchError(f"{path}: the file is empty")
-    if all(_is_number(name.replace(",", ".")) for name in names):
+    if all(is_number(name.replace(",", ".")) for name in names):
         raise BenchError(f"{path}: line {first_line - 1}: has no header line that names the columns")
     first_row = body.lstrip().split("\n", 1)[0]
     return CsvText(
@@ -137,7 +142,8 @@ def split_csv(path: Path, content: bytes) -> CsvText:
     )
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell spells a number, with a point for the decimals."""
     try:
         float(cell)
     except ValueError:

@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-
 from bench.dataset_toml import DATASET_FILE as DATASET_FILE
-from bench.dataset_toml import DatasetSpec, PayloadSpec
+from bench.dataset_toml import DatasetSpec, payload_of
 from bench.dataset_toml import RecordingEntry as RecordingEntry
 from bench.dataset_toml import write_dataset_toml as write_dataset_toml
 from bench.errors import BenchError
 from bench.joint_facts import joint_facts
-from bench.payload import Payload, payload_fault
+from bench.payload import Payload
 from bench.recording import Recording
 from bench.recording_file import load_recordings
 from bench.recording_window import Window
@@ -51,7 +49,7 @@ def load_dataset(folder: str | Path) -> Dataset:
     spec = read_toml(path, DatasetSpec)
     folder = path.parent
     robot = load_robot(spec.robot, relative_to=folder)
-    payloads = {name: _payload(path, name, entry) for name, entry in spec.payloads.items()}
+    payloads = {name: payload_of(path, name, entry) for name, entry in spec.payloads.items()}
     _check_references(path, spec, robot)
     effect_files = tuple(folder / name for name in spec.effects)
     for name, file in zip(spec.effects, effect_files, strict=True):
@@ -72,18 +70,6 @@ def load_dataset(folder: str | Path) -> Dataset:
         )
     ]
     return Dataset(folder, robot, payloads, tuple(recordings), effect_files)
-
-
-def _payload(path: Path, name: str, spec: PayloadSpec) -> Payload:
-    payload = Payload(
-        name,
-        spec.mass,
-        None if spec.center_of_mass is None else np.array(spec.center_of_mass),
-        None if spec.inertia is None else np.array(spec.inertia),
-    )
-    if (fault := payload_fault(payload)) is not None:
-        raise BenchError(f"{path}: payloads.{name}.{fault[0]}: {fault[1]}")
-    return payload
 
 
 def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:

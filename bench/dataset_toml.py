@@ -54,6 +54,19 @@ class DatasetSpec(UserTable):
     recordings: Annotated[list[RecordingSpec], Field(min_length=1)]
 
 
+def payload_of(path: Path, name: str, spec: PayloadSpec) -> Payload:
+    """The payload of a [payloads.NAME] table in the file `path`; BenchError where it cannot exist."""
+    payload = Payload(
+        name,
+        spec.mass,
+        None if spec.center_of_mass is None else np.array(spec.center_of_mass),
+        None if spec.inertia is None else np.array(spec.inertia),
+    )
+    if (fault := payload_fault(payload)) is not None:
+        raise BenchError(f"{path}: payloads.{name}.{fault[0]}: {fault[1]}")
+    return payload
+
+
 @dataclass(frozen=True)
 class RecordingEntry:
     """One [[recordings]] table to write: file name relative to the folder, use, payload, accepted checks."""
@@ -104,7 +117,11 @@ def toml_tables(recordings: Sequence[RecordingEntry], payloads: Sequence[Payload
 
 
 def extended_toml(
-    folder: Path, reference: str, robot: Robot, entries: Sequence[RecordingEntry], payload: Payload | None
+    folder: Path,
+    reference: str,
+    robot: Robot,
+    entries: Sequence[RecordingEntry],
+    payloads: Sequence[Payload] = (),
 ) -> str:
     """The dataset.toml of `folder` with recordings added, comments and all; a new one where there is none.
 
@@ -130,18 +147,16 @@ def extended_toml(
             continue
         if robot.tool_site is None:
             raise BenchError(f"payload {entry.payload!r}: the robot {robot.name!r} has no [tool] site")
-        if payload is None and entry.payload not in defined:
+        if entry.payload not in {*defined, *(payload.name for payload in payloads)}:
             raise BenchError(f"{path}: payloads: {entry.payload!r} is not defined; give its mass")
-    added = []
-    if payload is not None:
+    for payload in payloads:
         if (fault := payload_fault(payload)) is not None:
             raise BenchError(f"payload {payload.name!r}: {fault[0]} {fault[1]}")
         if payload.name in defined:
             raise BenchError(
                 f"{path}: payloads.{payload.name}: is defined already; give its name alone, or edit {path}"
             )
-        added = [payload]
-    text = text.rstrip("\n") + "\n" + "\n".join(toml_tables(entries, added)) + "\n"
+    text = text.rstrip("\n") + "\n" + "\n".join(toml_tables(entries, payloads)) + "\n"
     try:
         tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

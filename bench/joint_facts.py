@@ -7,7 +7,7 @@ from typing import Literal
 
 import mujoco
 
-from bench.robot import Robot
+from bench.robot import TORQUE_LOGS, Robot
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,8 @@ class JointFacts:
     """One driven joint. `lower`, `upper` (rad or m) are None where the MJCF sets no range.
 
     `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop` says whether the robot
-    has closed loops, and `geared` whether this is a motor's own position, which runs through many turns.
+    has closed loops, `geared` whether this is a motor's own position, which runs through many turns, and
+    `logs_effort` whether its logged currents are torques or forces.
     """
 
     name: str
@@ -25,6 +26,7 @@ class JointFacts:
     home: float
     in_loop: bool
     geared: bool = False
+    logs_effort: bool = False
 
 
 def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
@@ -48,6 +50,7 @@ def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
                 float(home[joint.qposadr[0]]),
                 in_loop,
                 actuator.drives != "joint",
+                actuator.gain_unit in TORQUE_LOGS.values(),
             )
         )
     return tuple(facts)

@@ -27,6 +27,7 @@ FULL_TURN = 2.0 * np.pi
 LIMIT_SLACK = 0.05  # of a joint's range: stops give way, and an encoder's zero may be a little off
 FASTEST = {"hinge": 30.0, "slide": 20.0}  # rad/s, m/s: more is suspicious for a joint without a range
 LARGEST_CURRENT = 500.0  # A or V
+LARGEST_EFFORT = 1e5  # N·m or N, in a log of torques or forces
 
 Array = npt.NDArray[np.float64]
 
@@ -42,11 +43,15 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One column: `values` (N,), `step` s between samples, and the joint when it holds its position."""
+    """One column: `values` (N,), `step` s between samples, and the joint when it holds its position.
+
+    effort: a column of currents holds torques or forces.
+    """
 
     values: Array
     step: float
     joint: JointFacts | None = None
+    effort: bool = False
 
 
 def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Finding]:
@@ -130,11 +135,12 @@ def limits(channel: Channel) -> Finding | None:
 
 
 def current_units(channel: Channel) -> Finding | None:
-    """Milliamperes or counts for amperes: no drive of a robot commands so much."""
+    """Milliamperes or counts for amperes: no drive of a robot commands so much. Torques and forces may be larger."""
     large = np.quantile(np.abs(channel.values), 0.99)
-    if large <= LARGEST_CURRENT:
+    most, units = (LARGEST_EFFORT, "N·m or N") if channel.effort else (LARGEST_CURRENT, "A or V")
+    if large <= most:
         return None
-    return Finding("units", None, f"reaches {large:.4g}: A or V are expected, it looks like thousandths")
+    return Finding("units", None, f"reaches {large:.4g}: {units} are expected, it looks like thousandths")
 
 
 def position_spikes(channel: Channel) -> Finding | None:

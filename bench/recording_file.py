@@ -100,9 +100,13 @@ def _check_signals(
     step = float(np.median(np.diff(time)))
     found: list[tuple[str, Finding]] = []
     for i, column in enumerate(columns):
-        joint = joints[i] if i < len(joints) else None
+        joint = joints[i % len(joints)]
         values = np.ascontiguousarray(signals[:, i])
-        found += [(column, finding) for finding in find(Channel(values, step, joint), accepted)]
+        position = i < len(joints)
+        channel = Channel(
+            values, step, joint if position else None, effort=joint.logs_effort and not position
+        )
+        found += [(column, finding) for finding in find(channel, accepted)]
     if not found:
         return
     column, finding = found[0]

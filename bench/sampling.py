@@ -72,20 +72,28 @@ def _unit_fault(steps: Array) -> TimeFault | None:
     return None
 
 
-def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
+def gap_rows(time: Array) -> npt.NDArray[np.intp]:
+    """The rows of time stamps (N,) in s that a gap stands before; none where there are too few stamps to tell."""
+    if time.size < FEWEST:
+        return np.empty(0, dtype=np.intp)
+    steps = np.diff(time)
     step = float(np.median(steps))
     # A late sample makes one step long and the next short; a lost one makes each pair of steps long.
     pairs = steps[:-1] + steps[1:]
     before = np.concatenate([pairs[:1], pairs])
     after = np.concatenate([pairs, pairs[-1:]])
-    gaps = np.flatnonzero((steps > GAP * step) & (np.minimum(before, after) > (1 + GAP) * step))
-    if not gaps.size:
+    return np.flatnonzero((steps > GAP * step) & (np.minimum(before, after) > (1 + GAP) * step)) + 1
+
+
+def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
+    rows = gap_rows(time)
+    if not rows.size:
         return None
-    row = int(gaps[0]) + 1
+    row, step = int(rows[0]), float(np.median(steps))
     return TimeFault(
         row,
         f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"
-        f"{_more(gaps.size)}",
+        f"{_more(rows.size)}",
     )
 
 

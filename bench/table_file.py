@@ -127,9 +127,14 @@ def read_table(path: Path) -> Table:
     try:
         if path.stat().st_size == 0:
             raise BenchError(f"{path}: the file is empty")
-        table = _read_csv(path) if suffix == ".csv" else _read_parquet(path)
+        csv = suffix == ".csv"
+        return table_of(split_csv(path, path.read_bytes())) if csv else _checked(_read_parquet(path))
     except OSError as error:
         raise BenchError(f"{path}: cannot be read: {error.strerror or one_line(error)}") from error
+
+
+def _checked(table: Table) -> Table:
+    path = table.path
     for name, count in Counter(table.columns).items():
         if name and count > 1:
             raise BenchError(f"{path}: column {name}: stands there {count} times")
@@ -143,10 +148,12 @@ def release_tables() -> None:
     pa.default_memory_pool().release_unused()
 
 
-def _read_csv(path: Path) -> Table:
-    content = path.read_bytes()
-    text = split_csv(path, content)
-    body = text.body.encode()
+def table_of(text: CsvText) -> Table:
+    """The table that a text holds.
+
+    Errors: BenchError in one line: no rows, a column twice, a line with too few or too many values.
+    """
+    path, body = text.path, text.body.encode()
     if not body.strip():
         raise BenchError(f"{path}: has a header but no rows")
     options: dict[str, Any] = {
@@ -155,7 +162,7 @@ def _read_csv(path: Path) -> Table:
         "convert_options": pacsv.ConvertOptions(decimal_point="," if text.decimal_comma else "."),
     }
     try:
-        return Table(path, pacsv.read_csv(io.BytesIO(body), **options), text)
+        return _checked(Table(path, pacsv.read_csv(io.BytesIO(body), **options), text))
     except pa.ArrowInvalid as error:
         raise BenchError(f"{path}: {text.ragged() or one_line(error)}") from error
 

@@ -11,10 +11,11 @@ from scipy.io import savemat
 
 from bench.dataset import load_dataset
 from bench.errors import BenchError
-from bench.log_import import LogMap, import_log
+from bench.logs.columns import LogMap
 from bench.payload import Payload
 from bench.recording import write_table
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_robot
+from tests.logs_kit import imported
 
 NAMES = {"t": "time", "qa": "position.arm", "qr": "position.rail", "qw": "position.wheel"} | {
     "ia": "current.arm",
@@ -64,7 +65,7 @@ def mat(tmp_path: Path) -> Path:
 def test_every_kind_of_log_gives_the_same_recording(suffix: str, tmp_path: Path, robot: str) -> None:
     file = tmp_path / f"log.{suffix}"
     WRITERS[suffix](file, log())
-    entries = import_log(file, robot, MAP, tmp_path / "out")
+    entries = imported(file, robot, MAP, tmp_path / "out")
     assert [(entry.file, entry.use) for entry in entries] == [("log.csv", "identify")]
     dataset = load_dataset(tmp_path / "out")
     assert dataset.robot.folder == tmp_path / "robot"
@@ -77,7 +78,7 @@ def test_every_kind_of_log_gives_the_same_recording(suffix: str, tmp_path: Path,
 
 def test_columns_that_have_their_name_already_need_no_map(tmp_path: Path, robot: str) -> None:
     write_table(tmp_path / "log.csv", {NAMES[name]: values for name, values in log().items()})
-    import_log(tmp_path / "log.csv", robot, LogMap({}), tmp_path / "out", name="run.parquet")
+    imported(tmp_path / "log.csv", robot, LogMap({}), tmp_path / "out", name="run.parquet")
     assert load_dataset(tmp_path / "out").recordings[0].name == "run.parquet"
 
 
@@ -87,7 +88,7 @@ def test_matrices_and_structs_are_named_by_column_and_field(tmp_path: Path, robo
     columns = {"time": "log.t"}
     for i, joint in enumerate(JOINTS):
         columns |= {f"position.{joint}": f"log.q[{i}]", f"current.{joint}": f"log.motor.i[{i}]"}
-    import_log(tmp_path / "a.mat", robot, LogMap(columns), tmp_path / "out")
+    imported(tmp_path / "a.mat", robot, LogMap(columns), tmp_path / "out")
     recording = load_dataset(tmp_path / "out").recordings[0]
     assert np.array_equal(recording.position, position)
     assert np.array_equal(recording.current, current)
@@ -100,7 +101,7 @@ def test_units_are_converted_rates_become_time_and_others_are_kept(tmp_path: Pat
     save_npz(tmp_path / "log.npz", columns)
     targets = {target: source for target, source in MAP.columns.items() if target != "time"}
     mapping = LogMap(targets | {"temperature": "hot"}, {"position.arm": np.pi / 180}, RATE)
-    import_log(tmp_path / "log.npz", robot, mapping, tmp_path / "out")
+    imported(tmp_path / "log.npz", robot, mapping, tmp_path / "out")
     recording = load_dataset(tmp_path / "out").recordings[0]
     assert recording.rate == pytest.approx(RATE)
     np.testing.assert_allclose(recording.position, movement(time_stamps())[0], rtol=1e-12, atol=1e-15)
@@ -109,13 +110,13 @@ def test_units_are_converted_rates_become_time_and_others_are_kept(tmp_path: Pat
 
 def test_a_second_log_is_added_and_comments_stay(tmp_path: Path, robot: str, mat: Path) -> None:
     out = tmp_path / "out"
-    import_log(mat, robot, MAP, out)
+    imported(mat, robot, MAP, out)
     toml = out / "dataset.toml"
     toml.write_text("# weighed on Monday\n" + toml.read_text())
     save_mat(tmp_path / "second.mat", log(1))
     disc = Payload("disc", 0.5)
-    import_log(tmp_path / "second.mat", robot, MAP, out, payload=disc)
-    import_log(tmp_path / "second.mat", robot, MAP, out, "validate", "disc", name="third.csv")
+    imported(tmp_path / "second.mat", robot, MAP, out, payload=disc)
+    imported(tmp_path / "second.mat", robot, MAP, out, "validate", "disc", name="third.csv")
     assert toml.read_text().startswith("# weighed on Monday\n")
     dataset = load_dataset(out)
     assert [(r.name, r.use, r.payload) for r in dataset.recordings] == [
@@ -127,7 +128,7 @@ def test_a_second_log_is_added_and_comments_stay(tmp_path: Path, robot: str, mat
 
 
 def test_the_last_part_is_kept_apart_for_validation(tmp_path: Path, robot: str, mat: Path) -> None:
-    import_log(mat, robot, MAP, tmp_path / "out", validate_fraction=0.25)
+    imported(mat, robot, MAP, tmp_path / "out", validate_fraction=0.25)
     first, last = load_dataset(tmp_path / "out").recordings
     assert (first.name, first.use, last.name, last.use) == (
         "log.csv",
@@ -175,7 +176,7 @@ def test_a_map_that_does_not_fit_is_refused_and_nothing_is_written(
 ) -> None:
     mapping, expected = BAD_MAPS[name]
     with pytest.raises(BenchError) as caught:
-        import_log(mat, robot, mapping, tmp_path / "out")
+        imported(mat, robot, mapping, tmp_path / "out")
     message = str(caught.value)
     assert "\n" not in message
     assert [text for text in expected if text not in message] == [], message
@@ -215,7 +216,7 @@ def test_a_file_that_is_broken_is_named(
     WRITERS[suffix](file, log())
     spoil(file)
     with pytest.raises(BenchError) as caught:
-        import_log(file, robot, MAP, tmp_path / "out")
+        imported(file, robot, MAP, tmp_path / "out")
     assert str(file) in str(caught.value)
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
@@ -253,7 +254,7 @@ def test_a_faulty_cell_is_named_by_its_line_in_the_log(
     line, column, cell, expected = FAULTY_CELLS[fault]
     file = spoilt(tmp_path / "log.csv", line, column, cell)
     with pytest.raises(BenchError) as caught:
-        import_log(file, robot, MAP, tmp_path / "out", validate_fraction=fraction)
+        imported(file, robot, MAP, tmp_path / "out", validate_fraction=fraction)
     assert str(caught.value).startswith(f"{file}: {expected}")
     assert not (tmp_path / "out").exists()
 
@@ -265,9 +266,9 @@ def test_text_in_a_column_that_nobody_needs_does_no_harm_and_is_told_where_one_i
     write_table(file, log())
     head, *lines = file.read_text().splitlines()
     file.write_text("\n".join([f"{head},state", *(f"{line},RUN" for line in lines)]) + "\n")
-    import_log(file, robot, MAP, tmp_path / "out")
+    imported(file, robot, MAP, tmp_path / "out")
     with pytest.raises(BenchError, match=r"no 'status' for state .*state \(with text\)"):
-        import_log(file, robot, LogMap({**MAP.columns, "state": "status"}), tmp_path / "other")
+        imported(file, robot, LogMap({**MAP.columns, "state": "status"}), tmp_path / "other")
 
 
 def test_rows_of_a_log_without_lines_are_those_of_the_log(tmp_path: Path, robot: str) -> None:
@@ -275,7 +276,7 @@ def test_rows_of_a_log_without_lines_are_those_of_the_log(tmp_path: Path, robot:
     columns["qr"][1600] = np.nan
     save_npz(tmp_path / "log.npz", columns)
     with pytest.raises(BenchError, match=r"column position.rail \('qr' of the log\), row 1600: is nan"):
-        import_log(tmp_path / "log.npz", robot, MAP, tmp_path / "out", validate_fraction=0.5)
+        imported(tmp_path / "log.npz", robot, MAP, tmp_path / "out", validate_fraction=0.5)
 
 
 def test_a_payload_that_is_defined_twice_is_told_with_its_repair(
@@ -287,7 +288,7 @@ def test_a_payload_that_is_defined_twice_is_told_with_its_repair(
         f'robot = "{robot}"\n\n[payloads.disc]\nmass = 1.0\n\n[[recordings]]\nfile = "a.csv"\nuse = "identify"\n'
     )
     with pytest.raises(BenchError, match="give its name alone, or edit") as caught:
-        import_log(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0))
+        imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0))
     assert str(caught.value).endswith(str(path))
 
 
@@ -295,7 +296,7 @@ def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
     tmp_path: Path, robot: str, mat: Path
 ) -> None:
     out = tmp_path / "out"
-    import_log(mat, robot, MAP, out)
+    imported(mat, robot, MAP, out)
     before = {path: path.read_bytes() for path in out.iterdir()}
     other = write_robot(tmp_path / "other")
     for arguments, expected in (
@@ -307,7 +308,7 @@ def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
         ({"robot": robot, "name": "b.csv", "validate_fraction": 1.5}, "1.5"),
     ):
         with pytest.raises(BenchError, match=expected.replace(".", r"\.")):
-            import_log(mat, log_map=MAP, folder=out, **arguments)
+            imported(mat, log_map=MAP, folder=out, **arguments)
         assert {path: path.read_bytes() for path in out.iterdir()} == before
 
 
@@ -317,9 +318,9 @@ def test_a_failing_write_leaves_no_recording_without_its_entry(
     def interrupt(path: Path, text: str) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("bench.log_import.write_text_atomically", interrupt)
+    monkeypatch.setattr("bench.logs.importing.write_text_atomically", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        import_log(mat, robot, MAP, tmp_path / "out")
+        imported(mat, robot, MAP, tmp_path / "out")
     assert list((tmp_path / "out").iterdir()) == []
 
 
@@ -352,7 +353,7 @@ def test_the_measured_log_of_an_axis_is_imported(measured_data: Path, tmp_path: 
     (robot / "axis.xml").write_text(SLIDE)
     (robot / "robot.toml").write_text(AXIS)
     mapping = LogMap({"time": "t", "position.axis": "qm", "current.axis": "vir", "reference": "qg"})
-    import_log(file, str(robot), mapping, tmp_path / "out", validate_fraction=0.2)
+    imported(file, str(robot), mapping, tmp_path / "out", validate_fraction=0.2)
     first, last = load_dataset(tmp_path / "out").recordings
     assert first.rate == pytest.approx(1000.0)
     assert first.time.size + last.time.size == 24841

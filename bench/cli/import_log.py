@@ -1,18 +1,30 @@
 """`bench import`: a controller's log becomes a recording of a dataset."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from bench.cli.parameters import Assignment, number_or_word, unique
 
+if TYPE_CHECKING:
+    from bench.logs.importing import LogRequest
+    from bench.payload import Payload
+
 CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 
 
 @click.command("import")
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--robot", required=True, help="Built-in name, or path of a robot folder.")
+@click.argument("file", type=click.Path(path_type=Path), required=False)
+@click.option("--robot", help="Built-in name, or path of a robot folder.")
+@click.option(
+    "--mapping",
+    "mapping_file",
+    type=click.Path(path_type=Path),
+    metavar="MAP.toml",
+    help="Import many logs in one call: robot, columns, scales, files and payloads from this file.",
+)
 @click.option(
     "--map",
     "mapping",
@@ -20,7 +32,8 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
     multiple=True,
     metavar="COLUMN=NAME",
     help="The log's NAME becomes COLUMN: time, position.JOINT, current.JOINT, or one to keep for plots."
-    " Repeat for each; a column that the log itself calls so needs none.",
+    " Repeat for each; a column that the log itself calls so needs none. Where no line names them, columns"
+    " are called 1, 2, 3 ...",
 )
 @click.option(
     "--scale",
@@ -28,8 +41,10 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
     multiple=True,
     metavar="COLUMN=FACTOR",
     help="Multiply COLUMN to get SI units, or name its unit: time=ms, position.axis=1e-3, position=deg or"
-    " current=mA for all joints.",
+    " current=mA for all joints. It goes before the units that a log states itself.",
 )
+@click.option("--skip-rows", type=click.IntRange(0), default=0, metavar="N", help="Leave out N lines on top.")
+@click.option("--no-header", is_flag=True, help="No line of the log names its columns.")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate of a log without a time column.")
 @click.option(
     "-o",
@@ -53,6 +68,15 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
     metavar="PART",
     help="Keep the last PART (0 to 1) of the log apart, for validation.",
 )
+@click.option(
+    "--split-gaps", is_flag=True, help="Cut the log where samples were lost, into several recordings."
+)
+@click.option(
+    "--shortest",
+    type=click.FloatRange(0, min_open=True),
+    metavar="SECONDS",
+    help="Drop pieces between gaps that are shorter. [default: 2]",
+)
 @click.option("--payload", metavar="NAME", help="The payload on the tool.")
 @click.option(
     "--payload-mass", type=float, metavar="KG", help="Define the payload, weighed; its inertia is estimated."
@@ -63,39 +87,83 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
     multiple=True,
     help="Take a recording that fails this check all the same.",
 )
+@click.pass_context
 def import_log(
-    file: Path,
-    robot: str,
-    mapping: tuple[tuple[str, str], ...],
-    scale: tuple[tuple[str, float | str], ...],
-    rate: float | None,
+    context: click.Context,
+    /,
+    file: Path | None,
+    mapping_file: Path | None,
     output: Path | None,
-    payload: str | None,
-    payload_mass: float | None,
-    **settings: Any,
+    **options: Any,
 ) -> None:
-    """Turn a .mat, .csv, .npz or .parquet log into a dataset.
+    """Turn a controller's logs into a dataset.
 
     \b
     bench import log.mat --robot emps \\
         --map time=t --map position.axis=qm --map current.axis=vir
+
+    FILE is .mat, .npz, .parquet, or a text (.csv, .tsv, .txt, .dat, .log).
     """
-    if payload_mass is not None and payload is None:
-        raise click.UsageError("--payload-mass needs --payload NAME")
-    columns, factors = unique(mapping, "--map"), unique(scale, "--scale")
+    from bench.logs.importing import import_log
+    from bench.logs.mapping_file import import_mapping
 
-    from bench import log_import
-    from bench.payload import Payload
-
-    folder = output or Path(file.stem)
-    entries = log_import.import_log(
-        file,
-        robot,
-        log_import.LogMap(columns, factors, rate),
-        folder,
-        payload=payload if payload is None or payload_mass is None else Payload(payload, payload_mass),
-        **settings,
-    )
-    for entry in entries:
+    if mapping_file is not None:
+        _refuse_beside_mapping(context)
+        folder = output or Path(mapping_file.stem)
+        imported = import_mapping(mapping_file, folder)
+    else:
+        if file is None or options["robot"] is None:
+            raise click.UsageError("give a log and --robot, or --mapping MAP.toml")
+        folder = output or Path(file.stem)
+        imported = import_log(options["robot"], _request(file, options), folder, _payload(options))
+    for path, note in imported.notes:
+        click.echo(f"{path}: {note}")
+    for entry in imported.entries:
         click.echo(f"wrote {folder / entry.file} ({entry.use})")
     click.echo(f"next: bench identify {folder}")
+
+
+def _refuse_beside_mapping(context: click.Context) -> None:
+    """A mapping file says it all."""
+    for option in context.command.params:
+        given = context.get_parameter_source(option.name or "") is not click.core.ParameterSource.DEFAULT
+        if given and option.name not in ("mapping_file", "output"):
+            name = option.opts[0] if option.opts[0].startswith("-") else "FILE"
+            raise click.UsageError(f"{name} goes into the mapping file, not beside --mapping")
+
+
+def _payload(options: Mapping[str, Any]) -> "Payload | None":
+    """The payload to define, if its mass is given."""
+    from bench.payload import Payload
+
+    name, mass = options["payload"], options["payload_mass"]
+    if mass is None:
+        return None
+    if name is None:
+        raise click.UsageError("--payload-mass needs --payload NAME")
+    return Payload(name, mass)
+
+
+def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":
+    """What is asked for of one log."""
+    from bench.logs.columns import LogMap
+    from bench.logs.importing import LogRequest
+    from bench.logs.log_file import Reading
+    from bench.logs.segments import SHORTEST, Cutting
+
+    if options["shortest"] is not None and not options["split_gaps"]:
+        raise click.UsageError("--shortest needs --split-gaps")
+    columns, factors = unique(options["mapping"], "--map"), unique(options["scale"], "--scale")
+    return LogRequest(
+        file,
+        LogMap(columns, factors, options["rate"]),
+        options["use"],
+        options["payload"],
+        options["name"],
+        Reading(options["skip_rows"], False if options["no_header"] else None),
+        Cutting(
+            options["validate_fraction"],
+            (options["shortest"] or SHORTEST) if options["split_gaps"] else None,
+        ),
+        options["accept"],
+    )

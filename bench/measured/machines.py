@@ -4,7 +4,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from bench.errors import BenchError
-from bench.log_import import LogMap, import_log
+from bench.logs.columns import LogMap
+from bench.logs.importing import LogRequest, import_log
 
 GEARS: Mapping[int, Mapping[int, float]] = {
     1: {1: 32.0},
@@ -25,7 +26,7 @@ def as_it_is(data: Path, _folder: Path) -> Path:
 def imported_emps(data: Path, folder: Path) -> Path:
     """The slide's MATLAB file."""
     columns = {"time": "t", "position.axis": "qm", "current.axis": "vir"}
-    import_log(data / "DATA_EMPS.mat", "emps", LogMap(columns), folder / "emps")
+    import_log("emps", LogRequest(data / "DATA_EMPS.mat", LogMap(columns)), folder / "emps")
     return folder / "emps"
 
 
@@ -50,7 +51,8 @@ def imported_tx40(data: Path, folder: Path) -> Path:
             f"position.motor_{motor}": f"motor_position.{motor}",
             f"current.motor_{motor}": f"motor_torque.{motor}",
         }
-    import_log(data / "run.parquet", str(robot), LogMap(columns), folder / "tx40", name="run.parquet")
+    request = LogRequest(data / "run.parquet", LogMap(columns), name="run.parquet")
+    import_log(str(robot), request, folder / "tx40")
     return folder / "tx40"
 
 

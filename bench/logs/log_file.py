@@ -1,7 +1,7 @@
 """Read a controller's log, whatever wrote it, into named vectors.
 
-.mat (MATLAB 5 to 7.2), .npz, .csv and .parquet. A column or row vector is a vector; the columns of a matrix
-are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD.
+.mat (MATLAB 5 to 7.2), .npz, .parquet, and text: .csv, .tsv, .txt, .dat, .log. A column or row vector is a vector; the
+columns of a matrix are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,8 @@ from scipy.io.matlab import MatReadError
 
 from bench.csv_text import CsvText
 from bench.errors import BenchError
-from bench.table_file import Table, read_table
+from bench.logs.text_log import split_log
+from bench.table_file import Table, read_table, table_of
 from bench.toml_input import one_line
 
 Array = npt.NDArray[np.float64]
@@ -28,11 +29,16 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """What a log holds: `vectors` of numbers by name, and the `table` they are from, None for other files."""
+    """What a log holds: `vectors` of numbers by name, and the `table` they are from, None for other files.
+
+    units: those that the log states, by name; notes: how it was read, in words.
+    """
 
     path: Path
     vectors: Mapping[str, Array]
     table: Table | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def texts(self) -> list[str]:
@@ -52,28 +58,58 @@ class Log:
         return self.vectors[name]
 
 
-def read_log(path: str | Path) -> Log:
+@dataclass(frozen=True)
+class Reading:
+    """How to read a text. skip_rows: lines on top to leave out; header: False where no line names the columns."""
+
+    skip_rows: int = 0
+    header: bool | None = None
+
+
+AS_FOUND = Reading()
+TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
+
+
+def read_log(path: str | Path, reading: Reading = AS_FOUND) -> Log:
     """Every vector of numbers in the file, by name; a scalar is a vector of length 1.
 
     Errors: BenchError in one line when the file is missing, broken, of an unknown kind or without numbers.
     """
     path = Path(path)
-    readers = {".mat": _read_mat, ".npz": _read_npz, ".csv": _read_columns, ".parquet": _read_columns}
-    reader = readers.get(path.suffix.lower())
-    if reader is None:
-        raise BenchError(f"{path}: a log is one of {', '.join(readers)}")
+    readers = {".mat": _read_mat, ".npz": _read_npz, ".parquet": _read_parquet}
+    suffix = path.suffix.lower()
+    if suffix not in (*readers, *TEXTS):
+        raise BenchError(f"{path}: a log is one of {', '.join((*readers, *TEXTS))}")
+    if reading != AS_FOUND and suffix not in TEXTS:
+        raise BenchError(
+            f"{path}: rows are skipped, and a header is missing, in a text only ({', '.join(TEXTS)})"
+        )
     if not path.is_file():
         raise BenchError(f"{path}: no such file")
-    log = reader(path)
+    log = readers[suffix](path) if suffix in readers else _read_text(path, reading)
     if not log.vectors and not log.texts:
         raise BenchError(f"{path}: holds no numbers")
     return log
 
 
-def _read_columns(path: Path) -> Log:
-    table = read_table(path)
+def _read_text(path: Path, reading: Reading) -> Log:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise BenchError(f"{path}: cannot be read: {error.strerror}") from error
+    if not content:
+        raise BenchError(f"{path}: the file is empty")
+    found = split_log(path, content, reading.skip_rows, reading.header)
+    return replace(_log_of(table_of(found.text)), units=found.units, notes=found.notes)
+
+
+def _read_parquet(path: Path) -> Log:
+    return _log_of(read_table(path))
+
+
+def _log_of(table: Table) -> Log:
     plain = [column for column in table.columns if column and table.is_plain(column)]
-    return Log(path, {column: table.numbers(column) for column in plain}, table)
+    return Log(table.path, {column: table.numbers(column) for column in plain}, table)
 
 
 def _read_mat(path: Path) -> Log:

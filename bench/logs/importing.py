@@ -1,0 +1,155 @@
+"""Turn a controller's logs into recordings of a dataset."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.catalogue import built_in_robots
+from bench.dataset_toml import DATASET_FILE, RecordingEntry, extended_toml
+from bench.errors import BenchError
+from bench.files import write_text_atomically
+from bench.joint_facts import JointFacts, joint_facts
+from bench.logs.columns import LogMap, columns_of
+from bench.logs.log_file import AS_FOUND, Reading, read_log
+from bench.logs.segments import UNCUT, Cutting, Part, cut
+from bench.payload import Payload
+from bench.recording import Use, write_table
+from bench.recording_checks import Check
+from bench.recording_file import recording_from_table
+from bench.robot import Robot, load_robot
+from bench.table_file import Table
+
+
+@dataclass(frozen=True)
+class LogRequest:
+    """A log to import. payload: its name; name: of the recording's file, by default the log's with the suffix .csv.
+
+    accept: checks that it need not pass.
+    """
+
+    file: Path
+    log_map: LogMap
+    use: Use = "identify"
+    payload: str | None = None
+    name: str | None = None
+    reading: Reading = AS_FOUND
+    cutting: Cutting = UNCUT
+    accept: tuple[Check, ...] = ()
+
+
+@dataclass(frozen=True)
+class Imported:
+    """The recordings that were added, and what was assumed, cut and dropped: words by file."""
+
+    entries: tuple[RecordingEntry, ...]
+    notes: tuple[tuple[Path, str], ...]
+
+
+def import_log(
+    robot: str | Robot, request: LogRequest, folder: str | Path, payload: Payload | None = None
+) -> Imported:
+    """Write one log into a dataset folder; see import_logs."""
+    return import_logs(robot, [request], folder, () if payload is None else (payload,))
+
+
+def import_logs(
+    robot: str | Robot, requests: Sequence[LogRequest], folder: str | Path, payloads: Sequence[Payload] = ()
+) -> Imported:
+    """Write logs as recordings into the dataset `folder`, all or none.
+
+    A folder without a dataset.toml becomes a dataset of `robot` (or its built-in name or path); otherwise the
+    recordings are added to it. `payloads` are defined in it; a request names one of them, or one that the dataset has.
+    Samples are written as they were logged, after the checks that reading a dataset makes.
+
+    Errors: BenchError in one line, and nothing is written: a file, robot, joint or name that does not exist
+    (with what there is), vectors of different length, everything that is wrong with a recording.
+    """
+    folder = Path(folder)
+    loaded = robot if isinstance(robot, Robot) else load_robot(robot)
+    joints = joint_facts(loaded)
+    parts: list[Part] = []
+    entries: list[RecordingEntry] = []
+    notes: list[tuple[Path, str]] = []
+    for request in requests:
+        found, told = _parts(loaded, request, joints)
+        parts += found
+        entries += [RecordingEntry(part.name, part.use, request.payload, request.accept) for part in found]
+        notes += [(request.file, note) for note in told]
+    names = [part.name for part in parts]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise BenchError(
+            f"{folder / twice}: two logs would become this recording: name one of them otherwise"
+        )
+    text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads)
+    _write(folder, text, parts)
+    return Imported(tuple(entries), tuple(notes))
+
+
+def _parts(
+    robot: Robot, request: LogRequest, joints: Sequence[JointFacts]
+) -> tuple[list[Part], tuple[str, ...]]:
+    """The recordings of one log, checked, and what was assumed."""
+    file = request.file
+    log = read_log(file, request.reading)
+    columns = columns_of(file, log, robot, request.log_map)
+    name = request.name or f"{file.stem}.csv"
+    parts, cuts = cut(file, columns.values, request.use, name, request.cutting)
+    for part in parts:
+        try:
+            table = Table(file, part.table, log.lines, part.first_row, columns.sources)
+            recording_from_table(table, part.name, part.use, request.payload, joints, request.accept)
+        except BenchError as error:
+            raise BenchError(_with_cure(str(error))) from error
+    return parts, (*log.notes, *columns.notes, *cuts)
+
+
+def _reference(robot: Robot, folder: Path) -> str:
+    """How a dataset in `folder` names the robot: a built-in name, else a path relative to it where there is one."""
+    for name, built_in in built_in_robots().items():
+        if built_in.resolve() == robot.folder.resolve():
+            return name
+    try:
+        relative = Path(os.path.relpath(robot.folder.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # on another drive
+        return robot.folder.as_posix()
+    return relative if relative.startswith(".") else f"./{relative}"
+
+
+CURES = {
+    "looks like degrees": "--scale position=deg",
+    "looks like millimetres": "--scale position=mm",
+    "looks like milliseconds": "--scale time=ms",
+    "looks like microseconds": "--scale time=us",
+    "looks like nanoseconds": "--scale time=ns",
+    "looks like thousandths": "--scale current=mA",
+    ": a gap of ": "--split-gaps to cut the log there",
+}
+"""What to add to the command, by what a check says."""
+
+
+def _with_cure(message: str) -> str:
+    """A check's message as it helps in an import: an option instead of a key of dataset.toml."""
+    found = re.sub(r' \(accept = \["(\w+)"\] .*\)$', r" (--accept \1 if that is meant)", message)
+    cure = next((option for said, option in CURES.items() if said in message), None)
+    return found if cure is None else f"{found}; add {cure}"
+
+
+def _write(folder: Path, text: str, parts: Sequence[Part]) -> None:
+    """All files, or none when something goes wrong on the way."""
+    written: list[Path] = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for part in parts:
+            written.append(folder / part.name)
+            write_table(folder / part.name, part.columns)
+        write_text_atomically(folder / DATASET_FILE, text)
+        written.clear()
+    except (FileExistsError, NotADirectoryError, PermissionError) as error:
+        raise BenchError(f"{folder}: cannot be written: {error.strerror}") from error
+    finally:
+        for path in written:
+            path.unlink(missing_ok=True)

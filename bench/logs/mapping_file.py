@@ -1,0 +1,115 @@
+"""Many logs in one call: a TOML file that says what their columns are, and what was on the tool in each.
+
+robot = "five_bar"                   # a built-in name, or a path relative to this file
+rate, skip_rows, header, split_gaps, shortest, topic   # as the options of the same names, for all logs
+
+[columns]
+time = "t"
+"position.left" = "q1"
+
+[scale]
+position = "deg"
+
+[payloads.disc]                      # as in dataset.toml
+mass = 0.5
+
+[[logs]]
+files = "held_*.csv"                 # a file or a pattern relative to this file, or several
+payload = "disc"
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from bench.dataset_toml import Number, PayloadSpec, payload_of
+from bench.errors import BenchError
+from bench.logs.columns import LogMap
+from bench.logs.importing import Imported, LogRequest, import_logs
+from bench.logs.log_file import Reading
+from bench.logs.segments import SHORTEST, Cutting
+from bench.recording import Use
+from bench.recording_checks import Check
+from bench.robot import load_robot
+from bench.toml_input import UserTable, read_toml
+
+Text = Annotated[str, Field(min_length=1)]
+
+
+class LogsTable(UserTable):
+    """[[logs]]: files that were recorded alike. name: of the recording's file, for one log alone."""
+
+    files: tuple[Text, ...]
+    use: Use = "identify"
+    payload: str | None = None
+    name: Text | None = None
+    validate_fraction: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+    accept: tuple[Check, ...] = ()
+
+    @field_validator("files", mode="before")
+    @classmethod
+    def _several(cls, files: object) -> object:
+        return (files,) if isinstance(files, str) else files
+
+
+class MappingTable(UserTable):
+    """What a mapping file may hold."""
+
+    robot: Text
+    columns: dict[str, Text] = Field(default_factory=dict)
+    scale: dict[str, Number | str] = Field(default_factory=dict)
+    rate: Annotated[Number, Field(gt=0.0)] | None = None
+    skip_rows: Annotated[int, Field(ge=0)] = 0
+    header: bool | None = None
+    split_gaps: bool = False
+    shortest: Annotated[Number, Field(gt=0.0)] = SHORTEST
+    payloads: dict[str, PayloadSpec] = Field(default_factory=dict)
+    logs: Annotated[tuple[LogsTable, ...], Field(min_length=1)]
+
+
+def import_mapping(path: Path, folder: Path) -> Imported:
+    """Import all logs that the mapping file `path` names into the dataset `folder`, all or none.
+
+    Raises BenchError in one line: what is wrong with the mapping, or with the first log that does not pass.
+    """
+    table = read_toml(path, MappingTable)
+    robot = load_robot(table.robot, relative_to=path.parent)
+    used = {one.payload for one in table.logs}
+    payloads = [payload_of(path, name, spec) for name, spec in table.payloads.items()]
+    if unused := [one.name for one in payloads if one.name not in used]:
+        raise BenchError(f"{path}: payloads.{unused[0]}: no log carries it")
+    requests = [
+        LogRequest(
+            file,
+            LogMap(table.columns, table.scale, table.rate),
+            one.use,
+            one.payload,
+            one.name,
+            Reading(table.skip_rows, table.header),
+            Cutting(one.validate_fraction, table.shortest if table.split_gaps else None),
+            one.accept,
+        )
+        for i, one in enumerate(table.logs)
+        for file in _files(path, i, one)
+    ]
+    return import_logs(robot, requests, folder, payloads)
+
+
+def _files(path: Path, index: int, table: LogsTable) -> list[Path]:
+    """The files of [[logs]], in the order of its patterns and of their names. Raises BenchError where one has none."""
+    found: list[Path] = []
+    for pattern in table.files:
+        whole = Path(pattern)
+        base = Path(whole.anchor) if whole.is_absolute() else path.parent
+        matching = sorted(base.glob(str(whole.relative_to(whole.anchor))))
+        if not matching:
+            raise BenchError(f"{path}: logs[{index}].files: no file {pattern!r} in {path.parent.resolve()}")
+        found += matching
+    if table.name is not None and len(found) > 1:
+        raise BenchError(
+            f"{path}: logs[{index}].name: {table.name!r} cannot be the name of {len(found)} logs"
+        )
+    return found

@@ -1,0 +1,114 @@
+"""Units that a log may be in, and the factors that turn them into SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+
+from bench.errors import BenchError
+from bench.robot import Actuator, Robot
+
+TURN = 2.0 * pi
+
+
+@dataclass(frozen=True)
+class Unit:
+    """factor: into SI; of: what it measures."""
+
+    factor: float
+    of: str
+
+
+UNITS: Mapping[str, Unit] = {
+    "s": Unit(1.0, "time"),
+    "ms": Unit(1e-3, "time"),
+    "us": Unit(1e-6, "time"),
+    "ns": Unit(1e-9, "time"),
+    "rad": Unit(1.0, "angle"),
+    "mrad": Unit(1e-3, "angle"),
+    "deg": Unit(TURN / 360.0, "angle"),
+    "turn": Unit(TURN, "angle"),
+    "rad/s": Unit(1.0, "angular velocity"),
+    "deg/s": Unit(TURN / 360.0, "angular velocity"),
+    "rpm": Unit(TURN / 60.0, "angular velocity"),
+    "m": Unit(1.0, "length"),
+    "mm": Unit(1e-3, "length"),
+    "um": Unit(1e-6, "length"),
+    "m/s": Unit(1.0, "velocity"),
+    "mm/s": Unit(1e-3, "velocity"),
+    "A": Unit(1.0, "current"),
+    "mA": Unit(1e-3, "current"),
+    "V": Unit(1.0, "voltage"),
+    "mV": Unit(1e-3, "voltage"),
+    "N*m": Unit(1.0, "torque"),
+    "mN*m": Unit(1e-3, "torque"),
+    "N": Unit(1.0, "force"),
+    "mN": Unit(1e-3, "force"),
+    "kN": Unit(1e3, "force"),
+}
+
+_SPELLINGS = {
+    "°": "deg",
+    "°/s": "deg/s",
+    "degree": "deg",
+    "degrees": "deg",
+    "sec": "s",
+    "rev": "turn",
+    "Nm": "N*m",
+    "N·m": "N*m",
+    "N.m": "N*m",
+    "N m": "N*m",
+    "mNm": "mN*m",
+}
+_OF_CURRENT = {"A": "current", "V": "voltage", "(N*m)": "torque", "N": "force"}
+
+
+def unit_named(text: str) -> Unit | None:
+    """The unit that a text spells, brackets and micro signs of all kinds allowed; None for others."""
+    plain = text.strip().strip("[]()").strip().replace("µ", "u").replace("μ", "u")
+    return UNITS.get(_SPELLINGS.get(plain, plain))
+
+
+def measured_by(column: str, robot: Robot) -> str | None:
+    """What a recording's column must be: a time, an angle, a current ...; None for one that is kept for plots."""
+    if column == "time":
+        return "time"
+    kind, _, joint = column.partition(".")
+    actuator = next((one for one in robot.actuators if one.joint == joint), None)
+    if actuator is None:
+        return None
+    if kind == "current":
+        return _of_current(actuator)
+    turns = actuator.gain_unit.startswith("N*m")
+    if kind == "position":
+        return "angle" if turns else "length"
+    if kind == "velocity":
+        return "angular velocity" if turns else "velocity"
+    return None
+
+
+def _of_current(actuator: Actuator) -> str:
+    return _OF_CURRENT[actuator.gain_unit.partition("/")[2]]
+
+
+def factor_of(where: str, unit: str, column: str, robot: Robot) -> float | None:
+    """The factor for a column whose log states its unit; None where nothing is known and nothing needs it.
+
+    Raises BenchError that starts with `where` for a unit that is unknown, or of something else than the column.
+    """
+    known, needed = unit_named(unit), measured_by(column, robot)
+    if known is None:
+        if needed is None:
+            return None
+        raise BenchError(f"{where} is in {unit!r}, which is no unit known here: add --scale {column}=FACTOR")
+    if needed is not None and known.of != needed:
+        said = f"{where} is in {unit!r}, {_a(known.of)}, and {column} must be {_a(needed)}"
+        if known.of in ("torque", "force") and column.startswith("current."):
+            said += ' (a log of torques? then gain_unit = "1" in robot.toml)'
+        raise BenchError(said)
+    return known.factor
+
+
+def _a(noun: str) -> str:
+    return f"an {noun}" if noun.startswith("a") else f"a {noun}"

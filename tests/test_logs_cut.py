@@ -1,0 +1,104 @@
+"""A log in which samples were lost is cut there, on request; what is dropped is said."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.dataset import load_dataset
+from bench.errors import BenchError
+from bench.logs.columns import LogMap
+from bench.recording import write_table
+from tests.good_data import COUNT, JOINTS, movement, time_stamps, write_robot
+from tests.logs_kit import told
+
+COLUMNS = ["time", *(f"position.{j}" for j in JOINTS), *(f"current.{j}" for j in JOINTS)]
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> str:
+    return str(write_robot(tmp_path / "robot"))
+
+
+def with_lost(folder: Path, *lost: int) -> Path:
+    """Two thousand samples in 4 s, without these rows."""
+    position, current = movement(time_stamps())
+    table = np.delete(np.column_stack([time_stamps(), position, current]), lost, axis=0)
+    write_table(folder / "log.csv", dict(zip(COLUMNS, table.T, strict=True)))
+    return folder / "log.csv"
+
+
+def test_a_gap_is_refused_with_the_option_that_cuts_there(tmp_path: Path, robot: str) -> None:
+    file = with_lost(tmp_path, 800, 801)
+    with pytest.raises(BenchError, match=r"line 802: a gap of 0\.006 s .*; add --split-gaps") as caught:
+        told(file, robot, LogMap(), tmp_path / "out")
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_log_is_cut_at_its_gaps_and_no_sample_moves(tmp_path: Path, robot: str) -> None:
+    file = with_lost(tmp_path, 800, 801)
+    found = told(file, robot, LogMap(), tmp_path / "out", shortest=1.0)
+    assert [note for _, note in found.notes] == ["cut at 1 gap (0.006 s at 1.598 s); no sample is dropped"]
+    first, second = load_dataset(tmp_path / "out").recordings
+    assert (first.name, second.name) == ("log-1.csv", "log-2.csv")
+    kept = np.delete(time_stamps(), [800, 801])
+    assert np.array_equal(np.concatenate([first.time, second.time]), kept)
+    assert second.time[0] == time_stamps()[802]
+
+
+def test_pieces_that_are_too_short_are_dropped_and_told(tmp_path: Path, robot: str) -> None:
+    file = with_lost(tmp_path, 800, 801, 1000, 1001, 1002)
+    found = told(file, robot, LogMap(), tmp_path / "out", shortest=1.0)
+    (note,) = [note for _, note in found.notes]
+    assert note == (
+        "cut at 2 gaps (0.006 s at 1.598 s, 0.008 s at 1.998 s); 1 piece shorter than 1 s or 100 samples dropped:"
+        " 198 of 1995 samples, 0.394 s"
+    )
+    assert [entry.file for entry in found.entries] == ["log-1.csv", "log-2.csv"]
+    with pytest.raises(BenchError, match="nothing is left"):
+        told(file, robot, LogMap(), tmp_path / "other", shortest=3.0)
+    assert not (tmp_path / "other").exists()
+
+
+def test_one_piece_keeps_its_name_and_a_whole_log_is_not_cut(tmp_path: Path, robot: str) -> None:
+    file = with_lost(tmp_path, 50, 51)
+    assert [one.file for one in told(file, robot, LogMap(), tmp_path / "a", shortest=1.0).entries] == [
+        "log.csv"
+    ]
+    whole = with_lost(tmp_path)
+    found = told(whole, robot, LogMap(), tmp_path / "b", shortest=1.0)
+    assert ([one.file for one in found.entries], found.notes) == (["log.csv"], ())
+
+
+def test_the_last_part_is_kept_apart_across_gaps(tmp_path: Path, robot: str) -> None:
+    file = with_lost(tmp_path, 400, 401, 1700, 1701)
+    found = told(file, robot, LogMap(), tmp_path / "out", validate_fraction=0.3, shortest=0.4)
+    assert [(one.file, one.use) for one in found.entries] == [
+        ("log-1.csv", "identify"),
+        ("log-2.csv", "identify"),
+        ("log-3-validate.csv", "validate"),
+        ("log-4-validate.csv", "validate"),
+    ]
+    fitted = [one for one in load_dataset(tmp_path / "out").recordings if one.use == "identify"]
+    assert fitted[-1].time[-1] < time_stamps()[round(0.7 * COUNT) + 5]
+
+
+def test_faults_behind_a_gap_are_named_by_their_line(tmp_path: Path, robot: str) -> None:
+    file = with_lost(tmp_path, 800, 801)
+    lines = file.read_text(encoding="utf-8").splitlines()
+    cells = lines[1200].split(",")
+    lines[1200] = ",".join([*cells[:2], "nan", *cells[3:]])
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(BenchError, match=r"column position\.rail, line 1201: is 'nan'"):
+        told(file, robot, LogMap(), tmp_path / "out", shortest=1.0)
+
+
+def test_the_command_says_what_it_cut(tmp_path: Path, robot: str, capsys: pytest.CaptureFixture[str]) -> None:
+    file = with_lost(tmp_path, 800, 801)
+    words = ["import", str(file), "--robot", robot, "-o", str(tmp_path / "out")]
+    assert main([*words, "--shortest", "1"]) == 2
+    assert "--shortest needs --split-gaps" in capsys.readouterr().err
+    assert main([*words, "--split-gaps", "--shortest", "1"]) == 0
+    assert f"{file}: cut at 1 gap" in capsys.readouterr().out

@@ -1,0 +1,199 @@
+"""Logs that are text: preambles, comments, units, no header, any separator; what was assumed is said."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.dataset import load_dataset
+from bench.errors import BenchError
+from bench.logs.columns import LogMap
+from bench.logs.log_file import Reading, read_log
+from bench.logs.units import UNITS, unit_named
+from tests.good_data import COUNT, JOINTS, movement, time_stamps, write_robot
+from tests.logs_kit import told
+
+NAMES = ("t", "qa", "qr", "qw", "ia", "ir", "iw")
+COLUMNS = ["time", *(f"position.{j}" for j in JOINTS), *(f"current.{j}" for j in JOINTS)]
+BY_NAME = LogMap(dict(zip(COLUMNS, NAMES, strict=True)))
+BY_NUMBER = LogMap({column: str(i + 1) for i, column in enumerate(COLUMNS)})
+
+
+def rows(**factors: float) -> np.ndarray:
+    """The good data, columns divided by factors."""
+    position, current = movement(time_stamps())
+    table = np.column_stack([time_stamps(), position, current])
+    return table / [factors.get(name, 1.0) for name in NAMES]
+
+
+def text(table: np.ndarray, separator: str = ",", decimal: str = ".") -> str:
+    lines = (separator.join(map(repr, row)) for row in table.tolist())
+    return "".join(line.replace(".", decimal) + "\n" for line in lines)
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> str:
+    return str(write_robot(tmp_path / "robot"))
+
+
+HEAD = ",".join(NAMES) + "\n"
+NUMBERED = "no line names the columns: they are called 1 to 7 in their order"
+LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
+    "plain": (lambda: HEAD + text(rows()), "log.csv", BY_NAME, []),
+    "no header": (lambda: text(rows()), "log.csv", BY_NUMBER, [NUMBERED]),
+    "no header, blanks": (lambda: text(rows(), "   "), "log.txt", BY_NUMBER, [NUMBERED]),
+    "semicolons and decimal commas": (
+        lambda: HEAD.replace(",", ";") + text(rows(), ";", ","),
+        "log.csv",
+        BY_NAME,
+        [],
+    ),
+    "blanks and decimal commas": (lambda: text(rows(), " ", ","), "log.dat", BY_NUMBER, [NUMBERED]),
+    "tabs": (lambda: HEAD.replace(",", "\t") + text(rows(), "\t"), "log.tsv", BY_NAME, []),
+    "a preamble": (
+        lambda: "Controller 4.2\nDate: Monday, cell 3\n\n" + HEAD + text(rows()),
+        "log.csv",
+        BY_NAME,
+        ["a preamble on top, up to line 2, is left out"],
+    ),
+    "a header in a comment": (
+        lambda: "# made by np.savetxt\n# " + HEAD.replace(",", " ") + text(rows(), " "),
+        "log.txt",
+        BY_NAME,
+        ["a preamble on top, up to line 2, is left out"],
+    ),
+    "comments above a header": (
+        lambda: "% run 7\n% cold\n" + HEAD + text(rows()),
+        "log.log",
+        BY_NAME,
+        ["a preamble on top, up to line 2, is left out"],
+    ),
+    "a line of units": (
+        lambda: HEAD + "ms,deg,mm,rad,mA,V,A\n" + text(rows(t=1e-3, qa=np.pi / 180, qr=1e-3, ia=1e-3)),
+        "log.csv",
+        BY_NAME,
+        [
+            "line 2 is taken as units",
+            "time: in ms, as the log says",
+            "position.arm: in deg, as the log says",
+            "position.rail: in mm, as the log says",
+            "current.arm: in mA, as the log says",
+        ],
+    ),
+    "units in brackets": (
+        lambda: HEAD.replace("qa", "qa [deg]") + text(rows(qa=np.pi / 180)),
+        "log.csv",
+        LogMap({**BY_NAME.columns, "position.arm": "qa [deg]"}),
+        ["position.arm: in deg, as the log says"],
+    ),
+    "a scale goes before the log's own unit": (
+        lambda: HEAD + "s,deg,m,rad,A,V,A\n" + text(rows()),
+        "log.csv",
+        LogMap(BY_NAME.columns, {"position.arm": 1.0}),
+        ["line 2 is taken as units"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_a_log_of_any_layout_gives_the_same_recording(name: str, tmp_path: Path, robot: str) -> None:
+    write, file, log_map, notes = LOGS[name]
+    (tmp_path / file).write_text(write(), encoding="utf-8")
+    found = told(tmp_path / file, robot, log_map, tmp_path / "out")
+    assert [note for _, note in found.notes] == notes
+    (recording,) = load_dataset(tmp_path / "out").recordings
+    position, current = movement(time_stamps())
+    np.testing.assert_allclose(recording.time, time_stamps(), rtol=1e-12)
+    np.testing.assert_allclose(recording.position, position, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(recording.current, current, rtol=1e-12, atol=1e-15)
+
+
+def test_rows_are_skipped_and_a_header_denied_on_request(tmp_path: Path, robot: str) -> None:
+    file = tmp_path / "log.csv"
+    file.write_text("1,2,3,4,5,6,7\n" + text(rows()), encoding="utf-8")
+    found = told(file, robot, BY_NUMBER, tmp_path / "out", reading=Reading(skip_rows=1))
+    assert found.notes[0][1] == "the first 1 lines are left out, as asked for"
+    assert load_dataset(tmp_path / "out").recordings[0].time.size == COUNT
+    file.write_text("nan" + text(rows())[3:], encoding="utf-8")
+    with pytest.raises(BenchError, match=r"line 1: is 'nan'"):
+        told(file, robot, BY_NUMBER, tmp_path / "other", reading=Reading(header=False))
+
+
+FAULTS: dict[str, tuple[str, LogMap, str]] = {
+    "another unit": (
+        HEAD + "s,A,m,rad,A,V,A\n",
+        BY_NAME,
+        "'qa' is in 'A', a current, and position.arm must be an angle",
+    ),
+    "an unknown unit": (
+        HEAD + "s,furlong,m,rad,A,V,A\n",
+        BY_NAME,
+        "'qa' is in 'furlong', which is no unit known here",
+    ),
+    "torques for currents": (HEAD + "s,rad,m,rad,Nm,V,A\n", BY_NAME, 'gain_unit = "1" in robot.toml'),
+    "a header with too few names": (
+        "t,qa,qr,qw,ia,ir\n",
+        BY_NAME,
+        "line 1: names 6 columns, the lines below have 7 values",
+    ),
+    "text in the first row": (
+        HEAD + "0,ERR,0,0,0,0,0\n",
+        BY_NAME,
+        "column qa, line 2: 'ERR' is not a number",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_what_cannot_be_told_is_refused(name: str, tmp_path: Path, robot: str) -> None:
+    head, log_map, expected = FAULTS[name]
+    (tmp_path / "log.csv").write_text(head + text(rows()), encoding="utf-8")
+    with pytest.raises(BenchError) as caught:
+        told(tmp_path / "log.csv", robot, log_map, tmp_path / "out")
+    assert expected in str(caught.value)
+    assert str(caught.value).startswith(str(tmp_path / "log.csv"))
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_faulty_cell_is_named_by_its_line_below_a_preamble_and_units(tmp_path: Path, robot: str) -> None:
+    lines = ("Controller 4.2\n\n" + HEAD + "s,rad,m,rad,A,V,A\n" + text(rows())).splitlines()
+    cells = lines[1200].split(",")
+    lines[1200] = ",".join([*cells[:4], "ERR", *cells[5:]])
+    (tmp_path / "log.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(BenchError, match="column ia, line 1201: 'ERR' is not a number"):
+        told(tmp_path / "log.csv", robot, BY_NAME, tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    "content", ["", "\n\n", "# nothing\n", "a,b,c\n", "only words here\nand more words\n"]
+)
+def test_a_text_without_a_table_is_refused_in_one_line(content: str, tmp_path: Path, robot: str) -> None:
+    (tmp_path / "log.txt").write_text(content, encoding="utf-8")
+    with pytest.raises(BenchError, match=r"log\.txt: ") as caught:
+        told(tmp_path / "log.txt", robot, BY_NAME, tmp_path / "out")
+    assert "\n" not in str(caught.value)
+
+
+def test_skipping_is_refused_where_there_are_no_lines(tmp_path: Path) -> None:
+    np.savez(tmp_path / "log.npz", t=np.arange(3.0))
+    with pytest.raises(BenchError, match="in a text only"):
+        read_log(tmp_path / "log.npz", Reading(skip_rows=2))
+
+
+@pytest.mark.parametrize(
+    ("spelt", "unit"), [("[deg]", "deg"), ("°", "deg"), ("µs", "us"), ("Nm", "N*m"), ("(mA)", "mA")]
+)
+def test_units_are_known_in_other_spellings(spelt: str, unit: str) -> None:
+    assert unit_named(spelt) is UNITS[unit]
+
+
+def test_torques_of_a_large_robot_are_no_thousandths_of_a_current(tmp_path: Path, robot: str) -> None:
+    description = Path(robot) / "robot.toml"
+    original = description.read_text(encoding="utf-8")
+    (tmp_path / "log.csv").write_text(HEAD + text(rows(ia=1e-3)), encoding="utf-8")
+    with pytest.raises(BenchError, match="A or V are expected"):
+        told(tmp_path / "log.csv", robot, BY_NAME, tmp_path / "out")
+    description.write_text(original.replace('"N*m/A"', '"1"').replace('"N/V"', '"1"'), encoding="utf-8")
+    told(tmp_path / "log.csv", robot, BY_NAME, tmp_path / "out")
+    assert load_dataset(tmp_path / "out").robot.actuators[0].gain_unit == "N*m/(N*m)"
