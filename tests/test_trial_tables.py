@@ -28,8 +28,9 @@ def nothing() -> TrialSummary:
 
 def test_what_was_not_tried_is_left_out(nothing: TrialSummary) -> None:
     figures, confusion = parts(nothing)
-    assert [row[0] for row in figures.rows] == ["nothing hidden: any alarm", "– an effect named"]
-    assert confusion.rows == [("nothing", 10, "nothing named: 90 %", "base_tilt 1", "")]
+    assert figures.table.columns[0].texts == ["nothing hidden: any alarm", "– an effect named"]
+    row = [column.texts for column in confusion.table.columns]
+    assert row == [["nothing"], ["10"], ["nothing named: 90 %"], ["base tilt 1"], [""]]
     for text in (printed(nothing), trial_markdown(nothing, {})):
         assert "nan" not in text
         assert "one hidden effect" not in text
@@ -53,11 +54,11 @@ def test_every_table_has_a_title_and_rows_with_cases() -> None:
     summary = summarised("robot", trial_rows())
     text, page = printed(summary), trial_markdown(summary, {})
     for part in parts(summary):
-        assert part.rows
+        assert part.table.columns[0].cells
         assert part.title in text
         assert f"## {part.title}" in page
     sizes = next(part for part in parts(summary) if "size" in part.title)
-    assert [row[0] for row in sizes.rows] == ["0 to 1.5", "3 to 6"]
+    assert sizes.table.columns[0].texts == ["0 to 1.5", "3 to 6"]
     assert "three" not in text
     assert "lost" in text
 

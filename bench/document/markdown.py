@@ -1,8 +1,10 @@
 """A table in Markdown."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from bench.document.table import Column, Table
+
+BAR = "\\|"
 
 
 def markdown(table: Table) -> str:
@@ -13,8 +15,13 @@ def markdown(table: Table) -> str:
     rows = [
         [f"**{first}**" if bold else first, *rest] for bold, first, *rest in zip(strong, *cells, strict=True)
     ]
-    lines: list[Sequence[str]] = [[one.header for one in columns], ["---"] * len(columns), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    return rows_in_markdown([one.header for one in columns], rows)
+
+
+def rows_in_markdown(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Heads and rows of cells as a table in Markdown; a bar in a cell stays a bar."""
+    lines: list[Sequence[object]] = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(str(cell).replace('|', BAR) for cell in line)} |" for line in lines)
 
 
 def _cells(one: Column) -> list[str]:

@@ -25,13 +25,17 @@ STYLES = {"": "", "strong": "bold", "weak": "dim", "poor": POOR_STYLE}
 
 @dataclass(frozen=True)
 class Strip:
-    """A column as it is printed: its texts, and when it may be left out (rank 0: never; the highest rank first)."""
+    """A column as it is printed: its texts, and when it may be left out (rank 0: never; the highest rank first).
+
+    folds: whether it gives way, and the others do not, where all is still too wide.
+    """
 
     header: str
     cells: Sequence[str]
     justify: Literal["left", "right"] = "left"
     rank: int = 0
     style: str = ""
+    folds: bool = False
 
     @property
     def width(self) -> int:
@@ -85,10 +89,10 @@ def _rich(fit: Fit, table: Table) -> rich.table.Table:
         header_style="dim",
         show_edge=False,
     )
+    folds = any(one.folds for one in fit.strips)
     for one in fit.strips:
-        grid.add_column(
-            one.header, justify=one.justify, style=one.style, no_wrap=fit.room >= 0, overflow="fold"
-        )
+        whole = fit.room >= 0 or (folds and not one.folds)
+        grid.add_column(one.header, justify=one.justify, style=one.style, no_wrap=whole, overflow="fold")
     for row, (mark, *cells) in enumerate(
         zip(table.mark_of_rows, *(one.cells for one in fit.strips), strict=True)
     ):
@@ -102,7 +106,9 @@ def _strip(one: Column) -> Strip:
         texts = _aligned(texts)
     if one.kind == "deviation":
         texts = [f"{'! ' if poor else ''}{text}" for text, poor in zip(texts, one.poor, strict=True)]
-    return Strip(one.header, texts, "right" if one.kind in RIGHT else "left", one.rank)
+    return Strip(
+        one.header, texts, "right" if one.kind in RIGHT else "left", one.rank, folds=one.kind == "sentence"
+    )
 
 
 def _aligned(texts: Sequence[str]) -> list[str]:

@@ -2,16 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 
+from bench.document.markdown import rows_in_markdown
 from bench.measured.known import MachineTable
 from bench.measured.run import Record
 from bench.measured.tables import EXPLANATION, NO, RUN_HEADS, VALUE_HEADS, run_rows, sources, value_rows
-from bench.trial.markdown import table
 
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
     """All machines: first what the commands gave, then each with its values beside what is known."""
     rows = [(one.name, *row) for one in records for row in run_rows(one, machines[one.name])]
-    blocks = ["# On measured logs", EXPLANATION, table(("machine", *RUN_HEADS), map(_weighted, rows))]
+    blocks = [
+        "# On measured logs",
+        EXPLANATION,
+        rows_in_markdown(("machine", *RUN_HEADS), map(_weighted, rows)),
+    ]
     for record in records:
         machine = machines[record.name]
         blocks += [
@@ -24,7 +28,7 @@ def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineT
             if run.failed:
                 blocks.append(f"Failed: {run.failed}")
                 continue
-            blocks.append(table(VALUE_HEADS, map(_weighted, value_rows(run))))
+            blocks.append(rows_in_markdown(VALUE_HEADS, map(_weighted, value_rows(run))))
             blocks.append("\n".join(f"- {sentence}" for sentence in run.said))
     return "\n\n".join(block for block in blocks if block) + "\n"
 

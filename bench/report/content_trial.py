@@ -13,12 +13,24 @@ from bench.report.content_run import quoted, versions_of
 from bench.report.content_sweep import footer, generator
 from bench.report.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
 from bench.report.parts import Cell, Column, Commands, Items, Page, Part, Section, Table, Tile, row
-from bench.report.words import effect_name, plural, typeset
+from bench.report.tables import on_page
+from bench.report.words import plural, typeset
 from bench.sweep.journal import Row
 from bench.sweep.table import column_names, read_table
 from bench.trial.cases import DATASETS_A_SEED, KINDS
-from bench.trial.markdown import COUNTED, MAIN, WORDS, percent, size_text, target_cells
-from bench.trial.summary import NOTHING, SOMETHING, TrialSummary, summarised
+from bench.trial.markdown import (
+    COUNTED,
+    MAIN,
+    WORDS,
+    absorbed_table,
+    confusion_table,
+    coverage_table,
+    failures_table,
+    misses_table,
+    percent,
+    target_cells,
+)
+from bench.trial.summary import TrialSummary, summarised
 from bench.trial.target import NO, TOO_FEW, YES, Figure, Share, Target
 
 NEEDED = (
@@ -33,7 +45,6 @@ NEEDED = (
 )
 SUFFIX = ".parquet"
 FEW = 20  # cases, below which a share says little
-MOST_REASONS = 20
 
 
 @dataclass(frozen=True)
@@ -222,58 +233,24 @@ def _kept(one: Target) -> Cell:
 def _confusion_section(summary: TrialSummary) -> Section:
     if not summary.confusion:
         return Section("confusion", "What was named for what", "", (Items("", "", ("No such case.",)),))
-    columns = (
-        Column("hidden", "keep"),
-        Column("cases", "right"),
-        Column("named first", "right"),
-        Column("named instead", "words"),
-        Column("openly undecided", "right"),
-    )
-    rows = []
-    for hidden, named in summary.confusion.items():
-        own = Share(named.get(hidden, 0), sum(named.values()))
-        others = ", ".join(f"{named_as(name)} {n}" for name, n in named.items() if name != hidden)
-        open_ones = str(summary.undecided.get(hidden, "") or "–")
-        rows.append(row(named_as(hidden), str(own.of), typeset(percent(own)), others or "–", open_ones))
     aid = "openly undecided: the hidden effect was listed as an alternative of the one that was named."
-    parts: list[Part] = [confusion_figure(summary), Table("The same in words", aid, columns, tuple(rows))]
+    parts: list[Part] = [
+        confusion_figure(summary),
+        on_page(confusion_table(summary), "The same in words", aid),
+    ]
     if summary.absorbed:
-        heads = (Column("hidden", "keep"), Column("cases", "right"), Column("nothing named beside", "right"))
-        absorbed = tuple(
-            row(effect_name(name), str(one.of), str(one.count)) for name, one in summary.absorbed.items()
-        )
         said = "No data of this robot can show these: the model's own parameters take them up, and diagnose says so."
-        parts.append(Table("Absorbed effects", said, heads, absorbed))
+        parts.append(on_page(absorbed_table(summary), "Absorbed effects", said))
     lead = "Cases with one effect hidden, with one that no model knows, and with nothing hidden."
     return Section("confusion", "What was named for what", lead, tuple(parts), "Named for what")
-
-
-def named_as(name: str) -> str:
-    """An effect, nothing, or an alarm without a name."""
-    return {NOTHING: "nothing", SOMETHING: "unexplained"}.get(name, effect_name(name))
 
 
 def _misses_section(summary: TrialSummary) -> Section:
     if not any(one.first.of for one in summary.misses):
         none: tuple[Part, ...] = (Items("", "", ("No single effect was hidden.",)),)
         return Section("misses", "Misses by size of the effect", "", none, "Misses")
-    columns = (
-        Column("own error over noise floor", "keep"),
-        Column("cases", "right"),
-        Column("named first", "right"),
-        Column("or undecided", "right"),
-    )
-    rows = tuple(
-        row(
-            size_text(one),
-            str(one.first.of),
-            typeset(percent(one.first)) or "–",
-            typeset(percent(one.first_undecided)) or "–",
-        )
-        for one in summary.misses
-    )
     aid = "own error: that of a model which lacks this effect alone, on recordings that were not fitted."
-    parts = (misses_figure(summary), Table("The same in numbers", aid, columns, rows))
+    parts = (misses_figure(summary), on_page(misses_table(summary), "The same in numbers", aid))
     lead = "A small effect may be lost in the noise; a large one must be found."
     return Section("misses", "Misses by size of the effect", lead, parts, "Misses")
 
@@ -284,25 +261,8 @@ def _coverage_section(summary: TrialSummary) -> Section:
             Items("", "", ("No set that counts was found exactly: no interval to judge.",)),
         )
         return Section("coverage", "Intervals of the effects' parameters", "", none, "Intervals")
-    columns = (
-        Column("effect", "keep"),
-        Column("parameter", "keep"),
-        Column("intervals", "right"),
-        Column("hold the truth", "right"),
-        Column("median deviation over std", "right"),
-    )
-    rows = tuple(
-        row(
-            effect_name(one.effect),
-            one.parameter,
-            str(one.within.of),
-            typeset(percent(one.within)),
-            f"{one.deviation:.2f}",
-        )
-        for one in summary.coverage
-    )
     aid = "Where the deviations are right, the median is 0.67."
-    parts = (coverage_figure(summary), Table("The same in numbers", aid, columns, rows))
+    parts = (coverage_figure(summary), on_page(coverage_table(summary), "The same in numbers", aid))
     lead = "Do the 95 % intervals hold the truth 95 % of the time? Of cases whose set was found exactly."
     return Section("coverage", "Intervals of the effects' parameters", typeset(lead), parts, "Intervals")
 
@@ -319,10 +279,7 @@ def _errors_section(found: TrialResult) -> Section:
 def _failures_section(summary: TrialSummary) -> Section:
     if not summary.failed:
         return Section("failures", "Cases that came to nothing", "", (Items("", "", ("None.",)),), "Failures")
-    ranked = sorted(summary.failed.items(), key=lambda one: -one[1])[:MOST_REASONS]
-    heads = (Column("cases", "right"), Column("reason", "words"))
-    rows = tuple(row(str(count), reason) for reason, count in ranked)
-    part = Table("Reasons", "The most frequent first. They count nowhere else.", heads, rows)
+    part = on_page(failures_table(summary), "Reasons", "The most frequent first. They count nowhere else.")
     return Section("failures", "Cases that came to nothing", "", (part,), "Failures")
 
 

@@ -10,12 +10,10 @@ from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
-from rich import box
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 from rich.text import Text
 
+from bench.document.terminal import printed
 from bench.errors import BenchError
 from bench.files import atomic_path, write_text_atomically
 from bench.sweep.console import table_console
@@ -30,8 +28,6 @@ from bench.trial.plan import TrialPlan
 from bench.trial.run_trial import Request, run_trial
 from bench.trial.setup import Setup, make_setup
 from bench.trial.summary import TrialSummary, summarised
-
-WORDS = ("figure", "must be", "kept", "named instead", "reason")  # columns that may wrap
 
 
 def run_command(
@@ -102,12 +98,7 @@ def show(summary: TrialSummary, console: Console) -> None:
     """Print the figures."""
     for part in parts(summary):
         console.print(Text(part.title, "bold"))
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-        for head in part.heads:
-            table.add_column(head, no_wrap=head not in WORDS, overflow="fold")
-        for row in part.rows:
-            table.add_row(*(escape(str(cell)) for cell in row))
-        console.print(table)
+        console.print(printed(part.table, console.width))
         console.print()
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from bench.document.markdown import markdown
+from bench.document.table import Column, Table
+from bench.effects.names import spoken
 from bench.trial.summary import FLOOR_FACTOR, GAIN_FACTOR, LARGE, NOTHING, Miss, TrialSummary
 from bench.trial.target import NO, Figure, Share, Target
 
@@ -50,54 +53,112 @@ MAIN = frozenset(
 )
 """The other figures stand below one of these, and say more of it."""
 
+FOLDED = frozenset({"figure", "must be", "kept"})  # columns that may wrap
+
 
 @dataclass(frozen=True)
 class Part:
-    """A table under a title; rows of cells, one for each head. None of the rows is without cases."""
+    """A table under a title; none of its rows is without cases."""
 
     title: str
-    heads: tuple[str, ...]
-    rows: Sequence[Sequence[object]]
+    table: Table
 
 
 def parts(summary: TrialSummary) -> list[Part]:
     """What there are cases of, as tables; what was not tried is left out."""
     found = [
+        Part("Figures, and what they must reach", targets_table(summary)),
+        Part("What was named first, one effect hidden or none", confusion_table(summary)),
         Part(
-            "Figures, and what they must reach",
-            ("figure", "reached", "must be", "kept", "cases", "95 % interval"),
-            [target_cells(one) for one in summary.targets if one.reached is not None],
+            "Absorbed: no data of this robot can show it, and the diagnosis says so", absorbed_table(summary)
         ),
-        Part(
-            "What was named first, one effect hidden or none",
-            ("hidden", "cases", "named first", "named instead", "openly undecided"),
-            confusion_rows(summary),
-        ),
-        Part(
-            "Absorbed: no data of this robot can show it, and the diagnosis says so",
-            ("hidden", "cases", "nothing named beside"),
-            [(name, one.of, one.count) for name, one in summary.absorbed.items()],
-        ),
-        Part(
-            "Named first, by size of the effect",
-            ("own error / noise floor", "cases", "named first", "or undecided"),
-            [
-                (size_text(one), one.first.of, percent(one.first), percent(one.first_undecided))
-                for one in summary.misses
-                if one.first.of
-            ],
-        ),
-        Part(
-            "Parameters of the found effects",
-            ("effect", "parameter", "intervals", "hold the truth", "median deviation / std"),
-            [
-                (one.effect, one.parameter, one.within.of, percent(one.within), f"{one.deviation:.2f}")
-                for one in summary.coverage
-            ],
-        ),
-        Part("Cases that came to nothing", ("reason", "cases"), list(summary.failed.items())),
+        Part("Named first, by size of the effect", misses_table(summary)),
+        Part("Parameters of the found effects", coverage_table(summary)),
+        Part("Cases that came to nothing", failures_table(summary)),
     ]
-    return [part for part in found if part.rows]
+    return [part for part in found if part.table.columns[0].cells]
+
+
+def targets_table(summary: TrialSummary) -> Table:
+    """Every figure that was tried beside its bound; in bold what is surely not kept."""
+    tried = [one for one in summary.targets if one.reached is not None]
+    heads = ("figure", "reached", "must be", "kept", "cases", "95 % interval")
+    cells = zip(*map(target_cells, tried), strict=True) if tried else [()] * len(heads)
+    columns = tuple(
+        Column(head, one, "sentence" if head in FOLDED else "text")
+        for head, one in zip(heads, cells, strict=True)
+    )
+    return Table(columns, tuple("strong" if one.verdict == NO else "" for one in tried))
+
+
+def confusion_table(summary: TrialSummary) -> Table:
+    """Hidden effect, cases, share that is named first, what is named instead, cases openly undecided."""
+    rows = []
+    for hidden, named in summary.confusion.items():
+        own = Share(named.get(hidden, 0), sum(named.values()))
+        first = f"nothing named: {percent(own)}" if hidden == NOTHING else percent(own)
+        others = ", ".join(f"{spoken(name)} {n}" for name, n in named.items() if name != hidden)
+        rows.append((hidden, own.of, first, others, summary.undecided.get(hidden) or ""))
+    effects, cases, named_first, instead, undecided = zip(*rows, strict=True) if rows else ((),) * 5
+    return Table(
+        (
+            Column("hidden", effects, "effect"),
+            Column("cases", cases, "number"),
+            Column("named first", named_first, "number", format="s"),
+            Column("named instead", instead, "sentence"),
+            Column("openly undecided", undecided, "number"),
+        )
+    )
+
+
+def absorbed_table(summary: TrialSummary) -> Table:
+    """Effects that no data can show, and in how many cases nothing was named beside."""
+    return Table(
+        (
+            Column("hidden", list(summary.absorbed), "effect"),
+            Column("cases", [one.of for one in summary.absorbed.values()], "number"),
+            Column("nothing named beside", [one.count for one in summary.absorbed.values()], "number"),
+        )
+    )
+
+
+def misses_table(summary: TrialSummary) -> Table:
+    """How many effects were named first, by their own error; classes without a case are left out."""
+    tried = [one for one in summary.misses if one.first.of]
+    return Table(
+        (
+            Column("own error / noise floor", [size_text(one) for one in tried]),
+            Column("cases", [one.first.of for one in tried], "number"),
+            Column("named first", [percent(one.first) for one in tried], "number", format="s"),
+            Column("or undecided", [percent(one.first_undecided) for one in tried], "number", format="s"),
+        )
+    )
+
+
+def coverage_table(summary: TrialSummary) -> Table:
+    """How many intervals of every parameter hold the truth."""
+    return Table(
+        (
+            Column("effect", [one.effect for one in summary.coverage], "effect"),
+            Column("parameter", [one.parameter for one in summary.coverage]),
+            Column("intervals", [one.within.of for one in summary.coverage], "number"),
+            Column("hold the truth", [percent(one.within) for one in summary.coverage], "number", format="s"),
+            Column(
+                "median deviation / std", [one.deviation for one in summary.coverage], "number", format=".2f"
+            ),
+        )
+    )
+
+
+def failures_table(summary: TrialSummary) -> Table:
+    """Why cases came to nothing, the most frequent reason first."""
+    ranked = sorted(summary.failed.items(), key=lambda one: -one[1])
+    return Table(
+        (
+            Column("reason", [reason for reason, _ in ranked], "sentence"),
+            Column("cases", [count for _, count in ranked], "number"),
+        )
+    )
 
 
 def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
@@ -108,19 +169,9 @@ def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Se
         COUNTED,
     ]
     for part in parts(summary):
-        blocks += [f"## {part.title}", table(part.heads, [_weighted(row) for row in part.rows])]
+        blocks += [f"## {part.title}", markdown(part.table)]
     blocks += [f"![{name}]({name})" for name in pictures]
     return "\n\n".join(block for block in blocks if block) + "\n"
-
-
-def _weighted(row: Sequence[object]) -> list[object]:
-    return [f"**{cell}**" if cell == NO else cell for cell in row]
-
-
-def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A Markdown table."""
-    lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join(f"| {' | '.join(str(cell) for cell in line)} |" for line in lines)
 
 
 def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
@@ -146,18 +197,6 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
         str(target.share.of),
         f"{100.0 * low:.1f} % to {100.0 * high:.1f} %",
     )
-
-
-def confusion_rows(summary: TrialSummary) -> list[tuple[str, int, str, str, str]]:
-    """Hidden effect, cases, share that is named first, what is named instead, cases openly undecided."""
-    rows = []
-    for hidden, named in summary.confusion.items():
-        count = sum(named.values())
-        others = ", ".join(f"{name} {n}" for name, n in named.items() if name != hidden)
-        own = Share(named.get(hidden, 0), count)
-        first = f"nothing named: {percent(own)}" if hidden == NOTHING else percent(own)
-        rows.append((hidden, count, first, others, str(summary.undecided.get(hidden, "") or "")))
-    return rows
 
 
 def size_text(miss: Miss) -> str:
