@@ -49,9 +49,7 @@ COMMANDS = {
     "simulate": LazyCommand(
         "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset."
     ),
-    "import": LazyCommand(
-        "bench.cli.import_log:import_log", "Turn a controller's logs into a dataset."
-    ),
+    "import": LazyCommand("bench.cli.import_log:import_log", "Turn a controller's logs into a dataset."),
     "sweep": LazyCommand(
         "bench.cli.sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators."
     ),
