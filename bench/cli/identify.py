@@ -78,6 +78,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.compare.motor import compared
     from bench.compare.next_step import left_over, next_step
     from bench.dataset import load_dataset
+    from bench.diagnose.mounting import mounted_otherwise
     from bench.effects import catalogue_for
     from bench.estimate.identify import fit, prepare
     from bench.estimate.model_file import save_model
@@ -99,7 +100,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         short_recordings(data.recordings, result.settings),
         swapped_columns(data, result, prepared),
     )
-    result = replace(result, findings=(*swapped, *result.findings, *short))
+    mounted = mounted_otherwise(prepared, fit_gains=result.gains_fitted)
+    result = replace(result, findings=(*swapped, *mounted, *result.findings, *short))
     written = []
     if json_file is not None:
         save_model(result, json_file, data.folder)

@@ -11,6 +11,7 @@ from bench.dataset import Dataset
 from bench.diagnose.candidates import Proposal
 from bench.diagnose.differs import differing
 from bench.diagnose.encoder_noise import encoder_error
+from bench.diagnose.mounting import mounted_otherwise
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
 from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
 from bench.diagnose.rounds import Problem, first_round, problem_of, searched
@@ -95,7 +96,7 @@ def diagnose(
         ranking=ranking,
         unexplained=left,
         before=before,
-        after=after,
+        after=replace(after, findings=(*mounted_otherwise(model, fit_gains=fit_gains), *after.findings)),
         differs=differing(model, fit_gains, catalogue),
     )
 

@@ -6,10 +6,10 @@ from itertools import combinations
 
 import numpy as np
 
+from bench.diagnose.halves import halves_of
 from bench.diagnose.possible import SHOWS
 from bench.diagnose.result import Differing
 from bench.diagnose.search import NEEDED
-from bench.diagnose.system import memory_in_rows
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
 from bench.estimate.identify import fit
@@ -19,11 +19,9 @@ from bench.estimate.result import Quantity
 from bench.estimate.settle import settled
 
 MAY_DIFFER = ("constant_offset", "coulomb_friction", "viscous_friction")
-BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
 MATERIAL = (
     0.1  # share of a motor's error that values for each recording must take away: less may be another effect
 )
-DEPENDENT = 1e-12  # share of the largest eigenvalue of scaled normal equations
 
 
 @dataclass(frozen=True)
@@ -34,28 +32,6 @@ class _Candidate:
     joint: str
     common: tuple[int, ...]
     own: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class _Halves:
-    """Normal equations of the linearised model: for either half of the blocks and every motor the inner products
-    (2, n, S, S) of all columns, weighted, the error last. own: how many are the model's; samples (n,): independent ones
-    of each motor; measured (n,): weighted squares of the currents.
-    """
-
-    inner: np.ndarray
-    own: int
-    samples: np.ndarray
-    measured: np.ndarray
-
-    def judged(self, columns: Sequence[int]) -> np.ndarray:
-        """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
-        used = np.array([*range(self.own), *(self.own + i for i in columns)])
-        left = np.zeros(self.inner.shape[1])
-        for fitted, checked in ((0, 1), (1, 0)):
-            values = _solution(self.inner[fitted].sum(axis=0), used)
-            left += np.einsum("i,nij,j->n", values, self.inner[checked], values)
-        return np.maximum(left, np.finfo(float).tiny)
 
 
 def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect]) -> tuple[Differing, ...]:
@@ -70,7 +46,7 @@ def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect])
     candidates, instances = _candidates(model, catalogue)
     if not candidates:
         return ()
-    halves = _halves(model, fit_gains, instances)
+    halves = halves_of(*solved_quickly(model, fit_gains), candidate_columns(model, instances))
     motors = list(model.dataset.robot.joints)
     chosen: list[tuple[_Candidate, float, float, float]] = []
     while len(chosen) < len(candidates):
@@ -81,9 +57,9 @@ def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect])
                 continue
             before = halves.judged([*taken, *one.common])
             after = halves.judged([*taken, *one.common, *one.own])
+            evidence = halves.evidence(before, after)
             j = motors.index(one.joint)
             errors = np.sqrt(before[j] / halves.measured[j]), np.sqrt(after[j] / halves.measured[j])
-            evidence = 0.5 * float(halves.samples @ np.log(before / after))
             if evidence > NEEDED and errors[1] < (1.0 - MATERIAL) * errors[0]:
                 tried.append((one, evidence, float(errors[0]), float(errors[1])))
         if not tried:
@@ -115,50 +91,6 @@ def _candidates(
                 _Candidate(catalogue[name], joint, tuple(range(start, at)), tuple(range(at, len(instances))))
             )
     return candidates, instances
-
-
-def _halves(model: Prepared, fit_gains: bool, instances: Sequence[EffectInstance]) -> _Halves:
-    """The equations about the model's solution, with the columns of further instances."""
-    stack, solution = solved_quickly(model, fit_gains)
-    modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains * stack.moving
-    error = stack.current - modelled
-    count = np.maximum(stack.moving.sum(axis=0), 1)
-    weights = 1.0 / np.sqrt((error**2).sum(axis=0) / count)
-    samples, n, p = stack.phi.shape
-    own = p + (n if fit_gains else 0)
-    further = candidate_columns(model, instances) * stack.moving[:, :, None]
-    rows = np.zeros((n, samples, own + further.shape[2] + 1))
-    for j in range(n):
-        rows[j, :, :p] = stack.phi[:, j] / solution.gains[j]
-        if fit_gains:
-            rows[j, :, p + j] = -modelled[:, j] / solution.gains[j]
-        rows[j, :, own:-1] = further[:, j] / solution.gains[j]
-        rows[j, :, -1] = error[:, j]
-    rows *= weights[:, None, None]
-    ends = [*stack.starts[1:], samples]
-    half = np.concatenate(
-        [
-            (BLOCKS * np.arange(end - start) // (end - start)) % 2
-            for start, end in zip(stack.starts, ends, strict=True)
-        ]
-    )
-    inner = np.array([[one[half == k].T @ one[half == k] for one in rows] for k in (0, 1)])
-    left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
-    parts = [np.split(one[:, None], stack.starts[1:]) for one in left]
-    memory = np.array([memory_in_rows(one) for one in parts])
-    return _Halves(inner, own, count / memory, ((stack.current * weights) ** 2).sum(axis=0))
-
-
-def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """How columns (S,) are combined to the error that is left: the used ones by least squares."""
-    normal, right = inner[np.ix_(used, used)], inner[used, -1]
-    lengths = np.sqrt(np.diag(normal))
-    lengths[lengths == 0.0] = 1.0
-    values = np.zeros(len(inner))
-    scaled = normal / np.outer(lengths, lengths)
-    values[used] = -np.linalg.lstsq(scaled, right / lengths, rcond=DEPENDENT)[0] / lengths
-    values[-1] = 1.0
-    return values
 
 
 def _that_show(

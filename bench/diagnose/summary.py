@@ -100,8 +100,8 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Recordings that do not fit, or far more left than noise."""
     result = diagnosis.after
-    swapped = [one for one in result.findings if one.code == Code.COLUMNS_SWAPPED]
-    strange = swapped[0] if swapped else runaway(result) or unlike(result)
+    causes = [one for one in result.findings if one.code in {Code.COLUMNS_SWAPPED, Code.MOUNTED_OTHERWISE}]
+    strange = causes[0] if causes else runaway(result) or unlike(result)
     left = diagnosis.unexplained
     false = "These names may be false"
     if strange:

@@ -31,6 +31,7 @@ class Code(StrEnum):
     GAINS_NEGATIVE = auto()
     CHECKED_UNLIKE_FITTED = auto()
     CHECKED_HAS_OTHER_VALUES = auto()
+    MOUNTED_OTHERWISE = auto()
     # what to record or leave out
     NEVER_REVERSES = auto()
     POORLY_DETERMINED = auto()

@@ -164,6 +164,16 @@ def _no_value(one: Finding) -> str:
     )
 
 
+def _mounted_otherwise(one: Finding) -> str:
+    payload, parameter, first, second = one.names
+    unit, n = one.unit.replace("*", "·").replace("^2", "²"), one.numbers
+    return (
+        f"The payload {payload} is not mounted the same way in all recordings: {parameter}({payload}), estimated for "
+        f"each by itself, is {n['first']:.3g} ± {n['first_std']:.1g} {unit} in {first} and {n['second']:.3g} ± "
+        f"{n['second_std']:.1g} {unit} in {second}. Give it another name in dataset.toml where it is mounted otherwise."
+    )
+
+
 WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_RUNAWAY: _gain_runaway,
     Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
@@ -208,5 +218,6 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.POORLY_DETERMINED: _poorly,
     Code.SHORT: _short,
     Code.NO_VALUE_OF_ITS_OWN: _no_value,
+    Code.MOUNTED_OTHERWISE: _mounted_otherwise,
     Code.TOLD: lambda one: one.names[0],
 }
