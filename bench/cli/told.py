@@ -10,7 +10,6 @@ import click
 from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of, truth_values
 from bench.dataset import DATASET_FILE, Dataset, load_dataset
 from bench.diagnose.result import Diagnosis, LadderStep
-from bench.diagnose.split import with_judged_parts
 from bench.document.diagnosis import step_labels
 from bench.effects import catalogue_for
 from bench.errors import BenchError
@@ -69,8 +68,7 @@ def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diag
     """
     if source.is_dir() and (source / RUN_FILE).is_file():
         kept = _read(source)
-        dataset = kept.dataset if kept.diagnosis is None else with_judged_parts(kept.dataset)[0]
-        return dataset, kept.after, kept.diagnosis
+        return kept.judged, kept.after, kept.diagnosis
     if source.is_dir() and is_sweep_folder(source):
         raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
     if source.is_file():
@@ -123,10 +121,9 @@ def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification]:
 def _of_result(kept: Kept, asked: Asked) -> Told:
     """The model that was found, and the errors of the models that the ladder leads over."""
     dataset, after, diagnosis = kept.dataset, kept.after, kept.diagnosis
-    catalogue = catalogue_for(dataset.effect_files, kept.effect_files)
     if diagnosis is None:
         return Told(after.robot, after, dataset, _story(dataset, after, (), "", truth=asked.truth))
-    judged, _ = with_judged_parts(dataset)
+    judged = kept.judged
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
     words = step_labels(rungs)
     steps = []
@@ -134,7 +131,7 @@ def _of_result(kept: Kept, asked: Asked) -> Told:
         recordings = step.recordings
         if not recordings:
             recordings = identify(
-                judged, rung, filters=after.settings, fit_gains=after.gains_fitted, catalogue=catalogue
+                judged, rung, filters=after.settings, fit_gains=after.gains_fitted, catalogue=kept.catalogue
             ).recordings
         steps.append(Step(word, recordings))
     text = diagnosis_markdown(diagnosis)

@@ -142,7 +142,7 @@ def _against(series: Sequence[MotorSeries], variable: Variable, label: str, curr
     for role, way in _ways(series):
         bins = profile(x[way], errors[way], BINS)
         found.append(_bins(role, bins, bins.center, *_extremes(x[way], errors[way], bins.edges)))
-    title = f"Against {label.partition(' [')[0].partition(' from')[0]}"
+    title = f"Against {'modelled current' if variable == 'current' else variable}"
     aid = "Level with the band: nothing depends on it."
     y = {"label": f"error [{current}]"}
     return Chart(title, aid, _spec({"label": label}, y, found, title, shared=True, legend=False))

@@ -16,7 +16,7 @@ from typing import Any
 from bench.dataset import Dataset, load_dataset
 from bench.diagnose.result import Diagnosis, Differing, EffectVerdict, LadderStep, Unexplained
 from bench.diagnose.split import with_judged_parts
-from bench.effects import catalogue_for
+from bench.effects import Effect, catalogue_for
 from bench.errors import BenchError
 from bench.estimate.model_file import load_model, read_identification, save_model
 from bench.estimate.result import CurrentSeries, Identification, Quantity
@@ -50,6 +50,16 @@ class Kept:
     workbench: dict[str, Any] | None = None
     by: Versions = field(default_factory=versions)
     said: str = ""
+
+    @property
+    def judged(self) -> Dataset:
+        """The dataset with the recordings that the currents are of: of a diagnosis, cut as it was judged."""
+        return self.dataset if self.diagnosis is None else with_judged_parts(self.dataset)[0]
+
+    @property
+    def catalogue(self) -> Mapping[str, Effect]:
+        """The effects that were known, the user's own included."""
+        return catalogue_for(self.dataset.effect_files, self.effect_files)
 
     @property
     def effect_files(self) -> list[Path]:

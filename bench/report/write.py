@@ -1,12 +1,10 @@
 """Write the page of a run, beside what is needed to write it again."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
-from bench.effects import Effect, catalogue_for
 from bench.estimate.model_file import Comparison
 from bench.estimate.result import Identification
 from bench.files import write_text_atomically
@@ -37,7 +35,7 @@ def write_diagnosis_report(
     """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
     progress.phase("preparing the workbench of the page")
     kept = Kept(run, dataset, diagnosis.after, diagnosis, "")
-    kept = replace(kept, workbench=page_data(dataset, diagnosis, _catalogue(kept)))
+    kept = replace(kept, workbench=page_data(dataset, diagnosis, kept.catalogue))
     keep_run(folder, kept)
     return write_kept(folder / REPORT_FILE, kept, folder, progress)
 
@@ -60,12 +58,11 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Pro
     after, workbench = kept.after, None
     progress.phase("drawing the page")
     if kept.diagnosis is not None:
-        catalogue = _catalogue(kept)
-        page = diagnosis_page(kept.diagnosis, kept.dataset, made, catalogue)
+        page = diagnosis_page(kept.diagnosis, kept.dataset, made, kept.catalogue)
         data = kept.workbench
         if data is None:
             progress.phase("preparing the workbench of the page")
-            data = page_data(kept.dataset, kept.diagnosis, catalogue)
+            data = page_data(kept.dataset, kept.diagnosis, kept.catalogue)
         workbench = Workbench(data, script(), style())
     elif kept.model:
         comparison = Comparison(after.robot, kept.model, after.recordings, after.error)
@@ -73,10 +70,6 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Pro
     else:
         page = identification_page(after, kept.dataset, made)
     return write_page(path, page, workbench)
-
-
-def _catalogue(kept: Kept) -> Mapping[str, Effect]:
-    return catalogue_for(kept.dataset.effect_files, kept.effect_files)
 
 
 def write_sweep_report(folder: Path, output: Path) -> Path:

@@ -43,6 +43,11 @@ class Moved:
     after: Quantity
     nominal: float | None = None
 
+    @property
+    def label(self) -> str:
+        """Its name with its unit."""
+        return f"{self.name} [{pretty_unit(self.after.unit)}]"
+
 
 def rungs(diagnosis: Diagnosis) -> list[Rung]:
     """The errors after each added effect."""
@@ -59,7 +64,7 @@ def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
     before = {one.name: one for one in diagnosis.before.parameters}
     found = [
         Moved(
-            f"gain {joint} [{pretty_unit(gain.unit)}]",
+            f"gain {joint}",
             diagnosis.before.drive_gains[joint],
             gain,
             gain.nominal,
@@ -70,7 +75,7 @@ def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
     if not parameters:
         return found
     return found + [
-        Moved(f"{one.name} [{pretty_unit(one.unit)}]", before[one.name], one)
+        Moved(one.name, before[one.name], one)
         for one in diagnosis.after.parameters
         if one.name in before and not is_poor(one)
     ]
@@ -151,7 +156,7 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
     axes.set_xscale("symlog", linthresh=1.0)
     axes.xaxis.set_major_formatter(PLAIN)
-    axes.set_yticks(at, [one.name for one in rows])
+    axes.set_yticks(at, [one.label for one in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)
 
 

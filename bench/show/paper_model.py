@@ -130,7 +130,7 @@ def _draw_ranking(diagnosis: Diagnosis, axes: Axes) -> None:
 
 def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
     numbers: dict[str, list[float | str | None]] = {
-        "name": [one.name.partition(" [")[0] for one in rows],
+        "name": [one.name for one in rows],
         "unit": [one.after.unit for one in rows],
         "before": [one.before.value for one in rows],
         "standard deviation before": [one.before.std for one in rows],
