@@ -20,6 +20,9 @@ from bench.cli.unread import forgiving_output
 from bench.errors import BenchError
 
 COMMANDS = {
+    "open": LazyCommand(
+        "bench.cli.open:open_page", "Go from logs to the named effect on a page in the browser."
+    ),
     "demo": LazyCommand("bench.cli.demo:demo", "Simulate a robot, identify it, and compare with the truth."),
     "identify": LazyCommand(
         "bench.cli.identify:identify", "Identify drive gains and dynamic parameters from a dataset."
@@ -33,9 +36,7 @@ COMMANDS = {
     "report": LazyCommand(
         "bench.cli.report:report", "Write one page, in one file, that shows what a run found."
     ),
-    "export": LazyCommand(
-        "bench.cli.export:export", "Write an identified model as MJCF, URDF, a table or C."
-    ),
+    "export": LazyCommand("bench.cli.export:export", "Write an identified model as MJCF, URDF or a table."),
     "replay": LazyCommand(
         "bench.cli.replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions."
     ),

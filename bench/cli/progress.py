@@ -3,11 +3,14 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 import click
 
 from bench.progress import SILENT, Progress
+
+_elsewhere: ContextVar[Progress | None] = ContextVar("progress shown elsewhere", default=None)
 
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -20,8 +23,13 @@ def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
 def shown_progress(quiet: bool, phase: str = "starting") -> Iterator[Progress]:
     """Show a bar on standard error while inside, if that is a terminal; it is gone afterwards.
 
-    Nothing may be printed inside: it would stand in the middle of the bar. phase: the first one.
+    Nothing may be printed inside: it would stand in the middle of the bar. phase: the first one. Who runs a command
+    in `progress_to` is told instead.
     """
+    if (told := _elsewhere.get()) is not None:
+        told.phase(phase)
+        yield told
+        return
     if quiet or not sys.stderr.isatty():
         yield SILENT
         return
@@ -29,3 +37,13 @@ def shown_progress(quiet: bool, phase: str = "starting") -> Iterator[Progress]:
 
     with ProgressBar(phase) as bar:
         yield bar
+
+
+@contextmanager
+def progress_to(progress: Progress) -> Iterator[None]:
+    """Tell the progress of commands that run inside to somebody other than the terminal."""
+    before = _elsewhere.set(progress)
+    try:
+        yield
+    finally:
+        _elsewhere.reset(before)

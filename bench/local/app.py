@@ -1,0 +1,224 @@
+"""The server's answers: the page, what lies in the folder, what runs, and the files that may leave."""
+
+import asyncio
+import json
+import tempfile
+from collections.abc import AsyncIterator, Awaitable, Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.background import BackgroundTask
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from bench.dataset_toml import DATASET_FILE
+from bench.errors import BenchError
+from bench.files import finite
+from bench.local.folder import Folder, said_time
+from bench.local.guard import REPORT_POLICY
+from bench.local.jobs import Jobs
+from bench.local.page import asset, page_html
+from bench.local.steps import command_of
+from bench.local.upload import LARGEST, take, zip_dataset
+from bench.local.worker import CancelledError, DiedError, Worker
+from bench.progress import SILENT
+
+LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
+LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip"}
+Handler = Callable[[Request], Awaitable[Response]]
+
+
+class Pages:
+    """What the server knows: the folder, the jobs, and a worker that looks at files."""
+
+    def __init__(self, folder: Folder, jobs: Jobs, looker: Worker, start: str, command: str) -> None:
+        self.folder, self.jobs, self.looker = folder, jobs, looker
+        self.start, self.command = start, command
+
+    def routes(self) -> list[Route]:
+        """What can be asked for."""
+        plain: list[tuple[str, Handler, str]] = [
+            ("/", self.page, "GET"),
+            ("/assets/{name}", self.asset, "GET"),
+            ("/events", self.events, "GET"),
+            ("/api/folder", self.found, "GET"),
+            ("/api/look/{name}", self.look, "POST"),
+            ("/api/command", self.shown_command, "POST"),
+            ("/api/run", self.run, "POST"),
+            ("/api/cancel", self.cancel, "POST"),
+            ("/api/logs/{name}", self.upload, "PUT"),
+            ("/files/{path:path}", self.file, "GET"),
+            ("/show/{path:path}", self.show, "GET"),
+            ("/zip/{path:path}", self.archive, "GET"),
+        ]
+        return [Route(path, handler, methods=[method]) for path, handler, method in plain]
+
+    async def page(self, _request: Request) -> Response:
+        """The page."""
+        return Response(page_html(), media_type="text/html")
+
+    async def asset(self, request: Request) -> Response:
+        """A script or the style of the page."""
+        found = asset(request.path_params["name"])
+        if found is None:
+            raise HTTPException(404)
+        text, kind = found
+        return Response(text, media_type=kind)
+
+    async def events(self, _request: Request) -> Response:
+        """Server-sent events: the jobs as they are, now and after every change."""
+
+        async def told() -> AsyncIterator[str]:
+            async for version in self.jobs.changes():
+                yield f"id: {version}\ndata: {json.dumps(finite(self.jobs.told()))}\n\n"
+
+        return StreamingResponse(told(), media_type="text/event-stream")
+
+    async def found(self, _request: Request) -> Response:
+        """What lies in the folder."""
+        found = await asyncio.to_thread(self.folder.look)
+        answer = asdict(found)
+        answer["runs"] = [
+            {"path": run, "time": said_time(self.folder.root / run / "report.json")} for run in found.runs
+        ]
+        answer |= {"root": str(self.folder.root), "name": self.folder.root.name, "start": self.start}
+        return JSONResponse(answer | {"command": self.command, "largest": LARGEST})
+
+    async def look(self, request: Request) -> Response:
+        """Something that the worker reads."""
+        name, asked = request.path_params["name"], await _json(request)
+        arguments = self._arguments(name, asked)
+        try:
+            answer = await asyncio.to_thread(self.looker.call, name, arguments, SILENT)
+        except (CancelledError, DiedError):
+            raise BenchError("reading ended unexpectedly; the terminal of `bench open` says why") from None
+        return JSONResponse(finite(answer))
+
+    async def shown_command(self, request: Request) -> Response:
+        """The command of a step, not run."""
+        return JSONResponse({"line": command_of(self.folder, await _json(request)).line})
+
+    async def run(self, request: Request) -> Response:
+        """Run the command of a step."""
+        command = command_of(self.folder, await _json(request))
+        job = self.jobs.start(command.step, command.subject, command.line, command.files, command.words)
+        return JSONResponse(job.told())
+
+    async def cancel(self, request: Request) -> Response:
+        """End a command that runs or waits."""
+        number = (await _json(request)).get("number")
+        self.jobs.cancel(number if isinstance(number, int) else -1)
+        return JSONResponse({})
+
+    async def upload(self, request: Request) -> Response:
+        """Take a log into the folder."""
+        name = await take(self.folder, request.path_params["name"], request.stream())
+        self.jobs.tell()
+        return JSONResponse({"log": name})
+
+    async def file(self, request: Request) -> Response:
+        """A file that a command wrote, to be kept; never shown as a page of this server."""
+        path = self._leaving(request)
+        return FileResponse(path, filename=path.name, media_type="application/octet-stream")
+
+    async def show(self, request: Request) -> Response:
+        """A report, as a stranger to this server."""
+        path = self._leaving(request)
+        if path.suffix != ".html":
+            raise HTTPException(404)
+        return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
+
+    async def archive(self, request: Request) -> Response:
+        """A dataset's folder."""
+        text = request.path_params["path"]
+        path = self.folder.root if text == "." else self.folder.inside(text)
+        if not (path / DATASET_FILE).is_file():
+            raise HTTPException(404)
+        with tempfile.NamedTemporaryFile(suffix=".zip", delete=False) as made:
+            target = Path(made.name)
+        await asyncio.to_thread(zip_dataset, path, target)
+        name = f"{path.resolve().name}.zip"
+        return FileResponse(
+            target, filename=name, media_type="application/zip", background=BackgroundTask(target.unlink)
+        )
+
+    def _leaving(self, request: Request) -> Path:
+        path = self.folder.inside(request.path_params["path"])
+        if path.suffix not in LEAVING or not path.is_file():
+            raise HTTPException(404)
+        return path
+
+    def _arguments(self, name: str, asked: dict[str, Any]) -> dict[str, Any]:
+        """What a page asks to look at, with every path checked."""
+        inside = self.folder.inside
+        if name in ("columns", "checks"):
+            known = {"columns": {}, "scale": {}, "rate": None, "split_gaps": False, "accept": []} | asked
+            return known | {
+                "log": str(inside(_text(asked, "log"))),
+                "robot": self.folder.robot(_text(asked, "robot")),
+            }
+        if name == "runs":
+            paths = _texts(asked, "paths")
+            for one in paths:
+                inside(one)
+            return {"root": str(self.folder.root), "paths": paths}
+        if name in ("dataset", "curves"):
+            text = _text(asked, "dataset")
+            data = self.folder.root if text == "." else inside(text)
+            models = [
+                (str(inside(_text(one, "path"))), _text(one, "name"), _text(one, "role"))
+                for one in asked.get("models", [])
+            ]
+            return {"dataset": str(data), "models": models}
+        raise HTTPException(404)
+
+
+def application(pages: Pages) -> Starlette:
+    """The server's answers, without its guard."""
+    return Starlette(
+        routes=pages.routes(),
+        exception_handlers={BenchError: _mistake, HTTPException: _missing},
+    )
+
+
+async def _mistake(_request: Request, error: Exception) -> Response:
+    return JSONResponse({"error": str(error)}, 400)
+
+
+async def _missing(_request: Request, error: Exception) -> Response:
+    status = error.status_code if isinstance(error, HTTPException) else 404
+    return JSONResponse({"error": "there is no such thing here"}, status)
+
+
+async def _json(request: Request) -> dict[str, Any]:
+    """The JSON object of a request. Raises BenchError where it is none, or too large."""
+    content = b""
+    async for part in request.stream():
+        content += part
+        if len(content) > LARGEST_REQUEST:
+            raise BenchError("the request is too large")
+    try:
+        found = json.loads(content)
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise BenchError("the request is no JSON object")
+    return found
+
+
+def _text(asked: Any, key: str) -> str:
+    value = asked.get(key) if isinstance(asked, dict) else None
+    if not isinstance(value, str):
+        raise BenchError(f"{key}: a text is needed")
+    return value
+
+
+def _texts(asked: dict[str, Any], key: str) -> list[str]:
+    value = asked.get(key)
+    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+        raise BenchError(f"{key}: a list of texts is needed")
+    return value

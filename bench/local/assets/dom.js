@@ -1,0 +1,95 @@
+"use strict";
+/* Small pieces that the page is made of. Texts are only ever set as text: what a file is called is never markup. */
+const Dom = (() => {
+  /* An element: el("p", {class: "aid"}, "text", child, ...); properties that are functions are listened to. */
+  function el(name, properties = {}, ...children) {
+    const made = document.createElement(name);
+    for (const [key, value] of Object.entries(properties)) {
+      if (typeof value === "function") made.addEventListener(key, value);
+      else if (value === true) made.setAttribute(key, "");
+      else if (value !== false && value !== null && value !== undefined) made.setAttribute(key, value);
+    }
+    made.append(...children.filter((child) => child !== null && child !== undefined && child !== false));
+    return made;
+  }
+
+  /* A label with a name and its input. */
+  function field(name, input) {
+    return el("label", {}, el("span", {class: "name"}, name), input);
+  }
+
+  function select(options, chosen, changed, properties = {}) {
+    const made = el("select", {...properties, change: () => changed(made.value)});
+    for (const [value, text] of options) made.append(el("option", {value, selected: value === chosen}, text));
+    return made;
+  }
+
+  function radios(legend, name, options, chosen, changed) {
+    const made = el("fieldset", {}, el("legend", {}, legend));
+    for (const [value, text] of options) {
+      const input = el("input", {type: "radio", name, value, checked: value === chosen, change: () => changed(value)});
+      made.append(el("label", {}, input, text));
+    }
+    return made;
+  }
+
+  function table(heads, rows, kinds = []) {
+    const head = el("tr", {}, ...heads.map((text, i) => el("th", {scope: "col", class: kinds[i] || null}, text)));
+    const body = rows.map((cells) => el("tr", {}, ...cells.map((cell, i) => el("td", {class: kinds[i] || null}, cell))));
+    return el("div", {class: "scroll"}, el("table", {}, el("thead", {}, head), el("tbody", {}, ...body)));
+  }
+
+  /* A command with a button that copies it. */
+  function command(line) {
+    const text = el("pre", {tabindex: "0"}, line);
+    const button = el("button", {type: "button", class: "small", "aria-label": "Copy the command", click: async () => {
+      try {
+        await navigator.clipboard.writeText(line);
+        button.textContent = "Copied";
+      } catch {
+        getSelection().selectAllChildren(text); // a browser may not let a page write there
+        button.textContent = "Selected";
+      }
+      setTimeout(() => (button.textContent = "Copy"), 2000);
+    }}, "Copy");
+    return el("div", {class: "command"}, text, button);
+  }
+
+  /* What a command said: its fault, or what it printed, folded away. */
+  function outcome(job) {
+    if (!job) return el("div");
+    if (job.state !== "done") return el("div", {}, el("p", {class: "fault", role: "alert"}, job.error || "It did not end well."));
+    if (!job.output) return el("div");
+    return el("details", {class: "printed-text"}, el("summary", {}, "What the command printed"), el("pre", {tabindex: "0"}, job.output));
+  }
+
+  /* A small picture of a column. */
+  function spark(values) {
+    const svg = ChartBasics.node("svg", {class: "spark", viewBox: "0 0 88 26", preserveAspectRatio: "none", "aria-hidden": "true"});
+    const known = values.filter((value) => value !== null);
+    const [low, high] = [Math.min(...known), Math.max(...known)];
+    const at = (value) => (high > low ? 24 - (22 * (value - low)) / (high - low) : 13);
+    let path = "", open = false;
+    values.forEach((value, i) => {
+      if (value === null) open = false;
+      else {
+        path += `${open ? "L" : "M"}${((88 * i) / Math.max(values.length - 1, 1)).toFixed(1)} ${at(value).toFixed(1)}`;
+        open = true;
+      }
+    });
+    if (path) ChartBasics.node("path", {d: path, "vector-effect": "non-scaling-stroke"}, svg);
+    return svg;
+  }
+
+  /* A number with its standard deviation, to the digits that it supports. */
+  function quantity(one) {
+    if (one.std === null || !(one.std > 0)) return ChartBasics.formatNumber(one.value, 5);
+    const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(one.std))));
+    return `${one.value.toFixed(decimals)} ± ${one.std.toFixed(decimals)}`.replace(/-/g, "−");
+  }
+
+  const unit = (text) => text.replace(/\*/g, "·").replace(/\^2/g, "²").replace(/\^3/g, "³");
+  const percent = (share) => (share === null || share === undefined ? "–" : ChartBasics.formatPercent(share));
+
+  return {el, field, select, radios, table, command, outcome, spark, quantity, unit, percent};
+})();

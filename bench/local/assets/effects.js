@@ -1,0 +1,199 @@
+"use strict";
+/* The third and the fourth step: which effect is missing, and effects that are tried by ticking them. */
+const Effects = (() => {
+  const {el, percent, quantity, unit} = Dom;
+  let app, missing, body, round = 0, asking = 0;
+  const chosen = new Set();
+  const models = new Map(); // effects -> the model that was identified with them, this time
+  let tried = null, shownOf = null, applied = null, diagnosis = null;
+
+  function start(given) {
+    app = given;
+    missing = document.querySelector("#missing .body");
+    body = document.querySelector("#effects .body");
+  }
+
+  async function render() {
+    const mine = ++round;
+    if (!app.described) {
+      for (const one of [missing, body]) one.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
+      return;
+    }
+    const run = app.latest("diagnosis", () => true);
+    const found = run ? await Server.file(`${run.path}.json`).catch(() => null) : null;
+    const line = await Server.line({step: "diagnose", dataset: app.dataset});
+    if (mine !== round) return;
+    const key = run ? `${app.dataset}\n${run.path}` : `${app.dataset}\n`;
+    if (key !== shownOf) {
+      shownOf = key;
+      [tried, applied] = [null, null];
+      chosen.clear();
+      for (const one of found ? found.after.effects : []) chosen.add(one);
+    }
+    diagnosis = found;
+    drawMissing(run, line);
+    await drawChoice();
+  }
+
+  function drawMissing(run, line) {
+    const button = el("button", {type: "button", class: "main", id: "diagnose", click: async () => {
+      button.disabled = true;
+      const job = await Server.run({step: "diagnose", dataset: app.dataset});
+      button.disabled = false;
+      if (job.state === "done") await app.refresh();
+      else missing.append(Dom.outcome(job));
+    }}, run ? "Diagnose again" : "Diagnose");
+    missing.replaceChildren(el("div", {class: "row"}, button), Dom.command(line), ...(diagnosis ? verdict(run) : []));
+  }
+
+  /* What a diagnosis says: the error as effects are added, and the verdict on each. */
+  function verdict(run) {
+    const words = (names) => names.map((name) => spoken(name)).join(", ");
+    const steps = diagnosis.ladder.map((step, i) => {
+      const before = i ? diagnosis.ladder[i - 1].effects : [];
+      return [i ? `+ ${words(step.effects.filter((one) => !before.includes(one)))}` : "the model as it is", step.error.validate ?? step.error.identify, i ? "" : "before"];
+    });
+    steps.push(["noise of the currents", diagnosis.unexplained.noise_floor, "noise"]);
+    const most = Math.max(...steps.map(([, share]) => share || 0));
+    const told = diagnosis.missing.length
+      ? `${words(diagnosis.missing).replace(/^./, (c) => c.toUpperCase())} ${diagnosis.missing.length > 1 ? "are" : "is"} missing.`
+      : "No effect of the catalogue helps beyond chance.";
+    const left = diagnosis.unexplained.significant ? `Something is left that no known effect accounts for: ${diagnosis.unexplained.why}.` : null;
+    const shown = diagnosis.ranking.filter((one) => one.verdict !== "not supported" && one.verdict !== "absorbed");
+    const table = (list) => Dom.table(["effect", "verdict", "at", "why"], list.map((one) => [
+      spoken(one.effect), el("span", {class: `badge ${one.verdict.replace(/ .*/, "")}`}, one.verdict), one.actuators.join(", "), one.why]), ["keep", "keep", "", "words"]);
+    return [
+      el("div", {class: "verdict"}, el("p", {}, told), left ? el("p", {}, left) : null),
+      el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
+      bars(steps, most),
+      shown.length ? table(shown) : null,
+      el("details", {}, el("summary", {}, `All ${diagnosis.ranking.length} verdicts`), table(diagnosis.ranking)),
+      Errors.links(run),
+    ].filter((one) => one !== null);
+  }
+
+  function bars(steps, most) {
+    const made = el("div", {class: "bars"});
+    for (const [name, share, kind] of steps) {
+      const bar = el("div", {class: `bar ${kind}`});
+      bar.style.width = `${(100 * (share || 0)) / (most || 1)}%`;
+      made.append(el("span", {}, name), el("span", {class: "number"}, percent(share)), el("div", {}, bar));
+    }
+    return made;
+  }
+
+  function spoken(name) {
+    const known = app.described.effects.find((one) => one.name === name);
+    return known ? known.spoken : name.replace(/_/g, " ");
+  }
+
+  const verdictOf = (name) => (diagnosis ? diagnosis.ranking.find((one) => one.effect === name) : undefined);
+  const effects = () => [...chosen].sort();
+
+  /* The list of effects with their places, and the answer beside it. */
+  async function drawChoice() {
+    const order = (one) => {
+      const at = diagnosis ? diagnosis.ranking.findIndex((two) => two.effect === one.name) : -1;
+      return at < 0 ? 1000 : at;
+    };
+    const list = [...app.described.effects].sort((a, b) => order(a) - order(b) || a.name.localeCompare(b.name));
+    const answer = el("div", {class: "answer"});
+    const boxes = list.map((effect) => {
+      const said = verdictOf(effect.name);
+      const legend = el("legend", {}, effect.words, said && said.verdict !== "not supported" ? el("span", {class: `badge ${said.verdict.replace(/ .*/, "")}`}, said.verdict) : null);
+      const places = effect.places.length ? effect.places.map((place) => [`${effect.name}:${place}`, place]) : [[effect.name, "the whole robot"]];
+      return el("fieldset", {}, legend, ...places.map(([name, words]) => {
+        const input = el("input", {type: "checkbox", checked: chosen.has(name), change: () => {
+          if (input.checked) chosen.add(name);
+          else chosen.delete(name);
+          drawAnswer(answer, true);
+        }});
+        return el("label", {}, input, words);
+      }));
+    });
+    body.replaceChildren(el("div", {class: "choose"}, el("div", {class: "effects", tabindex: "0", role: "group", "aria-label": "Effects"}, ...boxes), answer), el("div", {id: "applied"}));
+    await drawAnswer(answer, false);
+    await drawApplied();
+  }
+
+  /* The model with the effects that are ticked; it is identified if it has not been, and `now` is said. */
+  async function drawAnswer(holder, now) {
+    const mine = ++asking;
+    const asked = {step: "identify", dataset: app.dataset, effects: effects()};
+    const key = JSON.stringify([app.dataset, asked.effects]);
+    holder.classList.add("waiting");
+    let job = models.get(key), fault = null;
+    if (!job && now) {
+      job = await Server.run(asked);
+      if (job.state === "done") models.set(key, job);
+      else [fault, job] = [job, null];
+    }
+    if (mine !== asking) return;
+    const title = asked.effects.length ? `With ${asked.effects.map(said).join(", ")}` : "Without any effect";
+    const go = el("button", {type: "button", class: "main", id: "identify", click: () => drawAnswer(holder, true)}, "Identify with these");
+    const parts = [el("h3", {}, title)];
+    if (fault) parts.push(Dom.outcome(fault));
+    if (job) {
+      tried = {model: job.files.model, effects: asked.effects};
+      const [found, base] = await Promise.all([Server.file(job.files.model), baseModel()]);
+      if (mine !== asking) return;
+      parts.push(...numbers(found, base), Dom.command(job.line), apply());
+    } else {
+      const line = await Server.line(asked);
+      if (mine !== asking) return;
+      parts.push(el("div", {class: "row"}, go), Dom.command(line));
+    }
+    holder.classList.remove("waiting");
+    holder.replaceChildren(...parts);
+  }
+
+  const said = (request) => {
+    const [name, place] = request.split(":");
+    return place ? `${spoken(name)} at ${place}` : spoken(name);
+  };
+
+  async function baseModel() {
+    const run = app.latest("compare", (one) => !one.applied);
+    return run ? Server.file(run.model).catch(() => null) : null;
+  }
+
+  /* Errors and gains of a model beside those of the model without effects. */
+  function numbers(found, base) {
+    const uses = [["identify", "fitted"], ["validate", "not fitted"]].filter(([use]) => found.error[use] !== null);
+    const most = Math.max(...uses.flatMap(([use]) => [found.error[use], base ? base.error[use] || 0 : 0]));
+    const steps = uses.flatMap(([use, words]) => [
+      ...(base ? [[`${words}, before`, base.error[use], "before"]] : []), [base ? `${words}, now` : words, found.error[use], ""]]);
+    const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
+      joint, base ? quantity(base.drive_gains[joint]) : "–", quantity(gain), unit(gain.unit)]);
+    const values = Object.entries(found.effect_parameters).flatMap(([effect, joints]) => Object.entries(joints).flatMap(([joint, list]) =>
+      Object.entries(list).map(([name, one]) => [`${spoken(effect)}${joint === "robot" ? "" : ` at ${joint}`}`, name, quantity(one), unit(one.unit)])));
+    return [bars(steps, most), el("h4", {}, found.gains_fitted ? "Drive gains" : "Drive gains, nominal: no weighed payload"),
+      Dom.table(["motor", "before", "now", "unit"], rows, ["", "right", "right", "keep"]),
+      values.length ? Dom.table(["effect", "", "value", "unit"], values, ["", "", "right", "keep"]) : null].filter((one) => one !== null);
+  }
+
+  function apply() {
+    const button = el("button", {type: "button", class: "main", id: "apply", click: async () => {
+      button.disabled = true;
+      const job = await Server.run({step: "compare", dataset: app.dataset, models: [tried.model]});
+      button.disabled = false;
+      if (job.state !== "done") return button.after(Dom.outcome(job));
+      applied = job.files.run;
+      await app.refresh();
+      return document.getElementById("applied").scrollIntoView({block: "start"});
+    }}, "Apply and compare");
+    return el("div", {class: "row"}, button, el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model"));
+  }
+
+  /* The comparison with the model that was applied, beside the one before. */
+  async function drawApplied() {
+    const holder = document.getElementById("applied");
+    const run = app.latest("compare", (one) => one.applied && (applied === null || one.path === applied));
+    if (!run) return;
+    const answer = el("div", {class: "part"});
+    holder.replaceChildren(el("div", {class: "panel"}, el("h3", {}, `Applied: ${run.effects.map(said).join(", ") || "no effect"}`), Dom.command(run.line), answer));
+    await Errors.show(answer, run, app.latest("compare", (one) => !one.applied));
+  }
+
+  return {start, render, said};
+})();

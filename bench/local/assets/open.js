@@ -1,0 +1,107 @@
+"use strict";
+/* The page: what is opened, what runs, colours, and that every step hears of what the others did. */
+(() => {
+  const {el} = Dom;
+  const THEMES = ["auto", "light", "dark"];
+  const app = {folder: null, dataset: null, described: null, fault: null, runs: [], refresh, choose, latest};
+  let numbers = null; // of the commands of other pages that are done
+
+  /* Read the folder again; dataset: the one to show. */
+  async function refresh(dataset = app.dataset) {
+    app.folder = await Server.get("api/folder");
+    const known = app.folder.datasets;
+    app.dataset = known.includes(dataset) ? dataset : known.includes(app.folder.start) ? app.folder.start : known[0] ?? null;
+    [app.described, app.fault] = [null, null];
+    if (app.dataset !== null) {
+      await Server.look("dataset", {dataset: app.dataset}).then((found) => (app.described = found), (error) => (app.fault = error.message));
+    }
+    const paths = app.folder.runs.map((one) => one.path);
+    const told = paths.length ? await Server.look("runs", {paths}) : [];
+    app.runs = told.map((one, i) => ({...one, ...app.folder.runs[i]}));
+    render();
+  }
+
+  function choose(dataset) {
+    return refresh(dataset);
+  }
+
+  /* The newest run of a kind in the results of the dataset that is shown. */
+  function latest(kind, fits) {
+    const results = app.dataset === "." ? "results" : `${app.dataset}.results`;
+    const found = app.runs.filter((run) => !run.fault && run.path.startsWith(`${results}/`) && run.path.endsWith(`-${kind}`) && fits(run));
+    return found.sort((a, b) => numberOf(a) - numberOf(b)).pop();
+  }
+
+  const numberOf = (run) => Number.parseInt(run.path.split("/").pop(), 10);
+
+  function render() {
+    const {name, root, datasets, command} = app.folder;
+    document.title = `${name} – parabench`;
+    document.getElementById("title").textContent = name;
+    const count = datasets.length === 1 ? "1 dataset" : `${datasets.length} datasets`;
+    document.getElementById("facts").replaceChildren(el("span", {}, root), " ", el("span", {}, count), " ", el("span", {}, command));
+    for (const part of [Recordings, Errors, Effects, Results]) part.render();
+  }
+
+  function showJobs(jobs) {
+    const job = jobs.findLast((one) => one.state === "running") || jobs.findLast((one) => one.state === "waiting");
+    const holder = document.getElementById("job");
+    holder.hidden = !job;
+    document.body.classList.toggle("working", Boolean(job));
+    if (job) {
+      const waiting = jobs.filter((one) => one.state === "waiting").length;
+      const steps = job.total ? ` ${job.done} of ${job.total}` : "";
+      const words = `${job.line.split(" ").slice(0, 2).join(" ")}: ${job.phase || "starting"}${steps}${waiting ? `, ${waiting} more waiting` : ""}`;
+      const bar = job.total ? el("progress", {value: job.done, max: job.total, "aria-label": job.phase}) : el("progress", {"aria-label": job.phase || "starting"});
+      holder.replaceChildren(el("div", {class: "row"}, el("span", {class: "words"}, words),
+        el("button", {type: "button", class: "small", id: "cancel", click: () => Server.cancel(job.number).catch(() => undefined)}, "Cancel")), bar);
+    }
+    // what another page has asked for changes this one, too
+    const foreign = jobs.filter((one) => one.state === "done" && one.step !== "identify" && !Server.own.has(one.number)).map((one) => one.number).join();
+    if (app.folder && numbers !== null && foreign !== numbers) refresh().catch(unreachable);
+    numbers = foreign;
+  }
+
+  function unreachable() {
+    const banner = document.getElementById("banner");
+    banner.hidden = false;
+    banner.textContent = `The server does not answer. If it was ended, start it again with: ${app.folder ? app.folder.command : "bench open"} and open the address that it prints. What was found so far lies in the folder.`;
+  }
+
+  function startTheme() {
+    const button = document.getElementById("theme");
+    const set = (theme) => {
+      if (theme === "auto") delete document.documentElement.dataset.theme;
+      else document.documentElement.dataset.theme = theme;
+      button.textContent = `Colours: ${theme}`;
+      button.dataset.now = theme;
+    };
+    set("auto");
+    button.addEventListener("click", () => set(THEMES[(THEMES.indexOf(button.dataset.now) + 1) % THEMES.length]));
+  }
+
+  function startContents() {
+    const links = [...document.querySelectorAll("nav.contents a")];
+    const mark = () => {
+      let current = links[0];
+      for (const link of links) {
+        if (document.getElementById(link.hash.slice(1)).getBoundingClientRect().top < Math.min(innerHeight / 3, 200)) current = link;
+      }
+      for (const link of links) {
+        if (link === current) link.setAttribute("aria-current", "true");
+        else link.removeAttribute("aria-current");
+      }
+    };
+    addEventListener("scroll", mark, {passive: true});
+    mark();
+  }
+
+  for (const part of [Recordings, Errors, Effects, Results]) part.start(app);
+  startTheme();
+  startContents();
+  app.ready = refresh().catch(unreachable);
+  Server.listen(showJobs, (there) => {
+    if (there) document.getElementById("banner").hidden = true;
+    else unreachable();
+  });
+})();

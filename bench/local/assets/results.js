@@ -1,0 +1,52 @@
+"use strict";
+/* The last step: every result in the folder, and models side by side. */
+const Results = (() => {
+  const {el, percent, quantity, unit} = Dom;
+  const chosen = new Set();
+  let app, body, side = null;
+
+  function start(given) {
+    app = given;
+    body = document.querySelector("#history .body");
+  }
+
+  function render() {
+    if (!app.runs.length) return body.replaceChildren(el("p", {class: "aid"}, "No result in this folder yet."));
+    const answer = el("div");
+    const button = el("button", {type: "button", class: "main", id: "side-by-side", disabled: chosen.size < 2, click: () => compare(answer)}, "Side by side");
+    const rows = app.runs.map((run) => {
+      if (run.fault) return ["", run.time, run.path, run.fault, "", ""];
+      const input = el("input", {type: "checkbox", "aria-label": `Choose ${run.path}`, checked: chosen.has(run.model), change: () => {
+        if (input.checked) chosen.add(run.model);
+        else chosen.delete(run.model);
+        button.disabled = chosen.size < 2;
+      }});
+      return [input, run.time, el("a", {href: `show/${Server.address(run.path)}/report.html`, target: "_blank", rel: "noopener"}, run.path),
+        run.effects.map(Effects.said).join(", ") || "none", percent(run.error.identify), percent(run.error.validate)];
+    });
+    body.replaceChildren(Dom.table(["", "made", "result", "effects", "error, fitted", "not fitted"], rows, ["", "keep", "", "", "right", "right"]),
+      el("div", {class: "row"}, button), answer);
+    if (side) show(answer, side);
+    return undefined;
+  }
+
+  async function compare(holder) {
+    const job = await Server.run({step: "compare", dataset: app.dataset, models: [...chosen]});
+    if (job.state !== "done") return holder.replaceChildren(Dom.outcome(job));
+    side = {line: job.line, found: await Server.file(job.files.answer)};
+    return show(holder, side);
+  }
+
+  function show(holder, {line, found}) {
+    const names = found.models.map((one) => one.name);
+    const errors = [["error, fitted", ...found.models.map((one) => percent(one.error.identify))], ["error, not fitted", ...found.models.map((one) => percent(one.error.validate))],
+      ...Object.keys(found.models[0].error.by_actuator).map((joint) => [`error of ${joint}`, ...found.models.map((one) => percent(one.error.by_actuator[joint]))])];
+    const gains = Object.keys(found.models[0].drive_gains).map((joint) => [`${joint}, ${unit(found.models[0].drive_gains[joint].unit)}`, ...found.models.map((one) => quantity(one.drive_gains[joint]))]);
+    const kinds = ["", ...names.map(() => "right")];
+    holder.replaceChildren(Dom.command(line), el("div", {class: "part"}, Dom.table(["", ...names], errors, kinds)),
+      el("div", {class: "part"}, el("h3", {}, "Drive gains ± standard deviation"), Dom.table(["", ...names], gains, kinds)),
+      el("div", {class: "part"}, el("h3", {}, "What changed"), el("ul", {class: "said"}, ...found.changed.map((text) => el("li", {}, text)))));
+  }
+
+  return {start, render};
+})();

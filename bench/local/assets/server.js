@@ -1,0 +1,62 @@
+"use strict";
+/* Speaking with the server: questions, files, commands, and what it tells of them. */
+const Server = (() => {
+  const OVER = ["done", "refused", "cancelled", "ended"];
+  const waiting = new Map(); // number of a job -> who waits for it
+  const own = new Set(); // numbers of the jobs that this page has asked for
+  let jobs = [];
+
+  async function answered(response) {
+    const found = await response.json();
+    if (!response.ok) throw new Error(found.error || response.statusText);
+    return found;
+  }
+
+  async function ask(path, options = {}) {
+    let response;
+    try {
+      response = await fetch(path, options);
+    } catch {
+      throw new Error("bench open does not answer any more");
+    }
+    return answered(response);
+  }
+
+  const get = (path) => ask(path);
+  const post = (path, content) =>
+    ask(path, {method: "POST", headers: {"Content-Type": "application/json"}, body: JSON.stringify(content)});
+  const address = (path) => path.split("/").map(encodeURIComponent).join("/");
+  const file = (path) => get(`files/${address(path)}`);
+  const look = (name, asked) => post(`api/look/${name}`, asked);
+  const line = async (asked) => (await post("api/command", asked)).line;
+  const upload = (log) => ask(`api/logs/${encodeURIComponent(log.name)}`, {method: "PUT", body: log});
+
+  /* Run a step's command; the job once it is over, however it ended. */
+  async function run(asked) {
+    const job = await post("api/run", asked);
+    own.add(job.number);
+    const known = jobs.find((one) => one.number === job.number);
+    if (known && OVER.includes(known.state)) return known;
+    return new Promise((done) => waiting.set(job.number, done));
+  }
+
+  const cancel = (number) => post("api/cancel", {number});
+
+  /* changed: called with all jobs after every change; reachable: with whether the server answers. */
+  function listen(changed, reachable) {
+    const events = new EventSource("events");
+    events.addEventListener("message", (event) => {
+      jobs = JSON.parse(event.data);
+      for (const job of jobs) {
+        if (!OVER.includes(job.state) || !waiting.has(job.number)) continue;
+        waiting.get(job.number)(job);
+        waiting.delete(job.number);
+      }
+      reachable(true);
+      changed(jobs);
+    });
+    events.addEventListener("error", () => reachable(false));
+  }
+
+  return {get, post, file, look, line, upload, run, cancel, listen, address, own};
+})();

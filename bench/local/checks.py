@@ -1,0 +1,121 @@
+"""What an import would say of a log, column by column, with what helps beside it; nothing is written."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.joint_facts import JointFacts, joint_facts
+from bench.logs.columns import GROUPS
+from bench.logs.importing import CURES
+from bench.logs.log_file import Log, read_log
+from bench.logs.units import UNITS, factor_of
+from bench.recording_checks import Channel, find
+from bench.robot import Robot
+from bench.sampling import time_fault
+from bench.table_file import HUGE
+
+GAP = "a gap of "
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """How a log is to be imported. scale: the units that are given, by column; split_gaps: it is cut at gaps."""
+
+    columns: Mapping[str, str]
+    scale: Mapping[str, str | float]
+    rate: float | None = None
+    split_gaps: bool = False
+    accept: Sequence[str] = ()
+
+
+def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
+    """Column of the recording -> {ok, problems: [{what, where, remedy}]}, for those that are mapped.
+
+    remedy: {"unit": its name}, {"split_gaps": true}, {"accept": the check}, or None.
+    Raises BenchError where the file is no log.
+    """
+    log = read_log(path)
+    joints = {joint.name: joint for joint in joint_facts(robot)}
+    found: dict[str, list[dict[str, Any]]] = {}
+    series: dict[str, np.ndarray] = {}
+    for target, source in mapped.columns.items():
+        series[target], found[target] = _read(log, robot, target, source, mapped.scale.get(target))
+    time = series.get("time") if mapped.rate is None else None
+    step = 1.0 / mapped.rate if mapped.rate else 1e-3
+    if time is not None and time.size > 1 and not found["time"]:
+        fault = time_fault(time)
+        cut = mapped.split_gaps and fault is not None and fault.what.startswith(GAP)
+        if fault is not None and not cut:
+            found["time"].append(_problem(log, "time", fault.what, fault.row, None))
+        step = float(np.median(np.diff(time)))
+    for target, values in series.items():
+        kind, _, joint = target.partition(".")
+        if kind not in GROUPS or found[target] or joint not in joints:
+            continue
+        if time is not None and values.size != time.size:
+            what = f"has {values.size} samples, time has {time.size}"
+            found[target].append(_problem(log, target, what, None, None))
+        elif values.size > 1 and step > 0.0:
+            found[target] = _judged(log, target, values, step, joints[joint], mapped.accept)
+    return {target: {"ok": not problems, "problems": problems} for target, problems in found.items()}
+
+
+def _read(
+    log: Log, robot: Robot, target: str, source: str, unit: str | float | None
+) -> tuple[np.ndarray, list[dict[str, Any]]]:
+    """The values of a column in SI, and why there are none."""
+    try:
+        factor = _factor(log, robot, target, source, unit)
+        values = log.numbers(source) * factor
+    except BenchError as error:
+        return np.empty(0), [{"what": str(error).removeprefix(f"{log.path}: "), "where": "", "remedy": None}]
+    except KeyError:
+        raise BenchError(f"{log.path.name}: there is no column {source!r}") from None
+    bad = np.flatnonzero(~(np.abs(values) < HUGE))
+    if bad.size:
+        more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
+        what = f"is {values[bad[0]]:g}, which is no measurement{more}"
+        return values, [_problem(log, target, what, int(bad[0]), None)]
+    return values, []
+
+
+def _factor(log: Log, robot: Robot, target: str, source: str, unit: str | float | None) -> float:
+    if unit is None:
+        stated = log.units.get(source)
+        return 1.0 if stated is None else factor_of(f"{source!r}", stated, target, robot) or 1.0
+    if isinstance(unit, str) and unit not in UNITS:
+        raise BenchError(f"no unit {unit!r}")
+    return UNITS[unit].factor if isinstance(unit, str) else unit
+
+
+def _judged(
+    log: Log, target: str, values: np.ndarray, step: float, joint: JointFacts, accept: Sequence[str]
+) -> list[dict[str, Any]]:
+    position = target.startswith("position.")
+    channel = Channel(np.ascontiguousarray(values), step, joint if position else None)
+    findings = find(channel, frozenset(accept))
+    if any(one.check == "units" for one in findings):  # in another unit everything is beyond its limits
+        findings = [one for one in findings if one.check != "limits"]
+    return [_problem(log, target, one.what, one.row, one.check) for one in findings]
+
+
+def _problem(log: Log, target: str, what: str, row: int | None, check: str | None) -> dict[str, Any]:
+    where = ""
+    if row is not None:
+        where = log.table.row_name(row) if log.table is not None else f"row {row}"
+    return {"what": what, "where": where, "remedy": _remedy(what, target, check)}
+
+
+def _remedy(what: str, target: str, check: str | None) -> dict[str, Any] | None:
+    """What cures a column, by what the check says; or the name by which the check is switched off."""
+    cure = next((option for said, option in CURES.items() if said in f": {what}"), "")
+    match = re.match(r"--scale (\w+)=(\S+)", cure)
+    if match and match.group(1) == target.partition(".")[0]:
+        return {"unit": match.group(2)}
+    if cure.startswith("--split-gaps"):
+        return {"split_gaps": True}
+    return {"accept": check} if check is not None else None

@@ -1,0 +1,128 @@
+"""What the columns of a log may be: joints by their names, units by what the log or a name says."""
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from bench.logs.columns import GROUPS
+from bench.logs.log_file import Log, read_log
+from bench.logs.units import UNITS, measured_by, unit_named
+from bench.robot import Robot
+
+POINTS = 160  # of a column's small picture
+
+TIME = frozenset({"time", "timestamp", "t", "zeit", "clock"})
+POSITION = frozenset(
+    {"position", "positions", "pos", "q", "qm", "qs", "angle", "ang", "theta", "enc", "encoder", "joint", "x"}
+)
+CURRENT = frozenset(
+    {"current", "currents", "cur", "curr", "i", "iq", "amp", "amps", "effort", "torque", "tau", "vir", "u"}
+)
+_LAST = re.compile(r"^(.*?)[\s_.\[(]+([^\s_.\[\]()]+)[\])]?$")
+
+
+def look_at(path: str, robot: Robot) -> dict[str, Any]:
+    """The columns of the log in a file; see `columns_of`. Raises BenchError where it cannot be read."""
+    return columns_of(read_log(path), robot)
+
+
+def columns_of(log: Log, robot: Robot) -> dict[str, Any]:
+    """Every column with its small picture; for those that a recording needs, which they may be, and in which units.
+
+    stated: the unit that the log itself gives, which an import takes unless it is told another. units: the first is SI.
+    """
+    names = [*log.vectors, *log.texts]
+    columns = [{"name": name, **_seen(log.vectors.get(name, np.empty(0)))} for name in names]
+    needs = ["time", *(f"{kind}.{joint}" for kind in GROUPS for joint in robot.joints)]
+    return {
+        "robot": robot.name,
+        "needs": needs,
+        "columns": columns,
+        "stated": {name: unit for name, text in log.units.items() if (unit := _name_of(text))},
+        "guesses": guesses(names, robot),
+        "units": {column: units_of(column, robot) for column in needs},
+        "notes": list(log.notes),
+    }
+
+
+def units_of(column: str, robot: Robot) -> list[str]:
+    """The units that a recording's column may be in, SI first."""
+    found = [name for name, unit in UNITS.items() if unit.of == measured_by(column, robot)]
+    return sorted(found, key=lambda name: UNITS[name].factor != 1.0) or ["1"]
+
+
+def guesses(names: Sequence[str], robot: Robot) -> dict[str, dict[str, str]]:
+    """Needed column -> {column, unit, why} for those whose names tell; a person confirms them.
+
+    why is "name" where the log's name holds the joint's, and "order" where names are numbered as the joints are.
+    """
+    found: dict[str, tuple[str, str]] = {}
+    time = next((name for name in names if (words := _words(name)) and words[0] in TIME), None)
+    if time is not None:
+        found["time"] = time, "name"
+    for kind, spoken in (("position", POSITION), ("current", CURRENT)):
+        free = [name for name in names if name != time and spoken & set(_words(name))]
+        named, why = _by_name(free, robot.joints), "name"
+        numbered = [name for name in free if re.search(r"\d", _stem(name)) or len(robot.joints) == 1]
+        if not named and len(numbered) == len(robot.joints):
+            named, why = dict(zip(robot.joints, sorted(numbered, key=_number), strict=True)), "order"
+        found |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
+    return {
+        target: {"column": name, "unit": unit_in(name, units_of(target, robot)), "why": why}
+        for target, (name, why) in found.items()
+    }
+
+
+def unit_in(name: str, possible: Sequence[str]) -> str:
+    """The unit that a name ends in, if it is one of these; "" for none: q_left[deg] -> deg."""
+    match = _LAST.match(name)
+    unit = _name_of(match.group(2)) if match else None
+    return unit if unit is not None and unit in possible else ""
+
+
+def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
+    """Joint -> the one name that holds all words and numbers of the joint's."""
+    found = {}
+    for joint in joints:
+        wanted = set(_parts(joint))
+        holding = [name for name in names if wanted <= set(_parts(_stem(name)))]
+        if len(holding) == 1:
+            found[joint] = holding[0]
+    return found if len(set(found.values())) == len(found) else {}
+
+
+def _name_of(text: str) -> str | None:
+    unit = unit_named(text)
+    return next((name for name, one in UNITS.items() if one == unit), None)
+
+
+def _stem(name: str) -> str:
+    """A name without the unit that it ends in: t_ms -> t; a lone letter, as in motor.m, is more than a unit."""
+    match = _LAST.match(name)
+    return match.group(1) if match and _name_of(match.group(2)) else name
+
+
+def _parts(name: str) -> list[str]:
+    return [part.lower() for part in re.findall(r"[^\W\d_]+|\d+", name)]
+
+
+def _words(name: str) -> list[str]:
+    return [part for part in _parts(_stem(name)) if not part.isdigit()]
+
+
+def _number(name: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in _parts(_stem(name)) if part.isdigit())
+
+
+def _seen(values: np.ndarray) -> dict[str, Any]:
+    """Length, range and a few evenly spaced values."""
+    known = values[np.isfinite(values)]
+    rows = np.unique(np.linspace(0, max(values.size - 1, 0), min(POINTS, values.size)).astype(int))
+    return {
+        "samples": int(values.size),
+        "low": float(known.min()) if known.size else None,
+        "high": float(known.max()) if known.size else None,
+        "picture": [float(value) if np.isfinite(value) else None for value in values[rows]],
+    }

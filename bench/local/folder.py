@@ -1,0 +1,125 @@
+"""The opened folder: what lies in it, and nothing outside of it."""
+
+import os
+import re
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from bench.catalogue import built_in_robots
+from bench.dataset_toml import DATASET_FILE
+from bench.errors import BenchError
+from bench.logs.log_file import TEXTS
+from bench.report.folder import RUN_FILE
+
+LOGS = (*TEXTS, ".mat", ".npz", ".parquet")
+ROBOT_FILE = "robot.toml"
+DEEP, MANY = 6, 5000  # levels and entries that are looked at
+NAME = re.compile(r"[\w][\w .()+=,-]{0,119}")
+
+
+@dataclass(frozen=True)
+class Found:
+    """What lies in the folder, as paths relative to it, with slashes. robots: what a command takes -> its words."""
+
+    datasets: list[str] = field(default_factory=list)
+    logs: list[str] = field(default_factory=list)
+    robots: dict[str, str] = field(default_factory=dict)
+    runs: list[str] = field(default_factory=list)
+    cut: bool = False
+
+
+@dataclass(frozen=True)
+class Folder:
+    """The folder that was opened. robots: robot folders elsewhere that the command line named."""
+
+    root: Path
+    robots: tuple[Path, ...] = ()
+
+    def inside(self, text: str) -> Path:
+        """A path that a page names, relative to the folder.
+
+        Raises BenchError where it leads out of it, by itself or by symbolic links, or to a hidden file.
+        """
+        parts = text.split("/")
+        if (
+            not text
+            or "\\" in text
+            or "\0" in text
+            or any(p in ("", ".", "..") or p[0] == "." for p in parts)
+        ):
+            raise BenchError(f"{text!r}: not a path inside {self.root}")
+        path = self.root.joinpath(*parts)
+        try:
+            outside = not path.resolve().is_relative_to(self.root.resolve())
+        except (OSError, RuntimeError):  # symbolic links in a circle
+            outside = True
+        if outside:
+            raise BenchError(f"{text!r}: leads out of {self.root}")
+        return path
+
+    def name(self, text: str) -> str:
+        """A plain name for a new file or folder. Raises BenchError where it is none."""
+        if not NAME.fullmatch(text) or text.endswith((" ", ".")):
+            raise BenchError(f"{text!r}: give a name of letters, digits, spaces, and ( ) + = , . - _")
+        return text
+
+    def word(self, path: Path) -> str:
+        """A path as a command is given it: from where the server was started, or in full."""
+        try:
+            word = path.resolve().relative_to(Path.cwd()).as_posix()
+        except ValueError:
+            return str(path.resolve())
+        return f"./{word}" if word.startswith("-") else word  # never taken for an option
+
+    def robot(self, name: str) -> str:
+        """A robot that the page chose, as a command is given it. Raises BenchError for one that is not offered."""
+        if name in built_in_robots():
+            return name
+        for path in self.robots:
+            if name == str(path):
+                return self.word(path)
+        path = self.inside(name)
+        if not (path / ROBOT_FILE).is_file():
+            raise BenchError(f"{name}: no robot folder: it holds no {ROBOT_FILE}")
+        return self.word(path)
+
+    def look(self) -> Found:
+        """Walk through the folder, symbolic links and hidden names aside."""
+        found = Found(robots={name: name for name in built_in_robots()})
+        found.robots.update({str(path): f"{path.name} ({path})" for path in self.robots})
+        runs: list[tuple[float, str]] = []
+        count = 0
+        for folder, files in self._folders():
+            count += len(files) + 1
+            if count > MANY:
+                return Found(found.datasets, found.logs, found.robots, _by_time(runs), cut=True)
+            place = folder.relative_to(self.root).as_posix()
+            if ROBOT_FILE in files and place != ".":
+                found.robots[place] = place
+            if RUN_FILE in files:
+                runs.append(((folder / RUN_FILE).stat().st_mtime, place))
+            elif DATASET_FILE in files:
+                found.datasets.append(place)
+            elif ROBOT_FILE not in files:
+                logs = sorted(name for name in files if Path(name).suffix.lower() in LOGS)
+                found.logs.extend(name if place == "." else f"{place}/{name}" for name in logs)
+        return Found(found.datasets, found.logs, found.robots, _by_time(runs))
+
+    def _folders(self) -> Iterator[tuple[Path, list[str]]]:
+        for place, folders, files in os.walk(self.root):
+            folder = Path(place)
+            deep = len(folder.relative_to(self.root).parts) >= DEEP
+            folders[:] = [] if deep else sorted(name for name in folders if not name.startswith("."))
+            folders[:] = [name for name in folders if not (folder / name).is_symlink()]
+            yield folder, [name for name in files if not name.startswith(".")]
+
+
+def _by_time(runs: list[tuple[float, str]]) -> list[str]:
+    return [place for _, place in sorted(runs)]
+
+
+def said_time(path: Path) -> str:
+    """When a file was written, in this machine's time."""
+    return time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))

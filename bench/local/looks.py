@@ -1,0 +1,122 @@
+"""What a page shows of files: read by the worker, never written."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from bench.dataset import Dataset, load_dataset
+from bench.effects import catalogue_for, places_in
+from bench.effects.names import begun, spoken
+from bench.errors import BenchError
+from bench.estimate.model_file import apply_model, load_model
+from bench.estimate.model_json import to_json
+from bench.files import finite
+from bench.local.checks import Mapped, checked
+from bench.local.columns import look_at
+from bench.model.geometry import read_geometry
+from bench.progress import Progress
+from bench.report.content_errors import currents_section
+from bench.report.content_run import Run
+from bench.report.folder import RUN_FILE, read_json
+from bench.report.shown import shown
+from bench.robot import load_robot
+
+
+def columns(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+    """The columns of a log, and what they may be."""
+    return look_at(arguments["log"], load_robot(arguments["robot"]))
+
+
+def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+    """What an import would say of each column."""
+    given = {key: arguments[key] for key in ("columns", "scale", "rate", "split_gaps", "accept")}
+    return checked(arguments["log"], load_robot(arguments["robot"]), Mapped(**given))
+
+
+def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+    """Recordings and payloads of a dataset, and the effects that its robot may have, with their places."""
+    data = load_dataset(arguments["dataset"])
+    return {
+        "robot": data.robot.name,
+        "joints": list(data.robot.joints),
+        "payloads": {name: one.mass for name, one in data.payloads.items()},
+        "recordings": [
+            {
+                "name": one.name,
+                "use": one.use,
+                "payload": one.payload,
+                "rate": one.rate,
+                "seconds": float(one.time[-1] - one.time[0]),
+            }
+            for one in data.recordings
+        ],
+        "effects": _effects(data),
+    }
+
+
+def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+    """The figure of measured and modelled currents, with the errors of up to two models: a report's own."""
+    data = load_dataset(arguments["dataset"])
+    catalogue = catalogue_for(data.effect_files)
+    models = []
+    for path, name, role in arguments["models"]:
+        saved = load_model(path)
+        found = apply_model(data, saved, catalogue)
+        models.append(shown(name, role, data, found, saved.settings))
+    return dict(finite(asdict(currents_section(models).parts[0])))
+
+
+def runs(arguments: Mapping[str, Any], _progress: Progress) -> list[dict[str, Any]]:
+    """What each result folder, or model file, says in short; what cannot be read says why."""
+    return [_run(Path(arguments["root"]), path) for path in arguments["paths"]]
+
+
+LOOKS = {"columns": columns, "checks": checks, "dataset": dataset, "curves": curves, "runs": runs}
+
+
+def _effects(data: Dataset) -> list[dict[str, Any]]:
+    places = places_in(
+        read_geometry(data.robot), [name for name, one in data.payloads.items() if one.mass is not None]
+    )
+    return [
+        {"name": name, "words": begun(name), "spoken": spoken(name), "places": [one for one in at if one]}
+        for name, effect in catalogue_for(data.effect_files).items()
+        if (at := places.of(effect.place))
+    ]
+
+
+def _run(root: Path, place: str) -> dict[str, Any]:
+    try:
+        return {"path": place, **_told(root, place)}
+    except BenchError as error:
+        return {"path": place, "fault": str(error)}
+
+
+def _told(root: Path, place: str) -> dict[str, Any]:
+    path, line, applied = root / place, "", False
+    model = path
+    if path.is_dir():
+        content = read_json(path / RUN_FILE)
+        line, applied = _line(path, content.get("run")), bool(content.get("model"))
+        names = [name for name in ("model.json", "model_after.json") if (path / name).is_file()]
+        if not names:
+            raise BenchError(f"{place}: holds no model")
+        model = path / names[0]
+    answer = to_json(load_model(model).model)
+    found = {
+        "model": model.relative_to(root).as_posix(),
+        "line": line,
+        "applied": applied,
+        **{key: answer[key] for key in ("robot", "effects", "error", "drive_gains", "notes")},
+    }
+    return dict(finite(found))
+
+
+def _line(path: Path, run: Any) -> str:
+    """The command of a result. Raises BenchError where it is not told."""
+    try:
+        known = {**run, "effects": tuple(run["effects"]), "effect_files": tuple(run["effect_files"])}
+        return Run(**known).line()
+    except (TypeError, KeyError) as error:
+        raise BenchError(f"{path / RUN_FILE}: does not name its command") from error

@@ -1,0 +1,40 @@
+"""The page and what belongs to it: its own files, and of a report's the style and the charts."""
+
+from functools import cache
+from pathlib import Path
+
+from bench.report.render import CHARTS
+from bench.report.render import asset as report_asset
+
+ASSETS = Path(__file__).with_name("assets")
+SCRIPTS = (
+    "dom.js",
+    "server.js",
+    "figure.js",
+    "columns.js",
+    "recordings.js",
+    "errors.js",
+    "effects.js",
+    "results.js",
+    "open.js",
+)
+
+
+@cache
+def page_html() -> str:
+    """The page; scripts and styles are asked for apart, as its policy wants it."""
+    scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*CHARTS, *SCRIPTS))
+    return (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
+
+
+def asset(name: str) -> tuple[str, str] | None:
+    """A file that belongs to the page, with its kind; None for any other name."""
+    if name in CHARTS:
+        return report_asset(name), "text/javascript"
+    if name == "page.css":
+        return report_asset(name), "text/css"
+    if name == "open.css":
+        return (ASSETS / name).read_text(encoding="utf-8"), "text/css"
+    if name in SCRIPTS:
+        return (ASSETS / name).read_text(encoding="utf-8"), "text/javascript"
+    return None

@@ -1,0 +1,90 @@
+"""Serve the page from the loopback address until somebody ends it."""
+
+import socket
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import uvicorn
+from starlette.applications import Starlette
+
+from bench.dataset_toml import DATASET_FILE
+from bench.errors import BenchError
+from bench.local.app import Pages, application
+from bench.local.folder import Folder
+from bench.local.guard import LOOPBACK, Guard, new_token
+from bench.local.jobs import Jobs
+from bench.local.looks import LOOKS
+from bench.local.worker import Function, Worker
+
+PATIENCE = 1  # s that open pages have to hear that the server ends
+
+
+@dataclass(frozen=True)
+class Opened:
+    """What `bench open` was given. start: the dataset on which the page opens, relative to the folder; "" for none.
+
+    command: as it was typed, to be given again.
+    """
+
+    folder: Folder
+    start: str
+    command: str
+    port: int = 0
+
+
+def opened(path: Path, robots: tuple[Path, ...], command: str, port: int = 0) -> Opened:
+    """A folder, a dataset or nothing, checked. Raises BenchError for what cannot be opened."""
+    if path.name == DATASET_FILE:
+        path = path.parent
+    if not path.is_dir():
+        raise BenchError(f"{path}: no such folder")
+    for robot in robots:
+        if not (robot / "robot.toml").is_file():
+            raise BenchError(f"{robot}: no robot folder: it holds no robot.toml")
+    start = "." if (path / DATASET_FILE).is_file() else ""
+    folder = Folder(path.resolve(), tuple(robot.resolve() for robot in robots))
+    return Opened(folder, start, command, port)
+
+
+def serve(asked: Opened, functions: Mapping[str, Function], ready: Callable[[str], None]) -> None:
+    """Serve until interrupted. ready: called with the page's address once it can be opened.
+
+    functions: `command`, which runs one. Raises BenchError where the port is taken.
+    """
+    commander, looker = Worker(functions), Worker(LOOKS)
+    with _listening(asked.port) as listener:
+        port = listener.getsockname()[1]
+        token = new_token()
+        app = Guard(_app(asked, commander, looker), token, port)
+        config = uvicorn.Config(
+            app,
+            log_level="critical",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=PATIENCE,
+            lifespan="off",
+            proxy_headers=False,
+        )
+        ready(f"http://{LOOPBACK}:{port}/{token}/")
+        try:
+            uvicorn.Server(config).run(sockets=[listener])
+        finally:
+            commander.close()
+            looker.close()
+
+
+def _app(asked: Opened, commander: Worker, looker: Worker) -> Starlette:
+    return application(Pages(asked.folder, Jobs(commander), looker, asked.start, asked.command))
+
+
+def _listening(port: int) -> socket.socket:
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((LOOPBACK, port))
+    except OSError as error:
+        listener.close()
+        raise BenchError(f"--port {port}: {error.strerror}") from error
+    listener.listen(64)
+    return listener

@@ -1,0 +1,205 @@
+"""From what a page asks for to the command that does it, in the words that a shell takes."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from bench.dataset_toml import DATASET_FILE
+from bench.errors import BenchError
+from bench.local.folder import Folder
+from bench.recording import Use
+from bench.recording_checks import Check
+from bench.report.content_run import quoted
+from bench.toml_input import UserTable, first_mistake
+
+RESULTS = ".results"
+Name = Annotated[str, Field(min_length=1, max_length=400)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+_EFFECT = re.compile(r"[a-z][a-z0-9_]*(:[\w .-]+)?(@[\w .-]+)?")
+
+
+class ImportLog(UserTable):
+    """A log becomes a recording. scale: unit or factor by column; rate: of a log without a time, Hz."""
+
+    step: Literal["import"]
+    log: Name
+    robot: Name
+    dataset: Name
+    columns: dict[str, str]
+    scale: dict[str, str | Positive] = Field(default_factory=dict)
+    rate: Positive | None = None
+    use: Use = "identify"
+    payload: str = ""
+    payload_mass: Positive | None = None
+    split_gaps: bool = False
+    accept: tuple[Check, ...] = ()
+
+
+class CheckRobot(UserTable):
+    """A robot folder is checked."""
+
+    step: Literal["robot"]
+    robot: Name
+
+
+class Compare(UserTable):
+    """Where models fail: a fitted one, or one or several that were saved."""
+
+    step: Literal["compare"]
+    dataset: Name
+    models: tuple[Name, ...] = ()
+
+
+class Diagnose(UserTable):
+    """What the model lacks. effects: those that it has already."""
+
+    step: Literal["diagnose"]
+    dataset: Name
+    effects: tuple[Name, ...] = ()
+
+
+class Identify(UserTable):
+    """The model with these effects."""
+
+    step: Literal["identify"]
+    dataset: Name
+    effects: tuple[Name, ...] = ()
+
+
+Asked = Annotated[ImportLog | CheckRobot | Compare | Diagnose | Identify, Field(discriminator="step")]
+_ASKED: TypeAdapter[Any] = TypeAdapter(Asked)
+
+
+@dataclass(frozen=True)
+class Command:
+    """words: after `bench`; files: what is written and read by the page, by a name, relative to the folder."""
+
+    step: str
+    subject: str
+    words: list[str]
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def line(self) -> str:
+        """As it is typed."""
+        return " ".join(quoted(word) for word in ["bench", *self.words])
+
+
+def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
+    """The command of a step. Raises BenchError that names what it cannot be made of.
+
+    The folder of a dataset's results is made, so that the command can be given in a shell as well.
+    """
+    try:
+        step = _ASKED.validate_python(asked)
+    except ValidationError as error:
+        raise BenchError(first_mistake(error)) from error
+    if isinstance(step, ImportLog):
+        return _import(folder, step)
+    if isinstance(step, CheckRobot):
+        return Command("robot", step.robot, ["robot", "check", folder.robot(step.robot)])
+    path = folder.root if step.dataset == "." else folder.inside(step.dataset)
+    if not (path / DATASET_FILE).is_file():
+        raise BenchError(f"{step.dataset}: no dataset: it holds no {DATASET_FILE}")
+    results = _results(folder, path)
+    if isinstance(step, Compare):
+        return _compare(folder, path, results, step)
+    effects = [word for one in step.effects for word in ("--with", _effect(one))]
+    if isinstance(step, Identify):
+        number = _next(results, "model")
+        model = results / f"model-{number}.json"
+        words = ["identify", folder.word(path), *effects, "--json", folder.word(model)]
+        return Command(step.step, step.dataset, words, _files(folder, model=model))
+    run = results / f"{_next(results, '')}-diagnosis"
+    answer, model = run.with_name(f"{run.name}.json"), run.with_name(f"{run.name}-model.json")
+    words = ["diagnose", folder.word(path), *effects, "--json", folder.word(answer)]
+    words += ["--apply", folder.word(model), "-o", folder.word(run)]
+    files = _files(folder, answer=answer, model=model, run=run, report=run / "report.html")
+    return Command(step.step, step.dataset, words, files)
+
+
+def _compare(folder: Folder, path: Path, results: Path, step: Compare) -> Command:
+    models = [folder.inside(one) for one in step.models]
+    for model in models:
+        if not model.is_file():
+            raise BenchError(f"{model.name}: no such model file")
+    words = ["compare", folder.word(path)]
+    words += [word for model in models for word in ("--model", folder.word(model))]
+    if len(models) > 1:
+        answer = results / f"{_next(results, '')}-side-by-side.json"
+        return Command(
+            step.step, step.dataset, [*words, "--json", folder.word(answer)], _files(folder, answer=answer)
+        )
+    run = results / f"{_next(results, '')}-compare"
+    answer = run.with_name(f"{run.name}.json")
+    words += ["--json", folder.word(answer), "-o", folder.word(run)]
+    model = models[0] if models else run / "model.json"
+    files = _files(folder, answer=answer, model=model, run=run, report=run / "report.html")
+    return Command(step.step, step.dataset, words, files)
+
+
+def _import(folder: Folder, step: ImportLog) -> Command:
+    log, robot = folder.inside(step.log), folder.robot(step.robot)
+    target = folder.root if step.dataset == "." else folder.inside(step.dataset)
+    for part in step.dataset.split("/"):
+        if part != ".":
+            folder.name(part)
+    words = ["import", folder.word(log), "--robot", robot]
+    for column, source in step.columns.items():
+        words += ["--map", f"{_plain(column)}={_plain(source)}"]
+    for column, unit in step.scale.items():
+        words += ["--scale", f"{_plain(column)}={unit if isinstance(unit, str) else repr(unit)}"]
+    if step.rate is not None:
+        words += ["--rate", repr(step.rate)]
+    if step.use != "identify":
+        words += ["--use", step.use]
+    if step.payload:
+        words += ["--payload", folder.name(step.payload)]
+        if step.payload_mass is not None:
+            words += ["--payload-mass", repr(step.payload_mass)]
+    if step.split_gaps:
+        words.append("--split-gaps")
+    words += [word for one in step.accept for word in ("--accept", one)]
+    words += ["--name", f"{folder.name(log.stem)}.csv", "-o", folder.word(target)]
+    return Command("import", step.log, words, {"dataset": step.dataset})
+
+
+def _results(folder: Folder, dataset: Path) -> Path:
+    """Where what is found in a dataset goes: a folder beside it, or in it where it is what was opened."""
+    inner = dataset == folder.root
+    results = dataset / RESULTS[1:] if inner else dataset.with_name(f"{dataset.name}{RESULTS}")
+    if results.is_symlink():
+        raise BenchError(f"{results.name}: is a symbolic link: nothing is written through it")
+    try:
+        results.mkdir(exist_ok=True)
+    except OSError as error:
+        raise BenchError(f"{results.name}: cannot be made: {error.strerror}") from error
+    return results
+
+
+def _next(results: Path, kind: str) -> int:
+    """The number that no result of that kind has."""
+    pattern = re.compile(rf"{kind}-(\d+)\b.*" if kind else r"(\d+)-.*")
+    taken = [int(match.group(1)) for one in results.iterdir() if (match := pattern.fullmatch(one.name))]
+    return max(taken, default=0) + 1
+
+
+def _files(folder: Folder, **paths: Path) -> dict[str, str]:
+    return {name: path.relative_to(folder.root).as_posix() for name, path in paths.items()}
+
+
+def _effect(name: str) -> str:
+    if not _EFFECT.fullmatch(name):
+        raise BenchError(f"{name!r}: not an effect")
+    return name
+
+
+def _plain(text: str) -> str:
+    """A word that stands after an option: it cannot be taken for another one, nor end it."""
+    if not text or "\0" in text or "\n" in text:
+        raise BenchError(f"{text!r}: not a column")
+    return text

@@ -1,0 +1,67 @@
+"""Files that come and go: a log is taken into the folder whole or not at all, a dataset leaves as a zip archive."""
+
+import zipfile
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+from bench.csv_text import FOREIGN
+from bench.errors import BenchError
+from bench.files import atomic_path
+from bench.local.folder import LOGS, Folder
+
+LARGEST = 1 << 30  # bytes of one log
+STARTS: dict[str, tuple[bytes, ...]] = {
+    ".parquet": (b"PAR1",),
+    ".npz": (b"PK\x03\x04",),
+    ".mat": (b"MATLAB ", b"\x89HDF"),
+}
+"""How files of a kind begin. A CSV begins with text."""
+
+
+async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest: int = LARGEST) -> str:
+    """Write a log into the folder and return its path in it.
+
+    Raises BenchError for a name that is none, a kind that no log has, a file that is there already, content that is
+    not of its kind, and too much of it; nothing is written then.
+    """
+    suffix = Path(folder.name(name)).suffix.lower()
+    if suffix not in LOGS:
+        raise BenchError(f"{name}: a log is one of {', '.join(LOGS)}")
+    target = folder.inside(name)
+    if target.exists() or target.is_symlink():
+        raise BenchError(f"{name}: is in the folder already; rename one of the two")
+    with atomic_path(target) as partial:
+        size = 0
+        with partial.open("wb") as file:
+            async for part in content:
+                if size == 0 and part:
+                    _check_beginning(name, suffix, part)
+                size += len(part)
+                if size > largest:
+                    raise BenchError(
+                        f"{name}: larger than {largest / 2**20:.0f} MB; put it into the folder by hand"
+                    )
+                file.write(part)
+        if size == 0:
+            raise BenchError(f"{name}: the file is empty")
+    return name
+
+
+def _check_beginning(name: str, suffix: str, content: bytes) -> None:
+    starts = STARTS.get(suffix)
+    if starts is not None and not content.startswith(starts):
+        raise BenchError(f"{name}: does not begin as a {suffix} file does")
+    if starts is None and (
+        foreign := next((FOREIGN[one] for one in FOREIGN if content.startswith(one)), None)
+    ):
+        raise BenchError(f"{name}: is {foreign}")
+    if starts is None and b"\0" in content[:4096]:
+        raise BenchError(f"{name}: is no text")
+
+
+def zip_dataset(dataset: Path, target: Path) -> None:
+    """A dataset's own files as an archive: those that lie in its folder, links and hidden ones aside."""
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        for path in sorted(dataset.iterdir()):
+            if path.is_file() and not path.is_symlink() and not path.name.startswith("."):
+                archive.write(path, f"{dataset.resolve().name}/{path.name}")

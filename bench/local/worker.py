@@ -1,0 +1,141 @@
+"""Work in a process of its own: it keeps what it has loaded, tells its progress, and can be ended at any moment."""
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Mapping
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection
+from typing import Any
+
+from bench.errors import BenchError
+from bench.progress import Progress
+
+Function = Callable[[Mapping[str, Any], Progress], Any]
+"""What a worker can do: plain arguments to a plain answer; a user's mistake is a BenchError."""
+
+GRACE = 5.0  # s that an ended process has to remove its half-written files
+
+
+class CancelledError(Exception):
+    """The work was ended because somebody asked for it."""
+
+
+class DiedError(Exception):
+    """The process ended by itself: a fault of the program, whose traceback stands in the terminal."""
+
+
+class Worker:
+    """One process that runs one function at a time; it starts with the first, and again after a cancellation."""
+
+    def __init__(self, functions: Mapping[str, Function]) -> None:
+        self._functions = dict(functions)
+        self._one_at_a_time = threading.Lock()
+        self._changing = threading.Lock()
+        self._process: Any = None
+        self._connection: Connection | None = None
+        self._busy = self._cancelled = False
+
+    def call(self, name: str, arguments: Mapping[str, Any], progress: Progress) -> Any:
+        """Run a function and wait for its answer; progress is told on the way.
+
+        Raises BenchError as the function did, CancelledError after `cancel`, DiedError where the process ended itself.
+        """
+        with self._one_at_a_time:
+            connection = self._started()
+            try:
+                connection.send((name, dict(arguments)))
+                while True:
+                    kind, *content = connection.recv()
+                    if kind == "phase":
+                        progress.phase(*content)
+                    elif kind == "advance":
+                        progress.advance(*content)
+                    elif kind == "refused":
+                        raise BenchError(content[0])
+                    else:
+                        return content[0]
+            except (EOFError, ConnectionError) as error:
+                raise CancelledError if self._cancelled else DiedError from error
+            finally:
+                with self._changing:
+                    self._busy = False
+
+    def cancel(self) -> None:
+        """End the process if it works; its files are whole or not there. The call raises CancelledError."""
+        with self._changing:
+            if self._process is not None and self._busy:
+                self._cancelled = True
+                self._process.terminate()
+
+    def close(self) -> None:
+        """End the process for good."""
+        with self._changing:
+            self._end()
+
+    def _started(self) -> Connection:
+        with self._changing:
+            self._busy = True
+            if self._process is None or self._cancelled or not self._process.is_alive():
+                self._end()
+            if self._connection is None:
+                context = get_context("spawn")  # a fork of a process with threads may hang
+                self._connection, theirs = context.Pipe()
+                self._process = context.Process(target=_serve, args=(theirs, self._functions), daemon=True)
+                self._process.start()
+                theirs.close()
+                self._cancelled = False
+            return self._connection
+
+    def _end(self) -> None:
+        process, self._process = self._process, None
+        if process is not None:
+            process.terminate()
+            process.join(GRACE)
+            if process.is_alive():
+                process.kill()
+                process.join()
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+
+
+class _Told:
+    """Progress that goes through the pipe."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+
+    def phase(self, name: str, total: int | None = None) -> None:
+        self._connection.send(("phase", name, total))
+
+    def advance(self, steps: int = 1) -> None:
+        self._connection.send(("advance", steps))
+
+
+def _serve(connection: Connection, functions: Mapping[str, Function]) -> None:
+    """What the process does: one request after the other until nobody asks any more."""
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # Ctrl+C in the terminal is the server's, which ends this one
+    threading.Thread(target=_leave_with_parent, daemon=True).start()
+    progress = _Told(connection)
+    while True:
+        try:
+            name, arguments = connection.recv()
+        except EOFError:
+            return
+        try:
+            answer = functions[name](arguments, progress)
+        except BenchError as error:
+            connection.send(("refused", str(error)))
+        else:
+            connection.send(("done", answer))
+
+
+def _leave_with_parent() -> None:
+    """A killed server leaves nobody to work for: end as a terminated command does."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os.kill(os.getpid(), signal.SIGTERM)

@@ -1,0 +1,100 @@
+"""Which column of a log is which, and in which unit: what names tell, and what is left to the user."""
+
+import numpy as np
+import pytest
+
+from bench.local.checks import Mapped, checked
+from bench.local.columns import guesses, look_at, unit_in, units_of
+from bench.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("five_bar")
+
+
+def guessed(names, robot):
+    return {target: (one["column"], one["unit"], one["why"]) for target, one in guesses(names, robot).items()}
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("q_left[deg]", "deg"),
+        ("q_left (°)", "deg"),
+        ("left.pos.mrad", "mrad"),
+        ("q_left", ""),
+        ("deg", ""),
+        ("i_left_mA", ""),
+        ("q_", ""),
+    ],
+)
+def test_a_unit_is_what_a_name_ends_in(name, unit, robot):
+    assert unit_in(name, units_of("position.left", robot)) == unit
+
+
+def test_names_that_hold_the_joint_s_are_its_columns(robot):
+    names = [
+        "T",
+        "Motor Left Position [deg]",
+        "Motor Right Position [deg]",
+        "Motor Left Current [mA]",
+        "i.right",
+        "temp",
+    ]
+    assert guessed(names, robot) == {
+        "time": ("T", "", "name"),
+        "position.left": (names[1], "deg", "name"),
+        "position.right": (names[2], "deg", "name"),
+        "current.left": (names[3], "mA", "name"),
+        "current.right": ("i.right", "", "name"),
+    }
+
+
+def test_numbered_names_are_taken_in_their_order_and_marked_so(robot):
+    assert guessed(["t_us", "q2", "q10", "i1", "i2", "i3"], robot) == {
+        "time": ("t_us", "us", "name"),
+        "position.left": ("q2", "", "order"),
+        "position.right": ("q10", "", "order"),
+    }
+
+
+def test_what_is_ambiguous_is_left_open(robot):
+    assert guessed(["q_left", "q_left_filtered", "volts", "left", "right"], robot) == {}
+
+
+def test_the_unit_that_a_log_states_is_told_and_kept(tmp_path, robot):
+    log = tmp_path / "log.txt"
+    time = np.arange(2000) / 1e3
+    q = 20.0 * np.sin(3.0 * time) - 130.0
+    rows = [f"{t * 1e3:.9g} {a:.9g}" for t, a in zip(time, q, strict=True)]
+    log.write_text("\n".join(["t q_left", "ms deg", *rows]))
+    look = look_at(str(log), robot)
+    assert look["stated"] == {"t": "ms", "q_left": "deg"}
+    columns = {"time": "t", "position.left": "q_left"}
+    assert all(one["ok"] for one in checked(str(log), robot, Mapped(columns, {})).values())
+    found = checked(str(log), robot, Mapped(columns, {"time": "s", "position.left": "rad"}))
+    assert found["time"]["problems"][0]["remedy"] == {"unit": "ms"}
+    assert found["position.left"]["problems"][0]["remedy"] == {"unit": "deg"}
+
+
+def test_a_gap_is_cut_and_a_check_is_accepted_where_asked(tmp_path, robot):
+    log = tmp_path / "log.csv"
+    time = np.concatenate([np.arange(2000), np.arange(2500, 4500)]) / 1e3
+    held = np.clip(
+        1.2 * np.sin(5.0 * time) + 0.001 * np.random.default_rng(1).normal(size=time.size), -1.0, 1.0
+    )
+    rows = [
+        f"{t:.9g},{a:.9g},{float('nan') if k == 7 else a}"
+        for k, (t, a) in enumerate(zip(time, held, strict=True))
+    ]
+    log.write_text("\n".join(["time,i,broken", *rows]))
+    columns = {"time": "time", "current.left": "i", "current.right": "broken"}
+    found = checked(str(log), robot, Mapped(columns, {}))
+    assert found["time"]["problems"][0]["remedy"] == {"split_gaps": True}
+    assert found["time"]["problems"][0]["where"] == "line 2002"
+    assert found["current.left"]["problems"][0]["remedy"] == {"accept": "saturated"}
+    assert found["current.right"]["problems"][0]["where"] == "line 9"
+    assert found["current.right"]["problems"][0]["remedy"] is None
+    again = checked(str(log), robot, Mapped(columns, {}, split_gaps=True, accept=("saturated",)))
+    assert [target for target, one in again.items() if one["ok"]] == ["time", "current.left"]
