@@ -42,6 +42,7 @@ NUMBERED = "no line names the columns: they are called 1 to 7 in their order"
 LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
     "plain": (lambda: HEAD + text(rows()), "log.csv", BY_NAME, []),
     "no header": (lambda: text(rows()), "log.csv", BY_NUMBER, [NUMBERED]),
+    "columns named by number": (lambda: "1,2,3,4,5,6,7\n" + text(rows()), "log.csv", BY_NUMBER, []),
     "no header, blanks": (lambda: text(rows(), "   "), "log.txt", BY_NUMBER, [NUMBERED]),
     "semicolons and decimal commas": (
         lambda: HEAD.replace(",", ";") + text(rows(), ";", ","),

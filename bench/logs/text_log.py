@@ -1,10 +1,10 @@
 """A log that is text: a table of numbers, perhaps below a preamble, without header, or with a line of units.
 
 The table's lines are those with as many values as most lines have. Lines before the first of them are a preamble, and
-so are comments (#, %, //) on top. The first line of the table names the columns, unless all of its values are numbers:
-then the comment just above does if it has as many words, else columns are called 1, 2, 3 ... in their order. A second
-line of which no value is a number and most are units (deg, ms, mA ...) holds the units. Values are separated by comma,
-semicolon, tab or blanks.
+so are comments (#, %, //) on top. The first line of the table names the columns, unless all of its values are numbers
+(and not just 0, 1, 2 ... or 1, 2, 3 ...): then the comment just above does if it has as many words, else columns are
+called 1, 2, 3 ... in their order. A second line of which no value is a number and most are units (deg, ms, mA ...)
+holds the units. Values are separated by comma, semicolon, tab or blanks.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def _names(
     cells = _cells(table[0].text, delimiter)
     if header is False:
         return None, 0
-    if header is None and all(is_number(cell.replace(",", ".")) for cell in cells):
+    if header is None and _are_numbers(cells) and not _count_columns(cells):
         above = [line for line in lines if line.number < table[0].number and line.text.strip()]
         if above and _comment(above[-1]):
             said = _cells(above[-1].text.lstrip().lstrip("#%/").strip(), delimiter)
@@ -111,6 +111,15 @@ def _names(
                 return said, 0
         return None, 0
     return cells, 1
+
+
+def _are_numbers(cells: Sequence[str]) -> bool:
+    return all(is_number(cell.replace(",", ".")) for cell in cells)
+
+
+def _count_columns(cells: Sequence[str]) -> bool:
+    """Whether the values are 0, 1, 2 ... or 1, 2, 3 ...: columns that were named by their number, no sample."""
+    return any(list(cells) == [str(i + first) for i in range(len(cells))] for first in (0, 1))
 
 
 def _refuse_other_header(path: Path, lines: Sequence[_Line], table: Sequence[_Line], delimiter: str) -> None:
