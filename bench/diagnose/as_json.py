@@ -17,7 +17,8 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
 
     missing, ladder, ranking and unexplained as documented for other programs; size: RMS torque in N*m or force
     in N by actuator; error_share: of the squared error, taken away. differs_by_recording: effects of which one value
-    for all recordings is not enough, with request as `--with` takes it. before, after: gains, parameters and errors of
+    for all recordings is not enough, with request as `--with` takes it. superfluous: effects of the starting model
+    that the found one does without. before, after: gains, parameters and errors of
     the models without and with what is missing.
     """
     answer = {
@@ -35,6 +36,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "ranking": [_verdict(diagnosis, one) for one in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
         "differs_by_recording": [{**asdict(one), "request": one.request} for one in diagnosis.differs],
+        "superfluous": [asdict(one) for one in diagnosis.superfluous],
         "before": _model(diagnosis.before),
         "after": _model(diagnosis.after),
     }

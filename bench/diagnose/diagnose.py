@@ -1,7 +1,7 @@
 """Which effects a model lacks, judged on recordings that were not fitted."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -13,10 +13,11 @@ from bench.diagnose.differs import differing
 from bench.diagnose.encoder_noise import encoder_error
 from bench.diagnose.mounting import mounted_otherwise
 from bench.diagnose.possible import SHOWS, impossible_effects, refused, superfluous_effect
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep
-from bench.diagnose.rounds import Problem, first_round, problem_of, searched
+from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Superfluous
+from bench.diagnose.rounds import Problem, Round, first_round, problem_of, searched
 from bench.diagnose.search import Found
 from bench.diagnose.split import with_judged_parts
+from bench.diagnose.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnose.system import System
 from bench.diagnose.unexplained import unexplained
 from bench.diagnose.verdicts import checked_error, verdicts
@@ -56,27 +57,16 @@ def diagnose(
     progress.phase("fitting the model as it is")
     start = settled(start, fit_gains)
     before = fit(start, fit_gains=fit_gains)
-    problem = problem_of(start, fit_gains)
-    first = first_round(problem, catalogue, progress)
-    barred: dict[str, str] = {}
-    while True:
-        last = searched(problem, first, barred, progress)
-        progress.phase("fitting what was found")
-        model, after = _where_it_shows(problem, last.model)
-        added = model.effects[len(start.effects) :]
-        out = impossible_effects(after, added)
-        if not out:
-            names = list(dict.fromkeys(one.effect.name for one in added))
-            fits = _fits(problem, added, before, after)
-            ladder = _ladder(names, fits)
-            out = superfluous_effect(ladder)
-        if not out:
+    for origin in origins_of(start, fit_gains):
+        answer = _found_from(origin, start, before, catalogue, progress)
+        if origin is start or not worse(answer.after, before):
             break
-        barred |= out
+    last, model, after, fits = answer.last, answer.model, answer.after, answer.fits
+    new, names, ladder = answer.new, answer.names, answer.ladder
     progress.phase("judging every effect")
     proposals, system, found = last.proposals, last.system, last.found
     places: dict[str, tuple[str, ...]] = {}
-    for one in added:
+    for one in new:
         at = (one.joint,) if one.joint else dataset.robot.joints
         places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
     scale = _relative(after, system, found)
@@ -85,7 +75,8 @@ def diagnose(
     ranking = verdicts(
         system, proposals, found, _shown_places(proposals, found, places), scale, left, without
     )
-    ranking = tuple(refused(one, barred.get(one.effect)) for one in ranking)
+    known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, found, {})} - {*places}
+    ranking = tuple(refused(one, answer.barred.get(one.effect)) for one in ranking if one.effect not in known)
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
     missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
     return Diagnosis(
@@ -98,15 +89,66 @@ def diagnose(
         before=before,
         after=replace(after, findings=(*mounted_otherwise(model, fit_gains=fit_gains), *after.findings)),
         differs=differing(model, fit_gains, catalogue),
+        superfluous=answer.superfluous,
     )
 
 
-def _where_it_shows(problem: Problem, model: Prepared) -> tuple[Prepared, Identification]:
-    """The found effects without the joints at which they are nothing or have an impossible sign."""
+@dataclass(frozen=True)
+class _Answer:
+    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `_fits`; barred:
+    effects that may not be found, and why.
+    """
+
+    last: Round
+    model: Prepared
+    after: Identification
+    new: tuple[EffectInstance, ...]
+    names: tuple[str, ...]
+    fits: Fits
+    ladder: tuple[LadderStep, ...]
+    superfluous: tuple[Superfluous, ...]
+    barred: Mapping[str, str]
+
+
+def _found_from(
+    origin: Prepared,
+    start: Prepared,
+    before: Identification,
+    catalogue: Mapping[str, Effect],
+    progress: Progress,
+) -> _Answer:
+    """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
+    problem = problem_of(origin, before.gains_fitted)
+    first = first_round(problem, catalogue, progress)
+    barred: dict[str, str] = {}
+    while True:
+        last = searched(problem, first, barred, progress)
+        progress.phase("fitting what was found")
+        model, after = _where_it_shows(problem, last.model, start.effects)
+        out = impossible_effects(after, model.effects[len(origin.effects) :])
+        if not out:
+            model, after, superfluous = leaving(problem, model, after, start.effects)
+            kept, new = kept_and_new(model.effects[len(origin.effects) :], start.effects)
+            names = tuple(dict.fromkeys(one.effect.name for one in new))
+            fits = _fits(problem, kept, new, before, after)
+            ladder = _ladder(names, fits)
+            out = superfluous_effect(ladder)
+        if not out:
+            return _Answer(last, model, after, new, names, fits, ladder, superfluous, barred)
+        barred |= out
+
+
+def _where_it_shows(
+    problem: Problem, model: Prepared, given: Sequence[EffectInstance]
+) -> tuple[Prepared, Identification]:
+    """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
+    starting model has there, which stay.
+    """
     fit_gains = problem.fit_gains
     result = fit(model, fit_gains=fit_gains)
     added = model.effects[len(problem.start.effects) :]
-    kept = [one for one in added if _shows(result, one)]
+    there = {(one.effect.name, one.joint) for one in given}
+    kept = [one for one in added if (one.effect.name, one.joint) in there or _shows(result, one)]
     for one in added:
         if not any(other.effect.name == one.effect.name for other in kept):
             kept.append(one)
@@ -161,18 +203,24 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
 
 
 def _fits(
-    problem: Problem, added: Sequence[EffectInstance], before: Identification, after: Identification
+    problem: Problem,
+    kept: Sequence[EffectInstance],
+    new: Sequence[EffectInstance],
+    before: Identification,
+    after: Identification,
 ) -> Fits:
-    """The starting model with some of the found effects, by name, each such set fitted once."""
+    """What is kept of the starting model with some of the new effects, by name, each such set fitted once; the starting
+    model as it is without any.
+    """
 
     @cache
     def fitted(names: frozenset[str]) -> Identification:
         if not names:
             return before
-        chosen = [one for one in added if one.effect.name in names]
-        if len(chosen) == len(added):
+        chosen = [one for one in new if one.effect.name in names]
+        if len(chosen) == len(new):
             return after
-        return fit(problem.with_instances(chosen), fit_gains=problem.fit_gains)
+        return fit(problem.with_instances([*kept, *chosen]), fit_gains=problem.fit_gains)
 
     return fitted
 

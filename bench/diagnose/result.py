@@ -76,9 +76,18 @@ class Differing:
 
 
 @dataclass(frozen=True)
+class Superfluous:
+    """An effect of the starting model that what was found does without; replaced_by: one of these that contains it."""
+
+    effect: str
+    replaced_by: str | None
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with
     them. differs: what has another value in each recording, whether the model has it or not; `after` has one for all.
+    superfluous: effects of the starting model that `after` does without.
     """
 
     robot: str
@@ -90,3 +99,4 @@ class Diagnosis:
     before: Identification
     after: Identification
     differs: tuple[Differing, ...] = ()
+    superfluous: tuple[Superfluous, ...] = ()

@@ -28,8 +28,8 @@ class Summary:
 
     verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
     nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
-    the gain that moves most, "" where none does; differs: what has another value in each recording; left: what no
-    effect accounts for.
+    the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
+    value in each recording; left: what no effect accounts for.
     """
 
     verdict: str
@@ -37,6 +37,7 @@ class Summary:
     nominal: str
     undecided: tuple[str, ...]
     moved: str
+    superfluous: str
     differs: tuple[str, ...]
     left: str
 
@@ -49,6 +50,7 @@ class Summary:
             self.nominal,
             *self.undecided,
             self.moved,
+            self.superfluous,
             *self.differs,
             self.left,
         ]
@@ -67,6 +69,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
     left = f"{_capital(diagnosis.unexplained.why)}."
+    needless = _superfluous(diagnosis)
     differs = from_run_to_run(diagnosis.differs, clear=not diagnosis.unexplained.significant)
     if not found:
         what = "No effect with one value for all recordings" if differs else "Nothing"
@@ -75,7 +78,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
             f"error clearly smaller than {in_percent(before)} of the current."
         )
         strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
-        return Summary(nothing, tuple(strange), "", (), "", differs, left)
+        return Summary(nothing, tuple(strange), "", (), "", needless, differs, left)
     sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
     like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
@@ -89,7 +92,9 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
         f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
     )
     undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
-    return Summary(verdict, doubt, nominal, undecided, _largest_change(diagnosis) or "", differs, left)
+    return Summary(
+        verdict, doubt, nominal, undecided, _largest_change(diagnosis) or "", needless, differs, left
+    )
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
@@ -119,6 +124,23 @@ def _nominal(result: Identification) -> str:
     return (
         "The drive gains are nominal, since no fitted recording carries a payload of known mass: gains a tenth off "
         "look like other effects, and the names may be false. Record with a weighed payload, too, to be sure."
+    )
+
+
+def _superfluous(diagnosis: Diagnosis) -> str:
+    """What the starting model had that is not needed; "" where all of it is."""
+    alone = [spoken(one.effect) for one in diagnosis.superfluous if one.replaced_by is None]
+    parts = [
+        f"{spoken(one.effect)} gives way to {spoken(one.replaced_by)}"
+        for one in diagnosis.superfluous
+        if one.replaced_by is not None
+    ]
+    if alone:
+        parts.insert(0, f"{and_list(alone)} {'is' if len(alone) == 1 else 'are'} superfluous")
+    return (
+        f"Of the effects that the model had, {and_list(parts)}: the error is no larger without."
+        if parts
+        else ""
     )
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.dataset import Dataset, load_dataset
-from bench.diagnose.result import Diagnosis, Differing, EffectVerdict, LadderStep, Unexplained
+from bench.diagnose.result import Diagnosis, Differing, EffectVerdict, LadderStep, Superfluous, Unexplained
 from bench.diagnose.split import with_judged_parts
 from bench.effects import Effect, catalogue_for
 from bench.errors import BenchError
@@ -110,6 +110,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         "ranking": [asdict(one) for one in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
         "differs": [asdict(one) for one in diagnosis.differs],
+        "superfluous": [asdict(one) for one in diagnosis.superfluous],
         "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
     }
 
@@ -217,6 +218,7 @@ def _diagnosis(
             before=before,
             after=after,
             differs=tuple(_differing(one) for one in told.get("differs", ())),
+            superfluous=tuple(Superfluous(**one) for one in told.get("superfluous", ())),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
