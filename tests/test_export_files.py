@@ -14,9 +14,12 @@ import yaml
 
 from bench.catalogue import built_in_robots
 from bench.cli import main
+from bench.dataset import load_dataset
 from bench.effects import CATALOGUE
 from bench.effects.select import EffectInstance
 from bench.errors import BenchError
+from bench.estimate.identify import identify
+from bench.estimate.model_file import save_model
 from bench.export.identified import EffectValues, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
@@ -132,6 +135,10 @@ def test_what_the_file_says_and_the_model_does_not_is_told(tmp_path):
     source = built_in_robots()["five_bar"]
     text = (source / "five_bar.xml").read_text(encoding="utf-8")
     text = text.replace('<joint name="left_elbow"/>', '<joint name="left_elbow" stiffness="1.5"/>')
+    text = text.replace(
+        'fullinertia="3.1e-4 8.93e-3 9.02e-3 -4.7e-5 8.8e-5 -5e-6"',
+        'diaginertia="3e-4 9e-3 9e-3" euler="0 .1 0"',
+    )
     text = text.replace('<joint type="hinge" axis', '<joint type="hinge" damping="0.3" axis')
     text = text.replace(
         "</mujoco>",
@@ -149,6 +156,7 @@ def test_what_the_file_says_and_the_model_does_not_is_told(tmp_path):
     )  # all but the joint with an identified one
     assert any("servo" in line for line in exported.changed)
     made = mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml"))
+    assert made.body("left_rod").mass[0] == pytest.approx(0.914, rel=0.2)
     assert made.dof_damping[1:] == pytest.approx(np.zeros(3))
     assert made.dof_damping[0] == pytest.approx(0.1, rel=0.1)
     assert [made.actuator(i).name for i in range(made.nu)] == ["old", "servo"]
@@ -262,3 +270,16 @@ def test_a_contradiction_is_refused_unless_asked_for(tmp_path, capsys):
     assert not (tmp_path / "out.xml").exists()
     assert main([*words, "--nearest"]) == 0
     assert (tmp_path / "out.xml").exists()
+
+
+def test_a_measured_arm_gets_real_bodies(measured_data, tmp_path, capsys):
+    model = tmp_path / "ur10e.json"
+    effects = ["coulomb_friction", "viscous_friction", "constant_offset"]
+    data = load_dataset(measured_data / "ur10e")
+    save_model(identify(data, effects), model, data.folder)
+    assert main(["export", str(model), "--to", "mjcf", "-o", str(tmp_path / "arm.xml")]) == 0
+    assert "standard errors from the identified base parameters" in capsys.readouterr().out
+    made = mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml"))
+    assert (made.dof_frictionloss > 0.0).all()
+    moving = made.body_mass[1:]
+    assert (moving[moving > 0.0] > 0.1).all()

@@ -152,12 +152,11 @@ def _set_inertia(
     body.mass, body.ipos = mass, center
     full = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     entries = {"mass": _text(mass), "pos": _text(center)}
+    body.inertia, body.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])  # MuJoCo wants one of the two
+    body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+    body.fullinertia = full if mass else np.full(6, np.nan)
     if mass:
-        body.fullinertia = full
         exact[f"body {body.name}"] = {**entries, "fullinertia": _text(full)}
-    else:
-        body.fullinertia = np.full(6, np.nan)
-        body.inertia, body.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def _set_joints(

@@ -4,6 +4,7 @@ Unknown are Q of every body, P = L Q L' with L L' the prior's pseudo-inertia, so
 the rotors' inertias.
 """
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,11 +17,13 @@ from bench.export.bodies import Equations
 from bench.export.pseudo_inertia import from_scaled, pseudo_inertia
 
 LEAST = 1e-4  # of the prior: what every body has of it at least
+MOST = 1e3  # times the prior: what it has at most, since the nearest bodies may be infinitely heavy
 AT_LIMIT = 1e-4  # of the largest multiplier of any condition: one that is smaller does not hold
 SMALLEST = (
     1e-12  # of the largest eigenvalue of a correlation: below it a direction counts as known for certain
 )
 ROTOR = 1e-2  # weight of a rotor for which there is no prior, against a body's entries: inertia is the link's first
+VIOLATED = 1e-5  # by how much a condition may be missed: less than any body keeps of its prior
 
 Reached = tuple[list[np.ndarray], np.ndarray]  # standard parameters of every body, inertias of rotors
 
@@ -115,8 +118,10 @@ class Programs:
         scale = 1.0 / self._steepness
         real = [one >> LEAST * np.eye(4) for i, one in enumerate(bodies) if i != without]
         real += [] if rotors is None else [rotors >= 0.0]
+        finite = [one << MOST * np.eye(4) for one in bodies]
+        finite += [] if rotors is None else [rotors <= MOST]
         off = scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
-        problem = cp.Problem(cp.Minimize(cp.norm(off)), [*real, *self._held_conditions(x)])
+        problem = cp.Problem(cp.Minimize(cp.norm(off)), [*real, *finite, *self._held_conditions(x)])
         self._solve(problem)
         estimated = self._map @ x.value
         distance = float(np.linalg.norm(known @ (estimated - self.equations.estimated)))
@@ -197,10 +202,15 @@ class Programs:
     def _solve(self, problem: Any) -> None:
         cp = self._cvxpy
         try:
-            problem.solve(solver=cp.CLARABEL)
+            with warnings.catch_warnings():
+                warnings.simplefilter(
+                    "ignore", UserWarning
+                )  # of an inaccurate solution: it is looked at below
+                problem.solve(solver=cp.CLARABEL)
         except cp.error.SolverError as error:
             raise BenchError(f"the search for real bodies failed: {error}") from None
-        if problem.status not in ("optimal", "optimal_inaccurate"):
+        reached = problem.status in ("optimal", "optimal_inaccurate")
+        if not reached or max(float(np.max(one.violation())) for one in problem.constraints) > VIOLATED:
             left_out = " (base parameters were left out as not needed: identify without --essential)"
             raise BenchError(
                 f"the search for real bodies failed: {problem.status}"
