@@ -145,6 +145,14 @@ def test_a_damaged_record_is_named(tmp_path: Path) -> None:
         kept(tmp_path)
 
 
+def test_what_the_project_keeps_is_whole(project_root: Path) -> None:
+    folder = project_root / "results" / "measured"
+    records = kept(folder)
+    assert {one.name for one in records} == set(MACHINES)
+    text = (folder / "measured.md").read_text(encoding="utf-8")
+    assert text == measured_markdown(records, known_machines())
+
+
 def test_an_unknown_machine_and_absent_logs_are_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
