@@ -36,7 +36,9 @@ COMMANDS = {
     "report": LazyCommand(
         "bench.cli.report:report", "Write one page, in one file, that shows what a run found."
     ),
-    "export": LazyCommand("bench.cli.export:export", "Write an identified model as MJCF, URDF or a table."),
+    "export": LazyCommand(
+        "bench.cli.export:export", "Write an identified model as MJCF, URDF, a table or C."
+    ),
     "replay": LazyCommand(
         "bench.cli.replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions."
     ),

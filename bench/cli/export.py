@@ -6,7 +6,7 @@ import click
 
 from bench.cli.options import effect_file_option
 
-FORMATS = ("mjcf", "urdf", "csv", "yaml")
+FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
 
 
 @click.command("export")
@@ -40,14 +40,15 @@ def export(
     nearest: bool,
     effect_files: tuple[Path, ...],
 ) -> None:
-    """Write an identified model as MJCF, URDF or a table.
+    """Write an identified model as MJCF, URDF, a table or C.
 
     MODEL.json is what `bench identify --json` wrote. Bodies get masses and inertias that can exist and have the
     identified base parameters; what the data leave open stays near the masses of the MJCF, which only this command
     reads. The control of an exported motor is its current reference. What a format cannot hold is listed, and for MJCF
-    stands in NAME.twin.json beside it.
+    stands in NAME.twin.json beside it. C is a feed-forward, currents for a desired motion, of a robot without loops.
     """
     from bench.errors import BenchError
+    from bench.export.c_code import write_c
     from bench.export.identified import load_identified
     from bench.export.mjcf import write_mjcf
     from bench.export.physical import physical_set
@@ -59,6 +60,11 @@ def export(
     if payload is not None and form != "mjcf":
         raise click.UsageError("--payload goes with --to mjcf")
     identified = load_identified(model, robot, effect_files)
+    if form == "c":
+        for line in write_c(output, identified):
+            click.echo(f"Not held: {line}")
+        click.echo(f"Written: {output}")
+        return
     physical = physical_set(identified, use_cad=cad)
     if physical.contradiction is not None and not nearest:
         raise BenchError(f"{model}: {physical.contradiction.words()}; --nearest writes them all the same")

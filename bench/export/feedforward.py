@@ -1,0 +1,128 @@
+"""Desired motion to currents: what a controller adds to its feedback."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from bench.effects import ActuatorEffect, JointSignals
+from bench.errors import BenchError
+from bench.export.identified import EffectValues, IdentifiedModel
+from bench.model.geometry import Geometry
+from bench.model.motion import Motion, motion_of
+from bench.model.regressor import projected_regressor
+from bench.twin.laws import Memoryless, joint_law_of
+
+PASSIVE = ("passive_coulomb_friction", "passive_spring", "passive_viscous_friction")
+STATIC = ("gain_saturation", "load_dependent_friction", "torque_ripple")
+"""Effects between current and torque that need the torque of the instant alone."""
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The effects of a model that follow from position, velocity and acceleration of the instant, and the others."""
+
+    at_motors: tuple[EffectValues, ...]
+    between: tuple[EffectValues, ...]
+    in_passive: tuple[EffectValues, ...]
+    left_out: tuple[str, ...]
+
+
+def chosen_effects(model: IdentifiedModel) -> Chosen:
+    """Sort the effects of a model by what they need."""
+    at_motors, between, in_passive, left_out = [], [], [], []
+    for one in model.effects_in():
+        effect = one.instance.effect
+        if one.name in PASSIVE:
+            in_passive.append(one)
+        elif one.name in STATIC:
+            between.append(one)
+        elif one.name == "rotor_inertia" or _steady(one):
+            at_motors.append(one)
+        else:
+            left_out.append(f"{effect.name} at {one.place}" if one.place else effect.name)
+    return Chosen(tuple(at_motors), tuple(between), tuple(in_passive), tuple(left_out))
+
+
+class Feedforward:
+    """Currents for a desired motion of the driven joints, in the units and order of the robot's actuators.
+
+    Loops are closed from the pose of the call before, or from home. left_out: effects that need more than the instant
+    (a delay, a spring in a drive, warming up), whose part of the current is missing.
+    """
+
+    def __init__(self, model: IdentifiedModel) -> None:
+        self.joints = model.robot.joints
+        self._model, self._effects = model, chosen_effects(model)
+        self.left_out = self._effects.left_out
+        self._before: Motion | None = None
+
+    def __call__(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """Currents (n,) for positions, velocities and accelerations (n,) each, as logged: rad or m and rates."""
+        asked = [np.asarray(one, dtype=float) for one in (position, velocity, acceleration)]
+        if any(one.shape != (len(self.joints),) for one in asked):
+            raise BenchError(f"{len(self.joints)} values each are needed: {', '.join(self.joints)}")
+        geometry, base = self._model.model.geometry, self._model.model.base
+        motion = motion_of(geometry, np.zeros(1), *(one[None] for one in asked), near=self._before)
+        self._before = motion
+        torque = (projected_regressor(geometry, motion, base.columns) @ self._model.base)[0]
+        for one in self._effects.in_passive:
+            torque += _passive(geometry, motion, one)
+        for one in self._effects.at_motors:
+            j = self.joints.index(one.place)
+            torque[j] += self._at_motor(one, j, asked, 0.0)
+        total = torque.copy()
+        for one in self._effects.between:
+            j = self.joints.index(one.place)
+            total[j] += self._at_motor(one, j, asked, float(torque[j]))
+        return np.asarray(total / self._model.gains)
+
+    def _at_motor(self, one: EffectValues, j: int, asked: list[np.ndarray], needed: float) -> float:
+        """What an effect at motor j takes, given what the motor needs beside it."""
+        effect = one.instance.effect
+        if not isinstance(effect, ActuatorEffect):
+            raise TypeError(effect.name)
+        position, velocity, acceleration = (part[j : j + 1] for part in asked)
+        geometry = self._model.model.geometry
+        gain = float(self._model.gains[j])
+        signals = JointSignals(
+            time=np.zeros(1),
+            position=position,
+            velocity=velocity,
+            acceleration=acceleration,
+            current=np.array([needed / gain]),
+            gain=gain,
+            speed=1.0,
+            rate=1.0,
+            band=1.0,
+            rotates=geometry.joints[geometry.joint_index(one.place)].kind != "slide",
+            needs=partial(np.full, 1, needed),
+        )
+        return float((effect.torque(signals) @ np.array(list(one.values.values())))[0])
+
+
+def _steady(one: EffectValues) -> bool:
+    """Whether an effect at a motor follows from the instant, the same at any time."""
+    effect = one.instance.effect
+    law = joint_law_of(effect, one.values, 1.0, True)
+    if not isinstance(law, Memoryless):
+        return False
+    state = np.array([0.7]), np.array([1.3]), np.zeros(1), np.zeros(1)
+    other_current = (*state[:3], np.ones(1))
+    first = law.at(np.zeros(1), *state)
+    return bool(
+        np.array_equal(first, law.at(np.ones(1), *state))
+        and np.array_equal(first, law.at(np.zeros(1), *other_current))
+    )
+
+
+def _passive(geometry: Geometry, motion: Motion, one: EffectValues) -> np.ndarray:
+    """What an effect in a joint without a motor asks of the motors (n,)."""
+    joint = geometry.joints[geometry.joint_index(one.place)]
+    speed = motion.v[0, joint.v.start]
+    laws = {
+        "passive_coulomb_friction": lambda v: v["Fc"] * np.sign(speed),
+        "passive_spring": lambda v: v["k"] * (motion.q[0, joint.q.start] + joint.offset) - v["kq0"],
+        "passive_viscous_friction": lambda v: v["Fv"] * speed,
+    }
+    return np.asarray(motion.jacobian[0, joint.v.start] * laws[one.name](one.values))
