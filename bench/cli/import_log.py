@@ -45,13 +45,15 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 )
 @click.option("--skip-rows", type=click.IntRange(0), default=0, metavar="N", help="Leave out N lines on top.")
 @click.option("--no-header", is_flag=True, help="No line of the log names its columns.")
+@click.option("--topic", metavar="NAME", help="The topic of a ROS bag, where several hold joint states.")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate of a log without a time column.")
 @click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path),
     metavar="DATASET",
-    help="Dataset folder to make or to add to. [default: the log's name without its suffix]",
+    help="Dataset folder to make or to add to. [default: the log's name without its suffix,"
+    " or the folder's with _dataset]",
 )
 @click.option("--name", metavar="NAME.csv", help="The recording's file name, .csv or .parquet.")
 @click.option(
@@ -102,7 +104,8 @@ def import_log(
     bench import log.mat --robot emps \\
         --map time=t --map position.axis=qm --map current.axis=vir
 
-    FILE is .mat, .npz, .parquet, or a text (.csv, .tsv, .txt, .dat, .log).
+    FILE is .mat, .npz, .parquet, a text (.csv, .tsv, .txt, .dat, .log), or a ROS bag with joint states (.mcap,
+    .db3, .bag, or the folder of a ROS 2 bag), for which 'parabench[ros]' must be installed.
     """
     from bench.logs.importing import import_log
     from bench.logs.mapping_file import import_mapping
@@ -114,7 +117,7 @@ def import_log(
     else:
         if file is None or options["robot"] is None:
             raise click.UsageError("give a log and --robot, or --mapping MAP.toml")
-        folder = output or Path(file.stem)
+        folder = output or Path(f"{file.name}_dataset" if file.is_dir() else file.stem)
         imported = import_log(options["robot"], _request(file, options), folder, _payload(options))
     for path, note in imported.notes:
         click.echo(f"{path}: {note}")
@@ -160,7 +163,7 @@ def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":
         options["use"],
         options["payload"],
         options["name"],
-        Reading(options["skip_rows"], False if options["no_header"] else None),
+        Reading(options["skip_rows"], False if options["no_header"] else None, options["topic"]),
         Cutting(
             options["validate_fraction"],
             (options["shortest"] or SHORTEST) if options["split_gaps"] else None,

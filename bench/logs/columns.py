@@ -23,7 +23,8 @@ class LogMap:
     """Which names of a log become which columns of a recording.
 
     columns  column -> name in the log; columns are `time`, `position.JOINT`, `current.JOINT`, and any other
-             name for a column to keep for plots. A column that the log itself calls so needs no entry.
+             name for a column to keep for plots. A column that the log itself calls so needs no entry, and neither
+             does one called `velocity.JOINT`.
     scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
              (see UNITS); `position` and `current` stand for those of all joints. It goes before a unit that the log
              itself states.
@@ -122,7 +123,8 @@ def _sources(
         raise BenchError(f"{file}: the rate must be positive, not {log_map.rate:g} Hz")
     _check_targets(file, log_map, given, needed, robot)
     there = [*log.vectors, *log.texts]
-    sources = {target: target for target in needed if target in there} | dict(log_map.columns)
+    kept = [*needed, *(f"velocity.{joint}" for joint in robot.joints)]
+    sources = {target: target for target in kept if target in there} | dict(log_map.columns)
     missing = [target for target in needed if target not in sources]
     if missing:
         raise BenchError(f"{file}: nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})")

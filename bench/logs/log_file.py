@@ -1,7 +1,7 @@
 """Read a controller's log, whatever wrote it, into named vectors.
 
 .mat (MATLAB 5 to 7.2), .npz, .parquet, and text: .csv, .tsv, .txt, .dat, .log. A column or row vector is a vector; the
-columns of a matrix are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD.
+columns of a matrix are called NAME[0], NAME[1], ...; the fields of a MATLAB struct NAME.FIELD. ROS bags: see ros_bag.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from scipy.io.matlab import MatReadError
 
 from bench.csv_text import CsvText
 from bench.errors import BenchError
+from bench.logs.ros_bag import SUFFIXES as BAGS
+from bench.logs.ros_bag import is_bag, read_bag
 from bench.logs.text_log import split_log
 from bench.table_file import Table, read_table, table_of
 from bench.toml_input import one_line
@@ -60,10 +62,13 @@ class Log:
 
 @dataclass(frozen=True)
 class Reading:
-    """How to read a text. skip_rows: lines on top to leave out; header: False where no line names the columns."""
+    """How to read a log. skip_rows: of a text, lines on top to leave out; header: False where no line of it names the
+    columns; topic: of a ROS bag.
+    """
 
     skip_rows: int = 0
     header: bool | None = None
+    topic: str | None = None
 
 
 AS_FOUND = Reading()
@@ -77,15 +82,21 @@ def read_log(path: str | Path, reading: Reading = AS_FOUND) -> Log:
     """
     path = Path(path)
     readers = {".mat": _read_mat, ".npz": _read_npz, ".parquet": _read_parquet}
-    suffix = path.suffix.lower()
-    if suffix not in (*readers, *TEXTS):
-        raise BenchError(f"{path}: a log is one of {', '.join((*readers, *TEXTS))}")
-    if reading != AS_FOUND and suffix not in TEXTS:
+    suffix, bag = path.suffix.lower(), is_bag(path)
+    if suffix not in (*readers, *TEXTS) and not bag:
+        kinds = ", ".join((*readers, *TEXTS, *BAGS))
+        raise BenchError(f"{path}: a log is one of {kinds}, or the folder of a ROS 2 bag")
+    if (reading.skip_rows or reading.header is not None) and suffix not in TEXTS:
         raise BenchError(
             f"{path}: rows are skipped, and a header is missing, in a text only ({', '.join(TEXTS)})"
         )
-    if not path.is_file():
+    if reading.topic is not None and not bag:
+        raise BenchError(f"{path}: only a ROS bag has topics")
+    if not (path.is_file() or (bag and path.is_dir())):
         raise BenchError(f"{path}: no such file")
+    if bag:
+        vectors, notes = read_bag(path, reading.topic)
+        return Log(path, vectors, notes=notes)
     log = readers[suffix](path) if suffix in readers else _read_text(path, reading)
     if not log.vectors and not log.texts:
         raise BenchError(f"{path}: holds no numbers")

@@ -64,6 +64,7 @@ class MappingTable(UserTable):
     rate: Annotated[Number, Field(gt=0.0)] | None = None
     skip_rows: Annotated[int, Field(ge=0)] = 0
     header: bool | None = None
+    topic: Text | None = None
     split_gaps: bool = False
     shortest: Annotated[Number, Field(gt=0.0)] = SHORTEST
     payloads: dict[str, PayloadSpec] = Field(default_factory=dict)
@@ -88,7 +89,7 @@ def import_mapping(path: Path, folder: Path) -> Imported:
             one.use,
             one.payload,
             one.name,
-            Reading(table.skip_rows, table.header),
+            Reading(table.skip_rows, table.header, table.topic),
             Cutting(one.validate_fraction, table.shortest if table.split_gaps else None),
             one.accept,
         )
