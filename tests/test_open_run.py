@@ -113,6 +113,12 @@ def test_a_comparison_is_the_command_s_and_its_model_s_too(site, root, monkeypat
         plain["files"]["run"]: (False, []),
         applied["files"]["run"]: (True, [LEFT]),
     }
+    both = [plain["files"]["model"], model]
+    beside = site.run({"step": "compare", "dataset": "data", "models": both})
+    ours, shell = same_again(beside["line"], beside["files"]["answer"], root, monkeypatch)
+    assert ours == shell
+    assert [one["effects"] for one in ours["models"]] == [[], [LEFT]]
+    assert any("has viscous friction at left" in sentence for sentence in ours["changed"])
     models = [{"path": model, "name": "after", "role": "after"}]
     figure = site.post("api/look/curves", {"dataset": "data", "models": models}).json
     assert figure["type"] == "figure"

@@ -26,10 +26,11 @@ if TYPE_CHECKING:
 @dataset_argument
 @click.option(
     "--model",
-    "model_file",
+    "model_files",
     type=click.Path(path_type=Path),
+    multiple=True,
     metavar="MODEL.json",
-    help="What `bench identify --json` wrote. [default: identified from DATASET]",
+    help="What `bench identify --json` wrote. Repeat for models side by side. [default: identified from DATASET]",
 )
 @with_option
 @effect_file_option
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 @output_option("Folder for report and figures: the currents, and a page of errors for every motor.")
 def compare(
     dataset: Path,
-    model_file: Path | None,
+    model_files: tuple[Path, ...],
     effects: tuple[str, ...],
     effect_files: tuple[Path, ...],
     json_file: Path | None,
@@ -48,8 +49,30 @@ def compare(
     """Tell and draw where a model fails on a dataset's recordings.
 
     A saved model is applied as it is, nothing is fitted. Without one, the model (with the effects named) is
-    identified from the recordings that the dataset gives for it.
+    identified from the recordings that the dataset gives for it. Several models stand side by side: errors, drive
+    gains with intervals, and what changed.
     """
+    given = given_filters(**filters)
+    if model_files and (effects or given):
+        raise click.UsageError("--model brings its own effects and filters; leave the others out")
+    if len(model_files) > 1:
+        if output is not None:
+            raise click.UsageError("-o goes with one model: a report is on one")
+        _side_by_side(dataset, model_files, effect_files, json_file)
+    else:
+        model_file = model_files[0] if model_files else None
+        _of_one(dataset, model_file, effects, effect_files, json_file, output, given)
+
+
+def _of_one(
+    dataset: Path,
+    model_file: Path | None,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    json_file: Path | None,
+    output: Path | None,
+    given: dict[str, Any],
+) -> None:
     from rich.console import Console
 
     from bench.compare.as_json import where_json
@@ -70,9 +93,6 @@ def compare(
     from bench.show.comparison import where_report
     from bench.show.tables import comparison_report
 
-    given = given_filters(**filters)
-    if model_file is not None and (effects or given):
-        raise click.UsageError("--model brings its own effects and filters; leave the others out")
     data = load_dataset(dataset)
     catalogue = catalogue_for(data.effect_files, effect_files)
     result = None
@@ -104,6 +124,29 @@ def compare(
     steps = next_step(what, str(dataset)) if model_file is None else ()
     for line in (*steps, *written):
         click.echo(line)
+
+
+def _side_by_side(
+    dataset: Path, model_files: tuple[Path, ...], effect_files: tuple[Path, ...], json_file: Path | None
+) -> None:
+    """Several models on the same recordings."""
+    from rich.console import Console
+
+    from bench.compare.side_by_side import side_by_side, side_by_side_json
+    from bench.dataset import load_dataset
+    from bench.document.side_by_side import changed_sentences
+    from bench.effects import catalogue_for
+    from bench.files import write_json_atomically
+    from bench.show.side_by_side import side_by_side_report
+
+    data = load_dataset(dataset)
+    found = side_by_side(data, model_files, catalogue_for(data.effect_files, effect_files))
+    changed = changed_sentences(found)
+    if json_file is not None:
+        write_json_atomically(json_file, side_by_side_json(found, changed))
+    side_by_side_report(found, changed, Console())
+    if json_file is not None:
+        click.echo(f"Comparison: {json_file}")
 
 
 def _pictures_and_page(

@@ -1,0 +1,94 @@
+"""Models side by side: their errors and gains as tables, and what is different between them in sentences."""
+
+from bench.compare.side_by_side import Beside, SideBySide, effect_places, interval, moved_parameters
+from bench.document.numbers import USES, change_between, effect_name, percent, pretty_unit, quantity_text
+from bench.document.table import Column, Table
+from bench.estimate.result import DriveGain
+
+MANY = 6  # parameters that are named
+
+
+def errors_beside_table(found: SideBySide) -> Table:
+    """A row a use, a motor and a recording; a column a model."""
+    first = found.models[0].model.error
+    rows = [USES["identify"]] if first.identify is not None else []
+    rows += [USES["validate"]] if first.validate is not None else []
+    rows += [f"motor {joint}" for joint in first.by_actuator]
+    rows += [f"motor {joint}, not fitted" for joint in first.by_actuator_validate]
+    rows += list(first.by_recording)
+    columns = [Column("error", rows)]
+    for one in found.models:
+        error = one.model.error
+        cells = [error.identify] if first.identify is not None else []
+        cells += [error.validate] if first.validate is not None else []
+        for values in (error.by_actuator, error.by_actuator_validate, error.by_recording):
+            cells += list(values.values())
+        columns.append(Column(one.name, cells, "share"))
+    uses = sum(value is not None for value in (first.identify, first.validate))
+    return Table(tuple(columns), ends=(uses - 1,))
+
+
+def gains_beside_table(found: SideBySide) -> Table:
+    """A row a motor, with the 95 % interval of its gain in every model."""
+    gains = found.models[0].model.drive_gains
+    columns = [
+        Column(one.name, [_interval_text(one.model.drive_gains[joint]) for joint in gains])
+        for one in found.models
+    ]
+    unit = Column("unit", [gain.unit for gain in gains.values()], "unit")
+    return Table((Column("drive gain", list(gains)), *columns, unit))
+
+
+def changed_sentences(found: SideBySide) -> list[str]:
+    """What each further model has that the first one has not, and what that does."""
+    first, *others = found.models
+    return [sentence for other in others for sentence in _changed(first, other)]
+
+
+def _changed(first: Beside, other: Beside) -> list[str]:
+    old, new = first.model, other.model
+    there, then = effect_places(old), effect_places(new)
+    more = [one for one in then if one not in there]
+    less = [one for one in there if one not in then]
+    said = [f"has {_listed(more)}"] if more else []
+    said += [f"lacks {_listed(less)}"] if less else []
+    found = [f"{other.name} {' and '.join(said) or 'has the same effects'}, beside {first.name}"]
+    for use, words in USES.items():
+        before, after = getattr(old.error, use), getattr(new.error, use)
+        if before is not None and after is not None:
+            found.append(f"{other.name}: error on recordings {words} {percent(before)} → {percent(after)}")
+    for joint, gain in new.drive_gains.items():
+        was = old.drive_gains[joint]
+        if gain.value != was.value:
+            change = change_between(was.value, gain.value)
+            unit = pretty_unit(gain.unit)
+            found.append(
+                f"{other.name}: drive gain of {joint} {quantity_text(was)} → {quantity_text(gain)} {unit}, {change}"
+            )
+    if moved := moved_parameters(old, new):
+        rest = f" and {len(moved) - MANY} more" if len(moved) > MANY else ""
+        count = f"{len(moved)} of {len(new.parameters)} base parameters"
+        found.append(
+            f"{other.name}: {count} moved by more than 3 standard deviations: {', '.join(moved[:MANY])}{rest}"
+        )
+    if old.settings != new.settings:
+        found.append(
+            f"{other.name} was fitted at another rate or with other filters than {first.name}: their errors are not "
+            "of the same band"
+        )
+    return found
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(
+        f"{effect_name(name)} at {place}" if place else effect_name(name)
+        for name, _, place in (one.partition(":") for one in names)
+    )
+
+
+def _interval_text(gain: DriveGain) -> str:
+    ends = interval(gain)
+    if ends is None:
+        return quantity_text(gain)
+    digits = max(0, len(quantity_text(gain).partition(" ")[0].partition(".")[2]))
+    return f"{gain.value:.{digits}f} [{ends[0]:.{digits}f}, {ends[1]:.{digits}f}]"
