@@ -12,11 +12,14 @@ from bench.cli import main
 from bench.dataset import load_dataset
 from bench.estimate.identify import identify
 from bench.estimate.model_file import apply_model, load_model, save_model
+from bench.export.gravity import still_determined
 from bench.export.identified import load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
+from bench.model.model import build_model
 from bench.replay.replay import replay
-from bench.truth.dataset import write_simulation
+from bench.robot import load_robot
+from bench.truth.dataset import as_dataset, write_simulation
 from tests.export_kit import FRICTION
 from tests.hidden_kit import run
 from tests.rrd_reader import verified
@@ -106,6 +109,21 @@ def test_values_of_single_recordings_are_theirs_in_a_replay_and_a_mean_in_a_file
     words = ["export", str(tmp_path / "model.json"), "--to", "mjcf", "-o", str(tmp_path / "x.xml")]
     assert main(words) == 0
     assert "Mean of the recordings' own values: constant_offset:right@recording" in capsys.readouterr().out
+
+
+def test_a_tilted_base_is_gravity_where_the_data_tell_all_that_it_moves(tmp_path):
+    tilt = {"effect": "base_tilt", "about_y": 0.05}
+    dataset = as_dataset(run("five_bar", tilt, design=BRIEF))
+    save_model(identify(dataset, ["base_tilt"]), tmp_path / "model.json")
+    identified = load_identified(tmp_path / "model.json")
+    found = replay(dataset, physical_set(identified))
+    assert found.left_out == ()
+    assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.1)
+    turning = replace(
+        identified, model=build_model(load_robot("palletiser"))
+    )  # its turret never felt gravity
+    assert still_determined(turning, np.array([0.0, 0.0, -9.0]))
+    assert not still_determined(turning, np.array([0.5, 0.0, -9.8]))
 
 
 def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys):

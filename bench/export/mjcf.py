@@ -52,6 +52,7 @@ def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None, l
     placed = placed_effects(physical, log)
     changed: list[str] = []
     exact: dict[str, dict[str, str]] = {}
+    spec.option.gravity = placed.gravity
     _set_bodies(spec, physical, exact, changed)
     _set_joints(spec, compiled, placed, exact, changed)
     if payload is not None:

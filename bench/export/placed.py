@@ -3,6 +3,10 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from bench.effects.base_tilt import BaseTilt
+from bench.export.gravity import still_determined, tilted
 from bench.export.identified import EffectValues
 from bench.export.physical import PhysicalSet
 
@@ -33,10 +37,11 @@ class Left:
 
 @dataclass(frozen=True)
 class Placed:
-    """joints: by name, every one with a motor or with an effect; left: what they cannot hold."""
+    """joints: by name, every one with a motor or with an effect; left: what they cannot hold; gravity (3,) m/s2."""
 
     joints: Mapping[str, JointTerms]
     left: tuple[Left, ...]
+    gravity: np.ndarray
 
 
 def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
@@ -50,12 +55,20 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
         for joint, rotor in zip(model.robot.joints, physical.rotors, strict=True)
     }
     left = []
+    gravity = model.model.geometry.gravity
     for effect in model.effects_in(log):
+        if effect.name == BaseTilt.name:
+            turned = tilted(gravity, effect)
+            if still_determined(model, turned):
+                gravity = turned
+            else:
+                left.append(Left(effect, "tilted gravity would move masses of which the data say nothing"))
+            continue
         terms = joints.setdefault(effect.place, JointTerms()) if effect.name in RULES else None
         why = NO_PLACE if terms is None else RULES[effect.name](effect.values, terms)
         if why:
             left.append(Left(effect, why))
-    return Placed(joints, tuple(left))
+    return Placed(joints, tuple(left), gravity)
 
 
 NO_PLACE = "MuJoCo's joints and actuators have no term for it"

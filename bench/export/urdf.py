@@ -123,8 +123,8 @@ def _not_held(physical: PhysicalSet, placed: Placed) -> list[str]:
         lines += [f"{what} of {name} = {value:.9g}" for what, value in entries.items() if value]
     offsets = {joint.name: joint.offset for joint in geometry.joints if joint.offset}
     lines += [f"zero of {name} is at {value:.9g} in the MJCF" for name, value in offsets.items()]
-    if np.abs(geometry.gravity - GRAVITY).max() > 1e-9:
-        lines.append(f"gravity = {_text(geometry.gravity)} m/s2")
+    if np.abs(placed.gravity - GRAVITY).max() > 1e-9:
+        lines.append(f"gravity = {_text(placed.gravity)} m/s2")
     return lines
 
 
