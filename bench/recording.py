@@ -31,6 +31,7 @@ class Recording:
     current   (N, n) current reference in the drive's unit (A or V), same order
     extra     other columns of numbers, each (N,), for plots
     part_of   the log that this is a part of, by name; empty: a log by itself
+    started   when that log begins, s; None: with the first sample
     """
 
     name: str
@@ -41,11 +42,17 @@ class Recording:
     current: Array
     extra: Mapping[str, Array] = field(default_factory=dict)
     part_of: str = ""
+    started: float | None = None
 
     @property
     def log(self) -> str:
         """The log, by name, to which it belongs: what is a log's own is that of all its parts."""
         return self.part_of or self.name
+
+    @property
+    def began(self) -> float:
+        """When the log begins, s: what warms up or wears does so from then on."""
+        return float(self.time[0]) if self.started is None else self.started
 
     @property
     def rate(self) -> float:

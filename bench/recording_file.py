@@ -37,10 +37,15 @@ def load_recordings(
     parts = window.parts(table)
     recordings = [recording_from_table(one, name, use, payload, joints, accept) for one in parts]
     release_tables()
-    if len(recordings) == 1:
+    if window == WHOLE:
         return recordings
+    started = window.began(table)
+    if len(recordings) == 1:
+        return [replace(recordings[0], started=started)]
     return [
-        replace(one, name=f"{name} ({one.time[0]:.4g} to {one.time[-1]:.4g} s)", part_of=name)
+        replace(
+            one, name=f"{name} ({one.time[0]:.4g} to {one.time[-1]:.4g} s)", part_of=name, started=started
+        )
         for one in recordings
     ]
 

@@ -66,6 +66,10 @@ class Window:
                     )
         return [_part(table, *one) for one in self._stretches(time, first, last)]
 
+    def began(self, table: Table) -> float:
+        """When the log begins, s, whatever part of it is used."""
+        return float(np.nanmin(table.stamps()))
+
     def _stretches(
         self, time: npt.NDArray[np.float64], first: float, last: float
     ) -> list[tuple[float, float, npt.NDArray[np.bool_]]]:

@@ -57,6 +57,7 @@ def test_a_cut_makes_two_recordings(folder: Path) -> None:
     assert len(first.time) == COUNT // 2
     assert len(second.time) == COUNT - 3 * COUNT // 4
     assert second.time[0] == pytest.approx(3 * COUNT // 4 / RATE)
+    assert (first.began, second.began) == (0.0, 0.0)  # it warms up from then on
     assert other.name == "loaded.parquet"
     assert dataset_digest(dataset)
 

@@ -35,4 +35,5 @@ def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:
         current=recording.current[where],
         extra={key: values[where] for key, values in recording.extra.items()},
         part_of=recording.log,
+        started=recording.began,
     )

@@ -56,7 +56,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
 
     joints = {
         actuator.joint: JointSignals(
-            time=measured.time - measured.recording.time[0],
+            time=measured.time - measured.recording.began,
             position=measured.position[:, j],
             velocity=measured.velocity[:, j],
             acceleration=measured.acceleration[:, j],
