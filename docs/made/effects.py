@@ -30,8 +30,10 @@ def page(effect: Effect) -> str:
             "| parameter | unit |\n|---|---|",
             *rows,
             f"\nSits at {PLACES[effect.place]}. Add it everywhere, or at one place:\n",
-            f"```sh\nbench identify DATASET --with {effect.name}\n"
-            f"bench identify DATASET --with {effect.name}:PLACE\n```\n",
+            "```sh",
+            f"bench identify DATASET --with {effect.name}",
+            f"bench identify DATASET --with {effect.name}:PLACE",
+            "```",
         )
     )
 
@@ -41,4 +43,6 @@ for name, found in sorted(CATALOGUE.items()):
         written.write(page(found))
 with mkdocs_gen_files.open("atlas/index.md", "w") as written:
     lines = [f"- [{name.replace('_', ' ')}]({name}.md)" for name in sorted(CATALOGUE)]
-    written.write("# Atlas of effects\n\nWhat a rigid-body model lacks, a page each.\n\n" + "\n".join(lines) + "\n")
+    written.write(
+        "# Atlas of effects\n\nWhat a rigid-body model lacks, a page each.\n\n" + "\n".join(lines) + "\n"
+    )

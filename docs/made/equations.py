@@ -22,4 +22,6 @@ def _block(latex: str) -> str:
     formula = convert(NUMBER.sub("", latex).strip(), display="block")
     if not number:
         return f'<div class="equation">{formula}</div>'
-    return f'<div class="equation" id="eq-{number[1]}">{formula}<span class="number">({number[1]})</span></div>'
+    return (
+        f'<div class="equation" id="eq-{number[1]}">{formula}<span class="number">({number[1]})</span></div>'
+    )

@@ -16,7 +16,9 @@ def page() -> str:
                 copy.write(picture.read_bytes())
         text = text.replace(f'src="{folder.name}/', f'src="robots/{folder.name}/')
         text = text.replace(f"[`{folder.name}`]({folder.name}/robot.toml)", f"`{folder.name}`")
-    return text.replace("[bench/effects/README.md](../bench/effects/README.md)", "[the atlas](atlas/index.md)")
+    return text.replace(
+        "[bench/effects/README.md](../bench/effects/README.md)", "[the atlas](atlas/index.md)"
+    )
 
 
 with mkdocs_gen_files.open("robots.md", "w") as written:
