@@ -5,7 +5,7 @@ from bench.compare.opposing import Change
 from bench.compare.periods import Line
 from bench.compare.profile import Dependence
 from bench.compare.where import MotorErrors, WhereItFails
-from bench.effects.wording import in_percent
+from bench.estimate.wording import in_percent
 
 CHANGES = {
     "warm-up": "friction changes while it moves, as with warming up",

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from bench.diagnose.result import Differing
 from bench.effects.names import spoken
-from bench.effects.wording import in_percent
+from bench.estimate.wording import in_percent
 
 DOMINANT = 3.0  # times what is left with it, must be left without it, where no effect explains that
 

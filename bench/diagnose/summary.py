@@ -9,12 +9,12 @@ from bench.diagnose.differs_words import from_run_to_run
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.effects.names import spoken
-from bench.effects.wording import in_percent
 from bench.estimate.finding import Code
 from bench.estimate.finding_words import sentence
 from bench.estimate.findings import LOOSE, runaway, unlike
 from bench.estimate.result import Identification
 from bench.estimate.summary import ROBOT
+from bench.estimate.wording import in_percent
 
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives

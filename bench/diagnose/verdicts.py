@@ -9,7 +9,7 @@ from bench.diagnose.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnose.search import Found, Scored, close, contains, material, score
 from bench.diagnose.system import SetFit, System, solve_set, squared_errors
 from bench.effects.names import begun, spoken
-from bench.effects.wording import in_percent
+from bench.estimate.wording import in_percent
 
 DOMINANT = 3.0
 MUCH_LEFT = (

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 
 from bench.effects.names import spoken
 from bench.effects.select import ROBOT
-from bench.effects.wording import in_percent
 from bench.estimate.finding import Code, Finding, Unknown
+from bench.estimate.wording import in_percent
 
 UNBELIEVABLE = frozenset({Code.GAIN_RUNAWAY, Code.PARAMETER_WITHOUT_DEVIATION, Code.ROUNDING_DECIDES})
 
