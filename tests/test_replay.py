@@ -1,5 +1,6 @@
 """The exported twin needs the recorded currents, in MuJoCo alone; what the file does not hold is added or named."""
 
+import io
 import json
 import subprocess
 import sys
@@ -7,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from bench.cli import main
 from bench.dataset import load_dataset
@@ -18,6 +20,7 @@ from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.model.model import build_model
 from bench.replay.replay import replay
+from bench.replay.report import replay_report
 from bench.robot import load_robot
 from bench.truth.dataset import as_dataset, write_simulation
 from tests.export_kit import FRICTION
@@ -58,6 +61,7 @@ def test_the_twin_is_as_near_as_the_model_is(replays):
         assert one.left_out == ()
         assert one.twin.error.identify == pytest.approx(one.model.error.identify, rel=0.05)
     assert (replays[-1].off < 1e-3).all()
+    assert 0.0 < replays[-1].opened < 1e-5
 
 
 def test_its_error_falls_step_by_step_as_effects_are_added(replays):
@@ -133,6 +137,14 @@ def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys)
     assert "Not simulated, so that its part of the current is missing: encoder_offset at left" in (
         " ".join(capsys.readouterr().out.split())
     )
+
+
+def test_loops_that_the_file_holds_softly_are_told(replays):
+    console = Console(record=True, width=200, file=io.StringIO())
+    replay_report(replays[0], console)
+    assert "soft" not in console.export_text()
+    replay_report(replace(replays[0], opened=4e-4), console)
+    assert "Loops open by up to 0.4 mm or mrad" in console.export_text()
 
 
 def test_the_command_tells_one_number_a_motor_and_writes_files(recorded, models, tmp_path, capsys):

@@ -35,13 +35,14 @@ class Replay:
     """twin: measured currents beside those of the twin, at the fit's rate; model: beside those of the model itself.
 
     left_out: effects of the model that the twin does not have. off (recordings, n): RMS distance of the twin's joints
-    from the recorded ones, rad or m.
+    from the recorded ones, rad or m. opened: the most by which MuJoCo let a loop or coupling open, m or rad.
     """
 
     twin: Comparison
     model: Comparison
     left_out: tuple[str, ...]
     off: np.ndarray
+    opened: float
 
 
 @on_one_thread
@@ -62,6 +63,7 @@ def replay(
     modelled = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     twins: list[CurrentSeries] = []
     off: list[np.ndarray] = []
+    opened = 0.0
     left_out: tuple[str, ...] = ()
     with tempfile.TemporaryDirectory() as folder:
         progress.phase("replay", len(modelled))
@@ -75,6 +77,7 @@ def replay(
             currents = _currents(identified, one, tracked)
             twins.append(replace(series, modelled=_at_fit_rate(one, currents), by_effect={}))
             off.append(np.sqrt(((tracked.position - one.position) ** 2).mean(axis=0)))
+            opened = max(opened, tracked.opened)
             progress.advance()
     name = str(identified.path)
     return Replay(
@@ -82,6 +85,7 @@ def replay(
         model=Comparison(dataset.robot.name, name, modelled, error_summary(modelled, joints)),
         left_out=left_out,
         off=np.array(off),
+        opened=opened,
     )
 
 
@@ -93,6 +97,7 @@ def replay_json(result: Replay) -> dict[str, Any]:
         "error": asdict(result.twin.error),
         "error_of_model": asdict(result.model.error),
         "left_out": list(result.left_out),
+        "opened": result.opened,
         "recordings": [
             {"name": one.name, "use": one.use, "payload": one.payload, "off": off.tolist()}
             for one, off in zip(result.twin.recordings, result.off, strict=True)

@@ -8,6 +8,8 @@ from bench.document.terminal import printed
 from bench.estimate.result import CurrentSeries, relative_error
 from bench.replay.replay import Replay
 
+OPEN = 1e-4  # m or rad: a loop that opens farther moves the motors
+
 
 def replay_table(result: Replay) -> Table:
     """The errors of the twin by recording and motor, beside those of the model itself; the last row is of all."""
@@ -38,4 +40,10 @@ def replay_report(result: Replay, console: Console | None = None) -> None:
     console.print(printed(replay_table(result), console.width))
     for name in result.left_out:
         console.print(f"Not simulated, so that its part of the current is missing: {name}", style="yellow")
+    if result.opened > OPEN:
+        console.print(
+            f"Loops open by up to {1e3 * result.opened:.2g} mm or mrad: solref and solimp of the MJCF's equalities are "
+            'soft; solref="0.002 1" solimp="0.9999 0.99999 0.001" holds them',
+            style="yellow",
+        )
     console.print()

@@ -31,10 +31,13 @@ class Reference:
 
 @dataclass(frozen=True, eq=False)
 class Tracked:
-    """torque (N, n): of the motors, N*m or N; position (N, n): where the twin's joints were."""
+    """torque (N, n): of the motors, N*m or N; position (N, n): where the twin's joints were; opened: the most by which
+    a loop or coupling was open, m or rad.
+    """
 
     torque: np.ndarray
     position: np.ndarray
+    opened: float
 
 
 def track(twin: Twin, gains: np.ndarray, reference: Reference) -> Tracked:
@@ -58,7 +61,8 @@ def track(twin: Twin, gains: np.ndarray, reference: Reference) -> Tracked:
     dofs, actuators = twin.dofs, twin.actuators
     renew = max(1, round(FRESH / model.opt.timestep))
     torque = np.zeros(len(gains))
-    found = Tracked(np.empty_like(reference.position), np.empty_like(reference.position))
+    torques, positions = np.empty((2, *reference.position.shape))
+    opened = 0.0
     steps = substeps * (len(reference.time) - 1) + 1
     for step in range(steps):
         mujoco.mj_step1(model, data)
@@ -72,10 +76,11 @@ def track(twin: Twin, gains: np.ndarray, reference: Reference) -> Tracked:
         data.ctrl[actuators] = torque / gains
         if step % substeps == 0:
             sample = step // substeps
-            found.torque[sample], found.position[sample] = torque, twin.positions
+            torques[sample], positions[sample] = torque, twin.positions
+            opened = max(opened, float(np.abs(data.efc_pos[: data.ne]).max(initial=0.0)))
         mujoco.mj_step2(model, data)
-    _check_followed(twin, reference, found)
-    return found
+    _check_followed(twin, reference, positions)
+    return Tracked(torques, positions, opened)
 
 
 def _accelerate(model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -125,9 +130,9 @@ class _ApparentInertia:
         return float(self._model.actuator_gear[actuator, 0] * self._model.actuator_biasprm[actuator, 0])
 
 
-def _check_followed(twin: Twin, reference: Reference, found: Tracked) -> None:
+def _check_followed(twin: Twin, reference: Reference, positions: np.ndarray) -> None:
     span = np.maximum(np.ptp(reference.position, axis=0), np.finfo(float).tiny)
-    off = np.abs(found.position - reference.position) / span
+    off = np.abs(positions - reference.position) / span
     late = ~(off < LOST)
     if late.any():
         sample, joint = np.argwhere(late)[0]
