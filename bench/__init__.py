@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from bench.compare.where import where_it_fails as where_it_fails
     from bench.dataset import Dataset as Dataset
     from bench.dataset import load_dataset as load_dataset
-    from bench.diagnose.find import find_missing_effects as find_missing_effects
     from bench.diagnose.result import Diagnosis as Diagnosis
+    from bench.discover.find import find_missing_effects as find_missing_effects
     from bench.errors import BenchError as BenchError
     from bench.estimate.identify import identify as identify
     from bench.estimate.result import Identification as Identification
@@ -32,7 +32,7 @@ _HOME_OF = {
     "Robot": "bench.robot",
     "WhereItFails": "bench.compare.where",
     "diagnosis_report": "bench.show.diagnosis",
-    "find_missing_effects": "bench.diagnose.find",
+    "find_missing_effects": "bench.discover.find",
     "identification_report": "bench.show.tables",
     "identify": "bench.estimate.identify",
     "load_dataset": "bench.dataset",

@@ -24,7 +24,18 @@ HELPERS = {
         "places",
         "play",
     ),
-    *("kept", "names", "samples", "secant", "select", "signals", "tool_motion", "user_file"),
+    *(
+        "kept",
+        "load",
+        "memory",
+        "names",
+        "samples",
+        "secant",
+        "select",
+        "signals",
+        "tool_motion",
+        "user_file",
+    ),
 }
 FORMATS = {  # the names that other programs rely on
     *("viscous_friction", "asymmetric_viscous_friction", "coulomb_friction", "constant_offset"),

@@ -21,7 +21,7 @@ def demo(output: Path, scenario: str) -> None:
     from rich.console import Console
 
     from bench.dataset import load_dataset
-    from bench.diagnose.find import find_missing_effects
+    from bench.discover.find import find_missing_effects
     from bench.estimate.identify import fit, prepare
     from bench.estimate.model_file import save_model
     from bench.excite.scenario import designer

@@ -30,7 +30,12 @@ from bench.cli.progress import quiet_option, shown_progress
     type=click.Path(path_type=Path),
     metavar="MODEL.json",
     callback=in_existing_folder,
-    help="Write the model with what is missing.",
+    help="Write the model with what is missing, and every law that was discovered as an effect of your own beside it.",
+)
+@click.option(
+    "--discover/--no-discover",
+    default=None,
+    help="Look for laws that are in no catalogue; by default where its effects leave something.",
 )
 @output_option("Folder for report and figures.")
 @quiet_option
@@ -44,26 +49,34 @@ def diagnose(
     output: Path | None,
     verbose: bool,
     quiet: bool,
+    discover: bool | None,
     **filters: Any,
 ) -> None:
     """Find the physical effects that a model lacks, and how sure it is.
 
     Every effect of the catalogue, and every set of a few, is fitted beside the model and judged on recordings
-    that were not fitted: those that the dataset keeps for validation, or the end of each recording.
+    that were not fitted: those that the dataset keeps for validation, or the end of each recording. Where they
+    leave something, laws that are in no catalogue compete beside them: products of what a joint, its neighbours,
+    the tool and the clock offer.
     """
     given = given_filters(**filters)
     with shown_progress(quiet) as progress:
         from dataclasses import replace
 
         from bench.dataset import load_dataset
-        from bench.diagnose.find import find_missing_effects
+        from bench.discover.find import find_missing_effects
         from bench.estimate.shortness import short_recordings
         from bench.estimate.swapped import swapped_columns
 
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
         diagnosis = find_missing_effects(
-            data, effects, filters=given, effect_files=effect_files, progress=progress
+            data,
+            effects,
+            filters=given,
+            effect_files=effect_files,
+            discover=discover,
+            progress=progress,
         )
         progress.phase("looking for swapped columns")
         short = short_recordings(data.recordings, diagnosis.after.settings)
@@ -71,6 +84,12 @@ def diagnose(
         findings = (*swapped, *diagnosis.after.findings, *short)
         diagnosis = replace(diagnosis, after=replace(diagnosis.after, findings=findings))
     written = []
+    if model_file is not None:
+        from bench.discover.written import write_laws
+
+        diagnosis = write_laws(diagnosis, model_file.parent)
+        laws = dict.fromkeys(one.file for one in diagnosis.discovered if one.file is not None)
+        written += [f"Law: {model_file.parent / name} (name it with --effect-file)" for name in laws]
     if json_file is not None:
         from bench.diagnose.as_json import diagnosis_json
         from bench.files import write_json_atomically

@@ -138,7 +138,7 @@ def _of_dataset(
     progress: Progress,
 ) -> None:
     from bench.dataset import load_dataset
-    from bench.diagnose.find import find_missing_effects
+    from bench.discover.find import find_missing_effects
     from bench.report.content_run import Run
     from bench.report.folder import Kept
     from bench.report.write import write_kept

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
-from bench.diagnose.result import Diagnosis, EffectVerdict
+from bench.diagnose.result import Diagnosis, Discovered, EffectVerdict
 from bench.diagnose.summary import error_share, reason, summary_sentences
 from bench.estimate.model_json import to_json
 from bench.estimate.result import Identification
@@ -37,6 +37,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "unexplained": asdict(diagnosis.unexplained),
         "differs_by_recording": [{**asdict(one), "request": one.request} for one in diagnosis.differs],
         "superfluous": [asdict(one) for one in diagnosis.superfluous],
+        "discovered": [_discovered(one) for one in diagnosis.discovered],
         "before": _model(diagnosis.before),
         "after": _model(diagnosis.after),
     }
@@ -55,6 +56,22 @@ def _verdict(diagnosis: Diagnosis, one: EffectVerdict) -> dict[str, Any]:
         "size": dict(one.size),
         "error_share": error_share(one),
         "why": reason(diagnosis, one),
+    }
+
+
+def _discovered(one: Discovered) -> dict[str, Any]:
+    return {
+        "place": one.place,
+        "law": one.law,
+        "formula": one.formula,
+        "terms": [
+            {"term": term.term, "value": term.value, "std": term.std, "unit": term.unit} for term in one.terms
+        ],
+        "numbers": {name: asdict(value) for name, value in one.numbers.items()},
+        "error": {"identify": one.identify, "validate": one.validate, "without": one.without},
+        "named": one.named,
+        "nearest": None if one.nearest is None else {"effect": one.nearest[0], "error": one.nearest[1]},
+        "file": one.file,
     }
 
 

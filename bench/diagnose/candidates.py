@@ -20,13 +20,15 @@ LINEARISATIONS = 3
 class Proposal:
     """An effect at the places where it shows, and what keeps it from showing elsewhere.
 
-    absorbed: no data of this robot can show it; taken_up_by: the parameter that takes up most of it.
+    absorbed: no data of this robot can show it; taken_up_by: the parameter that takes up most of it. prior: nats that
+    it must bring beyond what every effect must, as one of so many that were tried.
     """
 
     name: str
     instances: tuple[EffectInstance, ...]
     absorbed: bool
     taken_up_by: str
+    prior: float = 0.0
 
 
 @dataclass(frozen=True)

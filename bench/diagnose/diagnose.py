@@ -30,9 +30,38 @@ from bench.progress import SILENT, Progress
 from bench.signals.settings import FilterSettings
 from bench.threads import on_one_thread
 
-ROUNDS = 6  # of searching, each about the model that the last one found
-
 Fits = Callable[[frozenset[str]], Identification]
+
+NONE_BARRED: Mapping[str, str] = {}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A dataset that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit."""
+
+    dataset: Dataset
+    split: str
+    catalogue: Mapping[str, Effect]
+    start: Prepared
+    before: Identification
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `_fits`; barred:
+    effects that may not be found, and why.
+    """
+
+    problem: Problem
+    last: Round
+    model: Prepared
+    after: Identification
+    new: tuple[EffectInstance, ...]
+    names: tuple[str, ...]
+    fits: Fits
+    ladder: tuple[LadderStep, ...]
+    superfluous: tuple[Superfluous, ...]
+    barred: Mapping[str, str]
 
 
 @on_one_thread
@@ -50,92 +79,99 @@ def diagnose(
     part of each), with as many samples as are independent of each other. All sets of up to three effects
     compete; each must earn its place.
     """
+    case = opened(dataset, effects, filters, catalogue, progress)
+    return answered(case, found(case, progress), progress)
+
+
+def opened(
+    dataset: Dataset,
+    effects: Sequence[str],
+    filters: FilterSettings | Mapping[str, Any] | None,
+    catalogue: Mapping[str, Effect],
+    progress: Progress = SILENT,
+) -> Case:
+    """Prepare a dataset and fit the model as it is."""
     progress.phase("preparing the recordings")
     dataset, split = with_judged_parts(dataset)
     start = prepare(dataset, effects, filters, catalogue=catalogue)
     fit_gains = gains_can_be_fitted(start, None)
     progress.phase("fitting the model as it is")
     start = settled(start, fit_gains)
-    before = fit(start, fit_gains=fit_gains)
-    for origin in origins_of(start, fit_gains):
-        answer = _found_from(origin, start, before, catalogue, progress)
-        if origin is start or not worse(answer.after, before):
+    return Case(dataset, split, catalogue, start, fit(start, fit_gains=fit_gains))
+
+
+def found(case: Case, progress: Progress = SILENT) -> Finding:
+    """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
+    for origin in origins_of(case.start, case.before.gains_fitted):
+        problem = problem_of(origin, case.before.gains_fitted)
+        finding = found_from(case, problem, first_round(problem, case.catalogue, progress), progress)
+        if origin is case.start or not worse(finding.after, case.before):
             break
-    last, model, after, fits = answer.last, answer.model, answer.after, answer.fits
-    new, names, ladder = answer.new, answer.names, answer.ladder
+    return finding
+
+
+def found_from(
+    case: Case,
+    problem: Problem,
+    first: Round,
+    progress: Progress = SILENT,
+    barred: Mapping[str, str] = NONE_BARRED,
+) -> Finding:
+    """Search from a first round on until every found effect is possible and needed.
+
+    barred: effects that may not be found, and why.
+    """
+    known, given = dict(barred), case.start.effects
+    own = len(problem.start.effects)
+    while True:
+        last = searched(problem, first, known, progress)
+        progress.phase("fitting what was found")
+        model, after = _where_it_shows(problem, last.model, given)
+        out = impossible_effects(after, model.effects[own:])
+        if not out:
+            model, after, superfluous = leaving(problem, model, after, given)
+            kept, new = kept_and_new(model.effects[own:], given)
+            names = tuple(dict.fromkeys(one.effect.name for one in new))
+            fits = _fits(problem, kept, new, case.before, after)
+            ladder = _ladder(names, fits)
+            out = superfluous_effect(ladder)
+        if not out:
+            return Finding(problem, last, model, after, new, names, fits, ladder, superfluous, known)
+        known |= out
+
+
+def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagnosis:
+    """What a search found, with a verdict on every effect."""
     progress.phase("judging every effect")
-    proposals, system, found = last.proposals, last.system, last.found
+    dataset, start, fit_gains = case.dataset, case.start, case.before.gains_fitted
+    model, after = finding.model, finding.after
+    proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
     places: dict[str, tuple[str, ...]] = {}
-    for one in new:
+    for one in finding.new:
         at = (one.joint,) if one.joint else dataset.robot.joints
         places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
-    scale = _relative(after, system, found)
-    without = _errors_without(names, fits)
+    scale = _relative(after, system, best)
+    without = _errors_without(finding.names, finding.fits)
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
-    ranking = verdicts(
-        system, proposals, found, _shown_places(proposals, found, places), scale, left, without
+    ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
+    known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
+    ranking = tuple(
+        refused(one, finding.barred.get(one.effect)) for one in ranking if one.effect not in known
     )
-    known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, found, {})} - {*places}
-    ranking = tuple(refused(one, answer.barred.get(one.effect)) for one in ranking if one.effect not in known)
     ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
     missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
     return Diagnosis(
         robot=dataset.robot.name,
-        split=split,
+        split=case.split,
         missing=missing,
-        ladder=ladder,
+        ladder=finding.ladder,
         ranking=ranking,
         unexplained=left,
-        before=before,
+        before=case.before,
         after=replace(after, findings=(*mounted_otherwise(model, fit_gains=fit_gains), *after.findings)),
-        differs=differing(model, fit_gains, catalogue),
-        superfluous=answer.superfluous,
+        differs=differing(model, fit_gains, case.catalogue),
+        superfluous=finding.superfluous,
     )
-
-
-@dataclass(frozen=True)
-class _Answer:
-    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `_fits`; barred:
-    effects that may not be found, and why.
-    """
-
-    last: Round
-    model: Prepared
-    after: Identification
-    new: tuple[EffectInstance, ...]
-    names: tuple[str, ...]
-    fits: Fits
-    ladder: tuple[LadderStep, ...]
-    superfluous: tuple[Superfluous, ...]
-    barred: Mapping[str, str]
-
-
-def _found_from(
-    origin: Prepared,
-    start: Prepared,
-    before: Identification,
-    catalogue: Mapping[str, Effect],
-    progress: Progress,
-) -> _Answer:
-    """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
-    problem = problem_of(origin, before.gains_fitted)
-    first = first_round(problem, catalogue, progress)
-    barred: dict[str, str] = {}
-    while True:
-        last = searched(problem, first, barred, progress)
-        progress.phase("fitting what was found")
-        model, after = _where_it_shows(problem, last.model, start.effects)
-        out = impossible_effects(after, model.effects[len(origin.effects) :])
-        if not out:
-            model, after, superfluous = leaving(problem, model, after, start.effects)
-            kept, new = kept_and_new(model.effects[len(origin.effects) :], start.effects)
-            names = tuple(dict.fromkeys(one.effect.name for one in new))
-            fits = _fits(problem, kept, new, before, after)
-            ladder = _ladder(names, fits)
-            out = superfluous_effect(ladder)
-        if not out:
-            return _Answer(last, model, after, new, names, fits, ladder, superfluous, barred)
-        barred |= out
 
 
 def _where_it_shows(

@@ -75,6 +75,59 @@ class Differing:
         return f"{self.effect}:{self.joint}{TAG}"
 
 
+Role = Literal["direction", "signed", "size", "wave", "decay", "step", "memory"]
+"""How a term of a law goes by something: by its sign alone, in proportion or a power of it, by its size, ..."""
+
+
+@dataclass(frozen=True)
+class LooksAt:
+    """What a term of a law goes by; what: such as acceleration; motor: whose, empty for the law's own or no motor's."""
+
+    what: str
+    motor: str
+    role: Role
+
+
+@dataclass(frozen=True)
+class LawTerm:
+    """One term of a law: a formula in SI units, the value of its coefficient, and what the term goes by."""
+
+    term: str
+    value: float
+    std: float
+    unit: str
+    looks_at: tuple[LooksAt, ...] = ()
+
+
+@dataclass(frozen=True)
+class Discovered:
+    """A law at one motor that is in no catalogue.
+
+    law: the name of its effect. terms: what it is the sum of; numbers: what was adapted to the data within them, by
+    letter. identify, validate: relative errors of the model with it; without: on recordings that were not fitted,
+    without it. named: the effect of the catalogue that it is a case of. nearest: the effect that does best in its place
+    and the error with that, None where none helps. source: the file of its effect; file: where it was written.
+    """
+
+    place: str
+    law: str
+    terms: tuple[LawTerm, ...]
+    numbers: Mapping[str, Quantity]
+    identify: float | None
+    validate: float | None
+    without: float | None
+    named: str | None
+    nearest: tuple[str, float] | None
+    source: str = field(repr=False)
+    file: str | None = None
+
+    @property
+    def formula(self) -> str:
+        """Of the whole law, in SI units."""
+        parts = [f"{one.value:.4g}" + ("" if one.term == "1" else f"*{one.term}") for one in self.terms]
+        return " + ".join(parts).replace("+ -", "- ")
+
+
 @dataclass(frozen=True)
 class Superfluous:
     """An effect of the starting model that what was found does without; replaced_by: one of these that contains it."""
@@ -88,6 +141,7 @@ class Diagnosis:
     """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with
     them. differs: what has another value in each recording, whether the model has it or not; `after` has one for all.
     superfluous: effects of the starting model that `after` does without.
+    discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too.
     """
 
     robot: str
@@ -100,3 +154,4 @@ class Diagnosis:
     after: Identification
     differs: tuple[Differing, ...] = ()
     superfluous: tuple[Superfluous, ...] = ()
+    discovered: tuple[Discovered, ...] = ()

@@ -94,7 +94,7 @@ def first_round(problem: Problem, catalogue: Mapping[str, Effect], progress: Pro
     """Every effect in the shape that suits the starting model."""
     progress.phase("searching, round 1", len(catalogue))
     proposals = propose(problem.context(problem.start), catalogue, progress)
-    return _judged(problem, problem.start, proposals, ())
+    return judged(problem, problem.start, proposals, ())
 
 
 def searched(problem: Problem, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
@@ -124,9 +124,9 @@ def _again(problem: Problem, here: Round, barred: Collection[str], progress: Pro
         seen.append(here.names)
         progress.phase(f"searching, round {len(seen) + 1}", len(here.proposals))
         model = problem.with_proposals(here.proposals, here.chosen)
-        proposals = _reshaped(problem, replace(here, model=model), progress)
+        proposals = reshaped(problem, replace(here, model=model), progress)
         before = here.names
-        here = _judged(problem, model, proposals, barred)
+        here = judged(problem, model, proposals, barred)
         if here.names == before:
             return here
     return replace(here, model=problem.with_proposals(here.proposals, here.chosen))
@@ -140,8 +140,8 @@ def _with_partner(problem: Problem, here: Round, barred: Collection[str]) -> Rou
             continue
         for settle in (problem.nearly, problem.with_proposals):
             joined = settle(here.proposals, (*here.chosen, i))
-            reshaped = beside(here.proposals, joined, len(problem.start.effects))
-            wider = _judged(problem, joined, reshaped, barred)
+            others = beside(here.proposals, joined, len(problem.start.effects))
+            wider = judged(problem, joined, others, barred)
             if wider.found.best.total <= here.found.best.total + NEEDED:
                 break
         else:
@@ -149,10 +149,16 @@ def _with_partner(problem: Problem, here: Round, barred: Collection[str]) -> Rou
     return None
 
 
-def _judged(
+def judged(
     problem: Problem, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
+    system = system_about(problem, model, proposals)
+    return Round(model, proposals, system, _search(system, proposals, barred))
+
+
+def system_about(problem: Problem, model: Prepared, proposals: Sequence[Proposal]) -> System:
+    """The starting model's equations with every proposal's columns, linearised about `model`."""
     start, fit_gains = problem.start, problem.fit_gains
     _, solution = solved_quickly(model, fit_gains)
     about = with_effects(model, start.effects)
@@ -162,7 +168,7 @@ def _judged(
     listed = [() if one.absorbed else one.instances for one in proposals]
     near = problem.nearby.signals(model.present, model.signals)
     system = build_system(about, near, listed, exact, own)
-    return Round(model, proposals, system, _search(system, proposals, barred))
+    return replace(system, priors=tuple(one.prior for one in proposals))
 
 
 def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Found:
@@ -170,7 +176,7 @@ def _search(system: System, proposals: Sequence[Proposal], barred: Collection[st
     return search(system, usable)
 
 
-def _reshaped(problem: Problem, here: Round, progress: Progress) -> list[Proposal]:
+def reshaped(problem: Problem, here: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
     An effect that could stand for a found one is given the shape that it would have without that one; the

@@ -32,7 +32,7 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     """Log-likelihood ratios against `reference`, with as many samples as are independent.
 
     On checked recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
-    of their number is taken off for each parameter (Schwarz 1978).
+    of their number is taken off for each parameter (Schwarz 1978). So are the priors of the set.
     """
     tiny = np.finfo(float).tiny
     samples = system.checked.rows / system.memory
@@ -40,7 +40,8 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     samples = system.fitted.rows / system.memory
     fitted = 0.5 * samples * np.log((reference.fitted + tiny) / (fit.fitted + tiny))
     extra = len(fit.columns) - len(reference.columns)
-    return Scored(fit, float(checked), float(checked + fitted - 0.5 * extra * np.log(samples)))
+    penalty = 0.5 * extra * np.log(samples) + system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
+    return Scored(fit, float(checked), float(checked + fitted - penalty))
 
 
 @dataclass(frozen=True)
@@ -70,11 +71,11 @@ def search(system: System, usable: Sequence[int]) -> Found:
         else:
             sets = [(*best.fit.chosen, i) for i in order if i not in best.fit.chosen]
         scored = [score(system, fit, empty) for fit in solve_sets(system, sets)]
-        possible = [one for one in sorted(scored, key=lambda one: -one.total) if _possible(system, one.fit)]
+        able = [one for one in sorted(scored, key=lambda one: -one.total) if possible(system, one.fit)]
         before = best
-        for one in possible[:20]:
+        for one in able[:20]:
             if one.total > best.total + NEEDED and earned(system, one, empty):
-                best = _simplest(system, one, possible)
+                best = simplest(system, one, able)
                 break
         if size >= EXHAUSTIVE and best is before:
             break
@@ -116,7 +117,7 @@ def close(one: Scored, other: Scored) -> bool:
     return one.checked - other.checked < NEEDED or not material(other.fit, one.fit)
 
 
-def _simplest(system: System, one: Scored, rivals: Sequence[Scored]) -> Scored:
+def simplest(system: System, one: Scored, rivals: Sequence[Scored]) -> Scored:
     """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest columns."""
     simpler = [
         rival
@@ -140,7 +141,7 @@ def contains(whole: Candidate, part: Candidate) -> bool:
     return part.instances[0].effect.name in whole.instances[0].effect.contains
 
 
-def _possible(system: System, fit: SetFit) -> bool:
+def possible(system: System, fit: SetFit) -> bool:
     """Whether the largest share of every effect that has a sign has the right one: no friction that drives."""
     at = system.base
     for i in fit.chosen:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.differs_words import from_run_to_run
+from bench.diagnose.law_words import law_sentences
 from bench.diagnose.motions import telling_motions
 from bench.diagnose.result import Diagnosis, EffectVerdict
 from bench.effects.names import spoken
@@ -29,7 +30,7 @@ class Summary:
     verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
     nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
     the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
-    value in each recording; left: what no effect accounts for.
+    value in each recording; left: what no effect accounts for; laws: those that are in no catalogue.
     """
 
     verdict: str
@@ -40,12 +41,14 @@ class Summary:
     superfluous: str
     differs: tuple[str, ...]
     left: str
+    laws: tuple[str, ...] = ()
 
     @property
     def sentences(self) -> list[str]:
         """All of them in the order in which they are told."""
         told = [
             self.verdict,
+            *self.laws,
             *self.strange,
             self.nominal,
             *self.undecided,
@@ -71,6 +74,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
     left = f"{_capital(diagnosis.unexplained.why)}."
     needless = _superfluous(diagnosis)
     differs = from_run_to_run(diagnosis.differs, clear=not diagnosis.unexplained.significant)
+    laws = law_sentences(diagnosis.discovered)
     if not found:
         what = "No effect with one value for all recordings" if differs else "Nothing"
         nothing = (
@@ -78,7 +82,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
             f"error clearly smaller than {in_percent(before)} of the current."
         )
         strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
-        return Summary(nothing, tuple(strange), "", (), "", needless, differs, left)
+        return Summary(nothing, tuple(strange), "", (), "", needless, differs, left, laws)
     sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
     like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
@@ -87,14 +91,15 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
     doubt, nominal = _strange(diagnosis), _nominal(diagnosis.after)
     if doubt or nominal:
         said_of = "seems to be" if len(parts) == 1 else "seem to be"
+    if laws:
+        names = f"{names}, beside {'a law' if len(laws) == 1 else 'laws'} that no catalogue has,"
     verdict = (
         f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
     )
     undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
-    return Summary(
-        verdict, doubt, nominal, undecided, _largest_change(diagnosis) or "", needless, differs, left
-    )
+    moved = _largest_change(diagnosis) or ""
+    return Summary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:

@@ -73,8 +73,8 @@ class System:
     """The equations of the fitted and of the checked recordings, with the columns of all candidates.
 
     base: how many independent columns the present model has. start: its solution, whose weights are one over each
-    motor's current error. memory: rows that count as one, since neighbouring errors are alike. solved: sets that
-    were asked for already.
+    motor's current error. memory: rows that count as one, since neighbouring errors are alike. priors: nats that each
+    candidate must bring beyond what every one must, none where empty. solved: sets that were asked for already.
     """
 
     candidates: tuple[Candidate, ...]
@@ -83,7 +83,12 @@ class System:
     fitted: Products
     checked: Products
     memory: float
+    priors: tuple[float, ...] = ()
     solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
+
+    def prior_of(self, chosen: Sequence[int]) -> float:
+        """Nats that the chosen candidates together must bring beyond what every one must."""
+        return sum(self.priors[i] for i in chosen) if self.priors else 0.0
 
     def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
         """Indices of the base columns and those of the chosen candidates."""

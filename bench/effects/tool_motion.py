@@ -37,3 +37,10 @@ def tool_of(geometry: Geometry) -> Anchor:
         return geometry.tool
     free = [i for i, joint in enumerate(geometry.joints) if joint.kind == "free"]
     return Anchor(free[0] if free else len(geometry.joints) - 1, Placement(np.eye(3), np.zeros(3)))
+
+
+def tool_speed(robot: RobotSignals) -> np.ndarray:
+    """Speed of the tool (N,), m/s, as the motors move it."""
+    _, jacobian = tool_motion(robot)
+    velocity = np.einsum("kxn,kn->kx", jacobian, robot.coarse.velocity)
+    return np.asarray(np.linalg.norm(robot.refined(velocity), axis=1))

@@ -53,7 +53,12 @@ def load_effects(path: str | Path) -> dict[str, Effect]:
         source = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise BenchError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
-    module = types.ModuleType(PREFIX + hashlib.sha256(str(path).encode()).hexdigest()[:16])
+    return effects_in(source, path)
+
+
+def effects_in(source: str, path: Path) -> dict[str, Effect]:
+    """The effects that the text of such a file defines, of a file that is there or is yet to be written."""
+    module = types.ModuleType(PREFIX + hashlib.sha256(f"{path}\n{source}".encode()).hexdigest()[:16])
     module.__file__ = str(path)
     sys.modules[module.__name__] = module  # dataclasses look their module up
     try:

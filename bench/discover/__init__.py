@@ -1,0 +1,1 @@
+"""Laws that no catalogue has, found from what a model leaves."""

@@ -1,0 +1,16 @@
+"""Machines with laws that no catalogue has, for tests of their discovery."""
+
+from bench.dataset import Dataset
+from bench.excite.scenario import designer
+from bench.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+BRAKED = {"effect": "acceleration_dependent_friction", "c": 0.015}
+
+
+def measured(*hidden: dict[str, object]) -> Dataset:
+    """Measurements of a five-bar with these hidden effects."""
+    changes = {"design": {"optimise": False, "duration": 8.0}, "hidden": list(hidden)}
+    scenario = load_scenario("five_bar", changes)
+    return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))

@@ -1,0 +1,117 @@
+"""Laws that no catalogue has: found exactly, beside known effects, and not where there is none."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from bench.dataset import Dataset
+from bench.diagnose.as_json import diagnosis_json
+from bench.diagnose.diagnose import diagnose
+from bench.diagnose.law_words import law_sentences, symbols
+from bench.diagnose.result import Diagnosis
+from bench.diagnose.summary import summary_sentences
+from bench.discover.find import diagnose_and_discover, find_missing_effects
+from bench.discover.written import write_laws
+from bench.effects import catalogue_for
+from bench.estimate.identify import identify
+from tests.discover_kit import BRAKED, measured
+
+FLOOR = 1.15  # times the noise: what may be left
+
+
+@pytest.fixture(scope="module")
+def braked() -> Dataset:
+    """Friction at one motor that grows with the acceleration's size."""
+    return measured({**BRAKED, "joint": "left"})
+
+
+@pytest.fixture(scope="module")
+def found(braked: Dataset) -> Diagnosis:
+    return diagnose_and_discover(braked)
+
+
+def left_over_floor(diagnosis: Diagnosis) -> float:
+    assert diagnosis.ladder[-1].validate is not None
+    return diagnosis.ladder[-1].validate / diagnosis.unexplained.noise_floor
+
+
+def test_a_law_is_found_with_its_formula_its_value_and_its_place(found: Diagnosis) -> None:
+    (law,) = found.discovered
+    (term,) = law.terms
+    assert (law.place, term.term, term.unit) == ("left", "sign(v)*abs(a)", "N*m*s^2/rad")
+    assert term.value == pytest.approx(BRAKED["c"], rel=0.02)
+    assert 0.0 < term.std < 0.02 * term.value
+    assert law.formula == f"{term.value:.4g}*sign(v)*abs(a)"
+    assert law.named is None
+    assert found.missing == ()
+    assert [one.effects for one in found.ladder] == [(), ("law_left",)]
+    assert left_over_floor(found) < FLOOR
+    assert not found.unexplained.significant
+
+
+def test_a_law_is_told_in_words(found: Diagnosis) -> None:
+    (sentence,) = law_sentences(found.discovered)
+    assert sentence.startswith(
+        "At left there is a torque that opposes the motion and grows with the size of the acceleration"
+    )
+    assert "N·m·s²/rad · sign(q̇)·|q̈|" in sentence
+    assert sentence in summary_sentences(found)
+    assert symbols("sign(v_right)*abs(a)**1.5*cos(2*q)") == "sign(q̇_right)·|q̈|^1.5·cos(2·q)"
+
+
+def test_a_law_stands_in_the_json_as_documented(found: Diagnosis) -> None:
+    (law,) = json.loads(json.dumps(diagnosis_json(found)))["discovered"]
+    assert {"place", "formula", "terms", "error", "named", "file"} <= set(law)
+    assert set(law["terms"][0]) == {"term", "value", "std", "unit"}
+    assert {"identify", "validate"} <= set(law["error"])
+    assert law["file"] is None
+
+
+def test_a_law_is_written_as_an_effect_that_everything_takes(
+    found: Diagnosis, braked: Dataset, tmp_path: Path
+) -> None:
+    written = write_laws(found, tmp_path)
+    assert [one.file for one in written.discovered] == ["law_left.py"]
+    catalogue = catalogue_for([tmp_path / "law_left.py"])
+    result = identify(braked, ["law_left:left"], catalogue=catalogue)
+    value = result.effect_parameters["law_left"]["left"]["c1"].value
+    assert value == pytest.approx(found.discovered[0].terms[0].value, rel=0.01)
+    assert result.error.validate == pytest.approx(found.discovered[0].validate, rel=0.01)
+
+
+def test_where_the_catalogue_explains_all_nothing_is_discovered() -> None:
+    dataset = measured({"effect": "viscous_friction", "Fv": 0.1})
+    found = find_missing_effects(dataset, discover=True)
+    assert found.missing == ("viscous_friction",)
+    assert found.discovered == ()
+
+
+def test_without_anything_hidden_no_law_is_claimed() -> None:
+    found = find_missing_effects(measured(), discover=True)
+    assert (found.missing, found.discovered) == ((), ())
+
+
+def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:
+    dataset = measured({**BRAKED, "c": 0.01}, {"effect": "viscous_friction", "Fv": 0.1})
+    found = diagnose_and_discover(dataset)
+    assert found.missing == ("viscous_friction",)
+    assert [(one.place, one.law) for one in found.discovered] == [("left", "law"), ("right", "law")]
+    assert {one.terms[0].term for one in found.discovered} == {"sign(v)*abs(a)"}
+    assert left_over_floor(found) < FLOOR
+
+
+def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() -> None:
+    """Once it was called viscous friction and friction that varies with the position, for sure."""
+    hidden = {"effect": "position_dependent_viscous_friction", "joint": "left", "a": -0.1, "b": -0.15}
+    found = diagnose_and_discover(measured(hidden))
+    assert found.missing == ()
+    (law,) = found.discovered
+    assert [one.term for one in law.terms] == ["v*cos(q)", "v*sin(q)"]
+    assert left_over_floor(found) < FLOOR
+
+
+def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:
+    plain = diagnose_and_discover(braked, discover=False)
+    assert plain.discovered == ()
+    assert plain.ladder == diagnose(braked).ladder

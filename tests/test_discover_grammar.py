@@ -1,0 +1,171 @@
+"""The grammar of laws: units, formulas, files, and that a file computes what its terms say."""
+
+import ast
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from bench.diagnose.rounds import problem_of
+from bench.discover.factors import Decay, Memory, Power, Step, Wave
+from bench.discover.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
+from bench.discover.named import NAMED, name_of
+from bench.discover.screen import Known, few_rows, left_by, screened
+from bench.discover.seen import places_of, scope_of, seen_at
+from bench.discover.source import law_effect, law_source
+from bench.discover.term import Term, freed
+from bench.discover.units import times, written
+from bench.discover.variables import OF_A_MOTOR, Place, Seen, Variable
+from bench.effects import CATALOGUE, EffectInstance, effect_columns
+from bench.effects.memory import first_order
+from bench.estimate.prepare import prepare
+from tests.discover_kit import BRAKED, measured
+
+MIXED = Place(("left", "right", "slide"), (True, True, False), 0)
+SCOPE = Scope(2, True, 10.0, -1.0, 2.0, (1.0, 2.0, 3.0, 4.0), (7.0,), 0.01)
+
+
+@pytest.fixture(scope="module")
+def context():
+    start = problem_of(prepare(measured({**BRAKED, "joint": "left"})), fit_gains=True)
+    return start.context(start.start)
+
+
+@pytest.fixture
+def seen() -> Seen:
+    random = np.random.default_rng(1)
+    variables = [Variable(kind, ahead) for kind in OF_A_MOTOR for ahead in range(3)]
+    values = {one: random.normal(size=60) for one in (*variables, TOOL)}
+    return Seen({**values, T: np.tile(np.linspace(0.0, 3.0, 30), 2)}, [slice(0, 30), slice(30, 60)], 0.1)
+
+
+def test_units_are_multiplied_and_written():
+    assert (
+        written(times({"{effort}": 1.0}, times({"{angle}": 1.0, "s": -2.0}, power=-1.0)))
+        == "{effort}*s^2/{angle}"
+    )
+    assert written({}) == "1"
+    assert written({"s": 1.5, "m": -1.0, "{angle}": -2.0}) == "s^1.5/(m*{angle}^2)"
+
+
+def test_the_unit_of_a_coefficient_follows_from_its_factors():
+    drag = Term((Power(V, 0.0), Power(A, 1.0, odd=False)))
+    assert drag.unit(MIXED) == "{effort}*s^2/{angle}"
+    assert drag.formulas(MIXED) == ("sign(v)*abs(a)",)
+    crossed = Term((Power(Variable("velocity", 2)),))
+    assert crossed.unit(MIXED) == "{effort}*s/m"  # of a slide, seen at a hinge
+    assert crossed.formulas(MIXED) == ("v_slide",)
+    assert Term((Power(LOAD), Power(V, 1.0, odd=False))).unit(MIXED) == "s/{angle}"
+
+
+@pytest.mark.parametrize(
+    ("power", "formula"),
+    [
+        (Power(V), "v"),
+        (Power(V, 0.0), "sign(v)"),
+        (Power(V, 1.0, odd=False), "abs(v)"),
+        (Power(V, 2.0), "v*abs(v)"),
+        (Power(V, 2.0, odd=False), "v**2"),
+        (Power(V, 3.0), "v**3"),
+        (Power(V, 1.5), "sign(v)*abs(v)**1.5"),
+    ],
+)
+def test_a_power_is_written_in_the_shortest_way_and_means_what_it_says(
+    power: Power, formula: str, seen: Seen
+):
+    assert power.formula(MIXED) == (formula,)
+    x = seen.values[V]
+    wanted = (np.sign(x) if power.odd else 1.0) * np.abs(x) ** power.exponent
+    np.testing.assert_allclose(power.values(seen)[:, 0], wanted)
+    np.testing.assert_allclose(eval(formula, {"v": x, "abs": np.abs, "sign": np.sign}), wanted)
+
+
+def test_every_term_is_tried_once_and_has_a_unit_and_a_file_that_can_be_read():
+    terms = grammar(SCOPE)
+    assert len(set(terms)) == len(terms) > 1000
+    for one in terms[::20]:
+        assert one.unit(MIXED)
+        tree = ast.parse(law_source("law", [one], MIXED))
+        assert [node.name for node in tree.body if isinstance(node, ast.ClassDef)] == ["Law"]
+
+
+def test_what_two_recordings_remember_does_not_mix(seen: Seen):
+    memory = Memory((Power(V),), 0.5)
+    parts = [first_order(seen.values[V][part], 10.0, 0.5) for part in seen.parts]
+    np.testing.assert_allclose(memory.values(seen)[:, 0], np.concatenate(parts))
+
+
+def test_a_first_order_state_follows_a_ramp_exactly():
+    time = np.arange(0.0, 4.0, 0.01)
+    found = first_order(time, 100.0, 0.5)
+    np.testing.assert_allclose(found, time - 0.5 * (1.0 - np.exp(-time / 0.5)), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "terms",
+    [
+        [Term((Power(V, 0.0), Power(A, 1.5, odd=False, free=True)))],
+        [Term((Power(V), Wave(Q, 2.0, 0.5, free=True))), Term((Power(V, 0.0), Decay(3.0)))],
+        [Term((Power(V, 0.0), Memory((Power(V, 1.0, odd=False),), 0.2))), Term(())],
+        [Term((Power(Variable("load", 1)), Step(Q, 0.1, 0.2)))],
+        [Term((Power(V), Power(TOOL, 2.0, odd=False))), Term((Power(LOAD), Power(Variable("velocity", 1))))],
+    ],
+    ids=lambda terms: "+".join(terms[0].formulas(MIXED)),
+)
+def test_the_file_of_a_law_computes_what_its_terms_say(terms: list[Term], context):
+    """Once as the search sees them, at the fit's rate, and once as the written effect computes them."""
+    places = places_of(context.prepared)
+    prepared = context.prepared
+    index = [one.recording.use for one in prepared.measured].index("identify")
+    robot = prepared.signals[index]
+    every = seen_at(_alone(prepared, index), places[0])
+    effect, source = law_effect("law_left", terms, places[0])
+    columns = effect_columns(EffectInstance(effect, "left", "law_left:left"), robot)
+    wanted = np.concatenate(
+        [np.broadcast_to(one.values(every), (len(robot.time), one.parts)) for one in terms], axis=1
+    )
+    np.testing.assert_allclose(columns[:, 0], wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+    assert not columns[:, 1:].any()
+    assert all(len(line) <= 120 for line in source.splitlines())
+    assert [one.unit for one in effect.parameters] == [
+        one.unit(places[0]) for one in terms for _ in range(one.parts)
+    ]
+
+
+def _alone(prepared, index: int):
+    """One recording at its own rate."""
+    from dataclasses import replace
+
+    settings = replace(prepared.settings, decimation=1)
+    return replace(
+        prepared,
+        settings=settings,
+        signals=(prepared.signals[index],),
+        measured=(prepared.measured[index],),
+    )
+
+
+def test_what_has_a_name_is_called_by_it_whatever_its_numbers():
+    assert set(NAMED) <= set(CATALOGUE)
+    assert name_of(Term((Power(V, 0.0), Wave(Q, 3.0, 0.5)))) == "position_dependent_friction"
+    assert name_of(Term((Power(V, 0.0),))) == "coulomb_friction"
+    assert name_of(Term((Power(V, 0.0), Power(A, 1.0, odd=False)))) is None
+
+
+def test_a_fixed_exponent_or_frequency_can_be_freed():
+    term = Term((Power(V, 0.0), Power(A, 1.0, odd=False), Wave(Q, 2.0, 0.5)))
+    numbers = [[one.name for one in each.numbers] for each in freed(term)]
+    assert numbers == [["p"], ["w"]]
+    assert freed(freed(Term((Power(V),)))[0]) == ()
+
+
+def test_the_hidden_law_explains_most_of_what_a_rigid_model_leaves(context):
+    places = places_of(context.prepared)
+    terms = grammar(scope_of(context.prepared, context.left, places))
+    rows = few_rows(len(context.left.remainder))
+    known = [Known(seen_at(context.prepared, place), rows, terms) for place in places]
+    found = screened(left_by(context.left, known, rows), terms, 3)
+    assert found[0].term.formulas(places[0]) == ("sign(v)*abs(a)",)
+    assert all(one.share >= other.share for one, other in pairwise(found))
+    assert re.match(r"\{effort\}", found[0].term.unit(places[0]))
