@@ -9,7 +9,16 @@ from bench.estimate.model_json import to_json
 from bench.estimate.result import Identification
 from bench.files import finite
 
-MODEL_KEYS = ("effects", "gains_fitted", "drive_gains", "parameters", "effect_parameters", "error", "notes")
+MODEL_KEYS = (
+    "effects",
+    "gains_fitted",
+    "drive_gains",
+    "std_from",
+    "parameters",
+    "effect_parameters",
+    "error",
+    "notes",
+)
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:

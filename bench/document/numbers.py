@@ -7,12 +7,19 @@ from collections.abc import Mapping
 import numpy as np
 
 from bench.effects.names import spoken
+from bench.estimate.deviations import StdFrom
 from bench.estimate.result import CurrentSeries, DriveGain, Identification, Quantity
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
 ABSORBED = "absorbed"  # by other parameters: no value of its own
 USES = {"identify": "fitted", "validate": "not fitted"}
+
+STD_FROM: dict[StdFrom, str] = {
+    "noise": "the error taken as noise",
+    "blocks": "how the estimate differs between parts of the recordings: the model's own error outweighs noise",
+    "models": "how the estimate differs between models that explain the data as well",
+}
 
 Truth = Mapping[str, float]
 """True values by joint (drive gains), by parameter name, and as EFFECT:JOINT.PARAMETER (effects)."""
@@ -168,7 +175,9 @@ def settings_lines(result: Identification) -> list[str]:
         if rows < all_rows
         else []
     )
+    spread = [] if result.std_from == "noise" else [f"± from {STD_FROM[result.std_from]}"]
     return [
+        *spread,
         f"{rows} equations, {result.unknowns} unknowns, rank {result.rank}",
         *still,
         f"condition number {result.condition:.4g}, with columns of unit length {result.scaled_condition:.4g}",

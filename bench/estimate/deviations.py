@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from bench.estimate.blocks import Block, block_scatter, blocks_in
 from bench.estimate.solution import Solution
 from bench.estimate.stack import Stack
 
@@ -14,6 +15,9 @@ MOST_LAGS = 64  # rows: 25 periods of the fit's highest frequency, and more than
 ALIKE = 3.0  # deviations of a correlation that is none
 
 Deviations = Literal["autocorrelated", "independent"]
+StdFrom = Literal["noise", "blocks", "models"]
+"""What standard deviations stand for: the error as a noise, the scatter of the estimate between parts of the
+recordings, or the spread over models that explain the data as well."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,8 @@ class Uncertainty:
     """covariance (p + n, p + n) of [theta, g] (gains zero where fixed); rank and condition of the system of so
     many unknowns.
 
-    condition: of the weighted Jacobian, columns as they are; scaled_condition: with columns of unit length.
+    condition: of the weighted Jacobian, columns as they are; scaled_condition: with columns of unit length. std_from:
+    the error as a noise, or what each part of the recordings does to the estimate.
     """
 
     covariance: np.ndarray
@@ -29,6 +34,7 @@ class Uncertainty:
     unknowns: int
     condition: float
     scaled_condition: float
+    std_from: StdFrom = "noise"
 
 
 def residual_series(stack: Stack, solution: Solution) -> np.ndarray:
@@ -63,6 +69,9 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     samples do not count as independent. "independent": the field's customary formula (Gautier 1997), with
     the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
     nothing, such as the damping of a drive without a compliance, are left out, with variances of zero.
+
+    Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
+    own error is at work, and the deviations are those of that scatter, wherever they are larger.
     """
     triangle = np.concatenate(
         [
@@ -78,12 +87,16 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     rank = int((singular > 1e-10 * singular[0]).sum())
     inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-18, hermitian=True)
     residual = residual_series(stack, solution) * solution.weights
+    std_from: StdFrom = "noise"
     if deviations == "independent":
         middle = inverse * float(residual[stack.moving].var(ddof=1))
     else:
         equations = int(stack.moving.sum())
         freedom = equations / max(equations - size, 1)
         middle = inverse @ _score(stack, solution, residual, seen, lengths) @ inverse * freedom
+        scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
+        if scatter is not None and scatter.beyond(middle):
+            middle, std_from = _widened(middle, scatter.covariance), "blocks"
     covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
     covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
     raw = np.linalg.svd(np.linalg.qr(triangle[:, seen], mode="r"), compute_uv=False)
@@ -93,7 +106,15 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         size,
         float(raw[0] / max(raw[-1], np.finfo(float).tiny)),
         float(singular[0] / max(singular[-1], np.finfo(float).tiny)),
+        std_from,
     )
+
+
+def _widened(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """A covariance (P, P) with the deviations of another where these are larger, and its own correlations."""
+    own, larger = (np.sqrt(np.maximum(np.diag(one), 0.0)) for one in (covariance, other))
+    times = np.maximum(larger / np.where(own > 0.0, own, np.inf), 1.0)
+    return covariance * np.outer(times, times)
 
 
 def _by_unknowns(rows: np.ndarray, solution: Solution, motor: int) -> np.ndarray:
@@ -108,17 +129,40 @@ def _by_unknowns(rows: np.ndarray, solution: Solution, motor: int) -> np.ndarray
     return columns
 
 
+def _weighted_rows(
+    stack: Stack, solution: Solution, motor: int, rows: slice, seen: np.ndarray, lengths: np.ndarray
+) -> np.ndarray:
+    """The derivatives of a motor's weighted rows by the unknowns seen, each divided by its length."""
+    part = (stack.phi[rows, motor], stack.kappa[rows, motor], stack.current[rows, motor])
+    derivatives = _by_unknowns(np.column_stack(part), solution, motor)
+    return np.asarray(solution.weights[motor] * derivatives[:, seen] / lengths)
+
+
+def _blocks(
+    stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
+) -> list[Block]:
+    """The normal equations of every block, for the unknowns seen, each divided by its length."""
+    found = []
+    for rows in blocks_in(stack.starts, len(residual)):
+        normal, score = np.zeros((len(seen),) * 2), np.zeros(len(seen))
+        for j in range(len(solution.weights)):
+            jacobian = _weighted_rows(stack, solution, j, rows, seen, lengths)
+            normal += jacobian.T @ jacobian
+            score += jacobian.T @ residual[rows, j]
+        found.append(Block(normal, score))
+    return found
+
+
 def _score(
     stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
 ) -> np.ndarray:
     """J' Sigma J (P, P) of the weighted derivatives by the unknowns seen, each divided by its length."""
     ends = (*stack.starts[1:], len(residual))
     total = np.zeros((len(seen),) * 2)
-    for j, weight in enumerate(solution.weights):
+    for j in range(len(solution.weights)):
         covariances = _covariances(residual[:, j], stack.moving[:, j], stack.starts)
         for a, b in zip(stack.starts, ends, strict=True):
-            rows = np.column_stack((stack.phi[a:b, j], stack.kappa[a:b, j], stack.current[a:b, j]))
-            jacobian = weight * _by_unknowns(rows, solution, j)[:, seen] / lengths
+            jacobian = _weighted_rows(stack, solution, j, slice(a, b), seen, lengths)
             own = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
             total[np.ix_(own, own)] += _autocorrelated(jacobian[:, own], covariances)
     return total

@@ -46,6 +46,7 @@ def to_json(result: Identification) -> dict[str, Any]:
         "condition": result.condition,
         "scaled_condition": result.scaled_condition,
         "deviations": result.deviations,
+        "std_from": result.std_from,
         "settings": asdict(result.settings),
         "covariance": result.covariance.tolist(),
         "covariance_rows": [asdict(one) for one in result.covariance_rows],
@@ -96,6 +97,7 @@ def from_json(content: dict[str, Any]) -> Identification:
         recordings=(),
         left_out=tuple(content["left_out"]),
         findings=_findings(content),
+        std_from=content.get("std_from", "noise"),
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bench.estimate.deviations import Deviations
+from bench.estimate.deviations import Deviations, StdFrom
 from bench.estimate.finding import Finding, Unknown
 from bench.estimate.finding_words import note
 from bench.estimate.frame import data_frame
@@ -94,6 +94,7 @@ class Identification:
     joint@recording for the value of one recording. covariance (P, P), its rows named by covariance_rows; those of given
     values and of parameters that were left out are zero. left_out: names of the base parameters without which the fit
     is as good, when only essential ones were asked for. findings: what limits the answer.
+    std_from: what standard deviations stand for.
     """
 
     robot: str
@@ -116,6 +117,7 @@ class Identification:
     recordings: tuple[CurrentSeries, ...]
     left_out: tuple[str, ...]
     findings: tuple[Finding, ...]
+    std_from: StdFrom = "noise"
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -79,6 +79,7 @@ def summarise(
             recordings=series,
             left_out=tuple(name for i, (name, _, _) in enumerate(names) if i not in kept),
             findings=(),
+            std_from=spread.std_from,
         ),
         prepared.left_aside,
         outside,

@@ -7,7 +7,7 @@ from typing import Any
 
 from bench.dataset import Dataset
 from bench.diagnose.result import Diagnosis
-from bench.document.numbers import USES, fit_rate
+from bench.document.numbers import STD_FROM, USES, fit_rate
 from bench.estimate.result import Identification
 from bench.report.parts import Column, Commands, Items, Part, Section, Table, row
 from bench.report.words import effect_name, short, typeset
@@ -191,7 +191,7 @@ def _settings_table(settings: FilterSettings, result: Identification | None, dat
             ("estimator", result.method),
             ("effects in the model", ", ".join(result.effects) or "none: rigid bodies only"),
             ("drive gains", "fitted" if result.gains_fitted else "nominal"),
-            ("standard deviations", f"for {result.deviations} errors"),
+            ("standard deviations", f"for {result.deviations} errors; from {STD_FROM[result.std_from]}"),
         ]
         rate = fit_rate(result)
         rows.append(("rate of the fit", "–" if rate is None else f"{rate:.4g} Hz"))

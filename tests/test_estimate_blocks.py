@@ -1,0 +1,104 @@
+"""Deviations from the scatter between parts of the recordings: as large as noise makes them, and larger where not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.estimate.blocks import Block, block_scatter, blocks_in
+from bench.estimate.deviations import _widened
+from bench.estimate.identify import identify
+from bench.estimate.model_json import from_json, to_json
+from bench.scenario import load_scenario
+from bench.truth.dataset import as_dataset
+from bench.truth.machine import true_gains
+from bench.truth.simulate import Simulation, simulate
+
+ROWS, UNKNOWNS = 800, 6
+
+
+def scattered(error, jacobian, blocks=16):
+    """The scatter of a least-squares fit with these errors."""
+    left = error - jacobian @ np.linalg.lstsq(jacobian, error)[0]
+    rows = np.array_split(np.arange(len(error)), blocks)
+    return block_scatter([Block(jacobian[i].T @ jacobian[i], jacobian[i].T @ left[i]) for i in rows])
+
+
+def test_of_noise_the_scatter_is_the_covariance_of_least_squares():
+    random = np.random.default_rng(1)
+    jacobian = random.normal(size=(ROWS, UNKNOWNS)) * np.linspace(0.5, 2.0, ROWS)[:, None]
+    known = np.linalg.inv(jacobian.T @ jacobian)
+    every = [scattered(random.normal(size=ROWS), jacobian) for _ in range(200)]
+    ratio = np.mean([np.diag(one.covariance) / np.diag(known) for one in every], axis=0)
+    assert np.all(np.abs(ratio - 1.0) < 0.15)
+    assert np.mean([one.beyond(known) for one in every]) <= 0.01
+
+
+def test_an_error_that_lasts_is_beyond_noise_and_its_deviations_hold():
+    random = np.random.default_rng(2)
+    within = []
+    for _ in range(40):
+        jacobian = random.normal(size=(ROWS, UNKNOWNS))
+        lasting = np.repeat(
+            random.normal(size=(16, UNKNOWNS)), ROWS // 16, axis=0
+        )  # other values in every part
+        error = 0.1 * random.normal(size=ROWS) + (lasting * jacobian).sum(axis=1)
+        scatter = scattered(error, jacobian)
+        noise = np.linalg.inv(jacobian.T @ jacobian) * float(error.var())
+        assert scatter.beyond(noise)
+        off = np.linalg.lstsq(jacobian, error)[0]
+        within.append(np.abs(off) < 2.0 * np.sqrt(np.diag(scatter.covariance)))
+    assert np.mean(within) > 0.9
+
+
+def test_blocks_cover_every_row_once_and_are_never_too_short():
+    found = list(blocks_in((0, 400, 420), 1000))
+    assert [one.start for one in found[1:]] == [one.stop for one in found[:-1]]
+    assert (found[0].start, found[-1].stop, len(found)) == (0, 1000, 8 + 1 + 8)
+    assert block_scatter([Block(np.eye(2), np.zeros(2))]) is None
+
+
+def test_wider_deviations_keep_their_correlation():
+    own = np.array([[1.0, 0.5], [0.5, 1.0]])
+    wide = _widened(own, np.diag([9.0, 0.25]))
+    assert np.allclose(wide, [[9.0, 1.5], [1.5, 1.0]])
+
+
+@pytest.fixture(scope="module")
+def simulations() -> dict[str, Simulation]:
+    recordings = [
+        {"name": "unloaded", "use": "identify", "design": {"seed": 11}},
+        {"name": "loaded", "use": "identify", "payload": "disc", "design": {"seed": 12}},
+    ]
+    common = {"design": {"optimise": False, "duration": 10.0}, "recordings": recordings}
+    hidden = {
+        "noise": [],
+        "saturation": [
+            {"effect": "gain_saturation", "joint": joint, "k": 0.02} for joint in ("left", "right")
+        ],
+    }
+    return {
+        name: simulate(load_scenario("five_bar", {**common, "hidden": entries}))
+        for name, entries in hidden.items()
+    }
+
+
+def test_simulated_noise_keeps_its_deviations(simulations):
+    result = identify(as_dataset(simulations["noise"]))
+    assert result.std_from == "noise"
+    truth = true_gains(simulations["noise"].scenario)
+    for gain, true in zip(result.drive_gains.values(), truth, strict=True):
+        assert abs(gain.value - true) < 3.0 * gain.std
+        assert gain.std < 1e-3 * true
+
+
+def test_a_model_file_says_what_deviations_are_from(simulations):
+    result = replace(identify(as_dataset(simulations["noise"])), std_from="blocks")
+    content = to_json(result)
+    assert content["std_from"] == from_json(content).std_from == "blocks"
+    del content["std_from"]
+    assert from_json(content).std_from == "noise"
+
+
+def test_an_unmodelled_saturation_is_not_taken_for_noise(simulations):
+    assert identify(as_dataset(simulations["saturation"])).std_from == "blocks"

@@ -1,0 +1,50 @@
+"""Measured logs: gains from different logs agree within the deviations that are stated, and so do known ones."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.dataset import load_dataset
+from bench.estimate.identify import fit, prepare
+from bench.estimate.result import Identification
+from bench.estimate.settle import settled
+
+FRICTION = ("viscous_friction", "coulomb_friction")
+LOAD = "load_dependent_friction"
+PAIRS = (("identify", "identify", "validate", "validate"), ("validate", "validate", "identify", "identify"))
+KNOWN = np.array([11.93, 11.98, 9.84, 10.75, 10.70, 10.68])  # N*m/A: the controller's own, to 2 %
+
+
+def gains(result: Identification) -> tuple[np.ndarray, np.ndarray]:
+    found = result.drive_gains.values()
+    return np.array([one.value for one in found]), np.array([one.std for one in found])
+
+
+@pytest.fixture(scope="module")
+def arm_by_logs(measured_data: Path) -> list[Identification]:
+    """The arm with friction that grows with the load, from one day's logs and from another's."""
+    folder = measured_data / "ur10e"
+    if not folder.is_dir():
+        pytest.skip("the measured UR10e data are not here (set PARABENCH_DATA)")
+    dataset = load_dataset(folder)
+    answers = []
+    for uses in PAIRS:
+        logs = tuple(replace(one, use=use) for one, use in zip(dataset.recordings, uses, strict=True))
+        prepared = prepare(replace(dataset, recordings=logs), (*FRICTION, LOAD))
+        answers.append(fit(settled(prepared, fit_gains=True)))
+    return answers
+
+
+def test_gains_of_an_arm_from_two_days_agree_within_twice_their_deviations(arm_by_logs):
+    (one, one_std), (other, other_std) = (gains(result) for result in arm_by_logs)
+    assert np.all(np.abs(one - other) < 2.0 * np.hypot(one_std, other_std))
+
+
+def test_what_an_arm_s_model_lacks_is_in_its_deviations(arm_by_logs):
+    assert all(result.std_from == "blocks" for result in arm_by_logs)
+    value, std = gains(arm_by_logs[0])
+    payload_says_much = slice(1, None)  # of the vertical first joint a payload says little
+    off = np.abs(value - KNOWN)[payload_says_much]
+    assert np.all(off < (2.0 * std + 0.02 * KNOWN)[payload_says_much])
