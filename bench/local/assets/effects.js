@@ -48,7 +48,7 @@ const Effects = (() => {
 
   /* What a diagnosis says: the error as effects are added, and the verdict on each. */
   function verdict(run) {
-    const words = (names) => names.map((name) => spoken(name)).join(", ");
+    const words = (names) => names.map((name) => spoken(name)).join(", ").replace(/, ([^,]*)$/, " and $1");
     const steps = diagnosis.ladder.map((step, i) => {
       const before = i ? diagnosis.ladder[i - 1].effects : [];
       return [i ? `+ ${words(step.effects.filter((one) => !before.includes(one)))}` : "the model as it is", step.error.validate ?? step.error.identify, i ? "" : "before"];
@@ -103,7 +103,7 @@ const Effects = (() => {
       const legend = el("legend", {}, effect.words, said && said.verdict !== "not supported" ? el("span", {class: `badge ${said.verdict.replace(/ .*/, "")}`}, said.verdict) : null);
       const places = effect.places.length ? effect.places.map((place) => [`${effect.name}:${place}`, place]) : [[effect.name, "the whole robot"]];
       return el("fieldset", {}, legend, ...places.map(([name, words]) => {
-        const input = el("input", {type: "checkbox", checked: chosen.has(name), change: () => {
+        const input = el("input", {type: "checkbox", id: name, checked: chosen.has(name), change: () => {
           if (input.checked) chosen.add(name);
           else chosen.delete(name);
           drawAnswer(answer, true);

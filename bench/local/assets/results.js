@@ -37,14 +37,21 @@ const Results = (() => {
     return show(holder, side);
   }
 
+  /* A gain with its interval, to the digits that its deviation supports. */
+  function gain(one) {
+    if (!one.interval) return quantity(one);
+    const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(one.std))));
+    return `${quantity(one)} [${one.interval.map((end) => end.toFixed(digits)).join(", ")}]`;
+  }
+
   function show(holder, {line, found}) {
     const names = found.models.map((one) => one.name);
     const errors = [["error, fitted", ...found.models.map((one) => percent(one.error.identify))], ["error, not fitted", ...found.models.map((one) => percent(one.error.validate))],
       ...Object.keys(found.models[0].error.by_actuator).map((joint) => [`error of ${joint}`, ...found.models.map((one) => percent(one.error.by_actuator[joint]))])];
-    const gains = Object.keys(found.models[0].drive_gains).map((joint) => [`${joint}, ${unit(found.models[0].drive_gains[joint].unit)}`, ...found.models.map((one) => quantity(one.drive_gains[joint]))]);
+    const gains = Object.keys(found.models[0].drive_gains).map((joint) => [`${joint}, ${unit(found.models[0].drive_gains[joint].unit)}`, ...found.models.map((one) => gain(one.drive_gains[joint]))]);
     const kinds = ["", ...names.map(() => "right")];
     holder.replaceChildren(Dom.command(line), el("div", {class: "part"}, Dom.table(["", ...names], errors, kinds)),
-      el("div", {class: "part"}, el("h3", {}, "Drive gains ± standard deviation"), Dom.table(["", ...names], gains, kinds)),
+      el("div", {class: "part"}, el("h3", {}, "Drive gains ± standard deviation, 95 % interval"), Dom.table(["", ...names], gains, kinds)),
       el("div", {class: "part"}, el("h3", {}, "What changed"), el("ul", {class: "said"}, ...found.changed.map((text) => el("li", {}, text)))));
   }
 

@@ -1,0 +1,196 @@
+"""`bench open` in a real browser: from an empty folder to the applied model, by mouse and by keyboard."""
+
+import json
+import shlex
+
+import pytest
+from playwright.sync_api import expect
+
+from bench.cli import main
+from tests.open_kit import opened, short_dataset, write_log
+
+LEFT = "viscous_friction:left"
+PHONE = 390
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory):
+    """Two logs, as a controller writes them."""
+    folder = tmp_path_factory.mktemp("logs")
+    data = short_dataset(folder / "truth")
+    for name in ("free", "held"):
+        write_log(folder / f"{name}.csv", data, f"{name}.csv")
+    return folder
+
+
+@pytest.fixture
+def look(chromium):
+    """Open a page; what the browser complained of is in `heard`."""
+    pages = []
+
+    def look(site, width=1366, dark=False):
+        page = chromium.new_page(
+            viewport={"width": width, "height": 900}, color_scheme="dark" if dark else "light"
+        )
+        page.set_default_timeout(60_000)
+        expect.set_options(timeout=60_000)
+        page.heard = []
+        page.on("console", lambda message: page.heard.append(message.text))
+        page.on("pageerror", lambda error: page.heard.append(str(error)))
+        pages.append(page)
+        page.goto(site.address)
+        return page
+
+    yield look
+    for page in pages:
+        page.close()
+
+
+def import_by_mouse(page, log, payload):
+    """Drop a log, tell what the page asks for, and import it."""
+    page.locator("#files").set_input_files(log)
+    expect(page.locator("#robot")).to_be_visible()
+    if page.locator("#robot").input_value() == "":
+        page.locator("#robot").select_option("five_bar")
+    page.get_by_role("button", name="It is in deg").first.click()
+    expect(page.locator(".targets .said.fine")).to_have_count(5)
+    expect(page.locator("#import")).to_be_disabled()  # nobody has said yet what was on the tool
+    if payload:
+        page.get_by_role("radio", name="a new one").check()
+        page.locator("#payload").fill(payload)
+        page.locator("#mass").fill("0.5")
+    else:
+        page.get_by_role("radio", name="none").check()
+    page.locator("#import").click()
+    expect(page.locator("#add-log .done")).to_be_visible()
+
+
+def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with opened(tmp_path, cwd=tmp_path) as site:
+        page = look(site)
+        expect(page.locator("#dataset-choice")).to_contain_text("drop the first log")
+        import_by_mouse(page, logs / "free.csv", "")
+        import_by_mouse(page, logs / "held.csv", "disc")
+        expect(page.locator("#recordings-table")).to_contain_text("disc, 0.5 kg")
+        page.locator("#compare").click()
+        expect(page.locator("#errors .said").first).to_contain_text("motor left: error")
+        expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
+        page.locator("#diagnose").click()
+        expect(page.locator("#job progress")).to_be_visible()
+        expect(page.locator("#missing .verdict")).to_contain_text("Viscous friction is missing")
+        expect(page.locator("#job")).to_be_hidden()
+        expect(page.locator("#effects input:checked")).to_have_count(1)
+        page.locator("#identify").click()
+        page.locator("#apply").click()
+        expect(page.locator("#applied .charts svg[role=img]")).to_have_count(1)
+        command = page.locator("#missing .command pre").inner_text()
+        page.locator("#history input").nth(0).check()
+        page.locator("#history input").nth(1).check()
+        page.locator("#side-by-side").click()
+        expect(page.locator("#history")).to_contain_text("has viscous friction at left")
+        with page.expect_download() as kept:
+            page.get_by_role("link", name="Download the model").last.click()
+        assert json.loads(kept.value.path().read_text())["effects"] == [LEFT]
+        with page.expect_download() as kept:
+            page.get_by_role("link", name="Download this dataset").click()
+        assert kept.value.suggested_filename == "my_data.zip"
+        assert page.heard == []
+    ours = json.loads((tmp_path / "my_data.results" / "2-diagnosis.json").read_text())
+    words = shlex.split(command)[1:]  # the command of the next diagnosis, given in the shell
+    assert main([*words[: words.index("-o")], "-q"]) == 0
+    assert json.loads((tmp_path / words[words.index("--json") + 1]).read_text()) == ours
+
+
+def press_until(page, key, wanted, most=200):
+    """Press a key until the element that has the focus is the wanted one."""
+    for _ in range(most):
+        page.keyboard.press(key)
+        if page.evaluate("(wanted) => document.activeElement?.matches(wanted)", wanted):
+            return
+    raise AssertionError(f"no way to {wanted} by {key}")
+
+
+def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
+    names = {"time": "t_ms", "position.left": "q_left", "position.right": "q_right"}
+    names |= {"current.left": "i_left", "current.right": "i_right"}
+    words = [word for column, name in names.items() for word in ("--map", f"{column}={name}")]
+    words += ["--scale", "time=ms", "--scale", "position=deg", "-o", str(tmp_path / "my_data")]
+    assert main(["import", str(logs / "free.csv"), "--robot", "five_bar", *words]) == 0
+    (tmp_path / "held.csv").write_bytes((logs / "held.csv").read_bytes())
+    with opened(tmp_path, cwd=tmp_path) as site:
+        page = look(site, width=PHONE, dark=True)
+        expect(page.locator("#compare")).to_be_visible()
+        press_until(page, "Tab", "#add-log .logs button")
+        page.keyboard.press("Enter")
+        expect(page.locator("#robot")).to_have_value("five_bar")
+        press_until(page, "Tab", "[id='unit-position.left']")
+        page.keyboard.type("deg")
+        press_until(page, "Tab", "[id='unit-position.right']")
+        page.keyboard.type("deg")
+        expect(page.locator(".targets .said.fine")).to_have_count(5)
+        press_until(page, "Tab", "input[name=load]")
+        page.keyboard.press("ArrowUp")  # the last choice: a new one
+        press_until(page, "Tab", "#mass")
+        page.keyboard.type("0.5")
+        press_until(page, "Tab", "#import")
+        page.keyboard.press("Enter")
+        expect(page.locator("#add-log .done")).to_be_visible()
+        press_until(page, "Tab", "#compare")
+        page.keyboard.press("Enter")
+        expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
+        press_until(page, "Tab", "#effects [id='viscous_friction:left']")
+        page.keyboard.press("Space")
+        expect(page.locator("#apply")).to_be_visible()
+        press_until(page, "Tab", "#apply")
+        page.keyboard.press("Enter")
+        expect(page.locator("#applied .charts svg[role=img]")).to_have_count(1)
+        assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
+        assert page.heard == []
+    models = sorted((tmp_path / "my_data.results").glob("model-*.json"))
+    assert json.loads(models[-1].read_text())["effects"] == [LEFT]
+
+
+def test_names_are_shown_as_they_are_and_never_as_markup(look, tmp_path):
+    evil = "<img src=x onerror=document.title='taken'>.csv"
+    (tmp_path / evil).write_text("time,<script>document.title='taken'</script>\n0,1\n1,2\n")
+    with opened(tmp_path) as site:
+        page = look(site)
+        button = page.get_by_role("button", name=evil)
+        expect(button).to_be_visible()
+        button.click()
+        page.locator("#robot").select_option("five_bar")
+        expect(page.locator(".chips")).to_contain_text("<script>")
+        assert page.locator("main img, main script").count() == 0
+        assert "taken" not in page.title()
+
+
+def test_the_policy_stops_what_does_not_belong(look, tmp_path):
+    with opened(tmp_path) as site:
+        page = look(site)
+        expect(page.locator("#dataset-choice")).to_contain_text("drop the first log")
+        page.evaluate("document.body.append(Object.assign(new Image(), {src: 'http://127.0.0.1:9/x.png'}))")
+        page.evaluate(
+            "document.body.append(Object.assign(document.createElement('script'), {textContent: 'window.foreign = 1'}))"
+        )
+        page.wait_for_timeout(100)
+        assert page.evaluate("window.foreign") is None
+        assert sum("Content Security Policy" in one for one in page.heard) == 2
+
+
+def test_a_page_says_when_its_server_is_gone_and_goes_on_when_it_is_there_again(look, tmp_path):
+    with opened(tmp_path) as site:
+        page = look(site)
+        expect(page.locator("#dataset-choice")).to_contain_text("drop the first log")
+        expect(page.locator("#banner")).to_be_hidden()
+        page.context.set_offline(True)
+    expect(page.locator("#banner")).to_contain_text("start it again with: bench open")
+
+
+def test_a_second_browser_hears_of_what_the_first_does(look, logs, tmp_path):
+    with opened(tmp_path) as site:
+        first, second = look(site), look(site, dark=True)
+        expect(second.locator("#dataset-choice")).to_contain_text("drop the first log")
+        import_by_mouse(first, logs / "free.csv", "")
+        expect(second.locator("#recordings-table")).to_contain_text("free.csv")
+        expect(second.locator("#recordings-table")).to_contain_text("✓ all checks passed")
