@@ -31,7 +31,7 @@ def viewed(*arguments):
 def test_a_dataset_with_an_effect_shows_it_beside_the_truth(data, tmp_path, capsys):
     path = tmp_path / "arm.rrd"
     viewed(data, "--with", "viscous_friction:shoulder", "--save", path)
-    assert capsys.readouterr().out == f"Recording: {path}\n"
+    assert capsys.readouterr().out == f"wrote {path} (recording)\n"
     assert verified(path)
     times, hidden = numbers(path, "/free/torque/shoulder/0_hidden")
     at, found = numbers(path, "/free/torque/shoulder/3_found")

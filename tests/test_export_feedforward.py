@@ -186,7 +186,7 @@ def test_the_command_writes_c_and_tells_what_is_lost(tmp_path, capsys):
     path = tmp_path / "forward.c"
     assert main(["export", str(identified_file("two_link")), "--to", "c", "-o", str(path)]) == 0
     assert "two_link_currents" in path.read_text()
-    assert f"Written: {path}" in capsys.readouterr().out
+    assert f"wrote {path}" in capsys.readouterr().out
     assert main(["export", str(identified_file("five_bar")), "--to", "c", "-o", str(tmp_path / "no.c")]) == 2
     assert not (tmp_path / "no.c").exists()
 

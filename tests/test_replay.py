@@ -132,7 +132,7 @@ def test_a_tilted_base_is_gravity_where_the_data_tell_all_that_it_moves(tmp_path
 
 def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys):
     save_model(identify(load_dataset(recorded), ["encoder_offset:left"]), tmp_path / "model.json", recorded)
-    words = ["replay", str(recorded), "--model", str(tmp_path / "model.json"), "-q"]
+    words = ["replay", str(recorded), "--model", str(tmp_path / "model.json")]
     assert main(words) == 0
     assert "Not simulated, so that its part of the current is missing: encoder_offset at left" in (
         " ".join(capsys.readouterr().out.split())
@@ -150,7 +150,7 @@ def test_loops_that_the_file_holds_softly_are_told(replays):
 def test_the_command_tells_one_number_a_motor_and_writes_files(recorded, models, tmp_path, capsys):
     answer, film = tmp_path / "replay.json", tmp_path / "replay.rrd"
     words = ["replay", str(recorded), "--model", str(models[-1]), "--json", str(answer), "--rrd", str(film)]
-    assert main([*words, "-q"]) == 0
+    assert main(words) == 0
     told = capsys.readouterr().out
     assert "the model itself" in told
     content = json.loads(answer.read_text())

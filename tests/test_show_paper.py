@@ -229,7 +229,7 @@ def test_the_command_draws_what_is_asked_for(arm, tmp_path, capsys):
     assert "error_by_velocity_two_columns.pdf" in names
     assert "drive_gains.csv" in names
     assert len(names) == 11
-    assert capsys.readouterr().out.count("Numbers: ") == 3
+    assert capsys.readouterr().out.count("(numbers)") == 3
 
 
 @pytest.mark.parametrize(

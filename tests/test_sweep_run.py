@@ -130,10 +130,12 @@ def test_failed_runs_are_tried_again_on_request_only(tmp_path, undisturbed):
     plan = plan_of(tmp_path)
     first = run(plan, tmp_path / "out", work=StandIn(Accidents(broken=(4, 5))))
     assert (first.failed, first.kept) == (2, 0)
-    second = run(plan, tmp_path / "out", work=StandIn(NONE))
+    told = []
+    second = run(plan, tmp_path / "out", work=StandIn(NONE), resumed=told.append)
     assert (second.failed, second.kept) == (2, 90)
-    finished = run(plan, tmp_path / "out", work=StandIn(NONE), retry_failed=True)
+    finished = run(plan, tmp_path / "out", work=StandIn(NONE), retry_failed=True, resumed=told.append)
     assert (finished.failed, finished.kept) == (0, 88)
+    assert told == [90, 88]
     assert finished.table.read_bytes() == undisturbed
 
 

@@ -19,55 +19,73 @@ from bench.cli.lazy import LazyCommand, LazyGroup
 from bench.cli.unread import forgiving_output
 from bench.errors import BenchError
 
+MEASUREMENTS, RESULTS, STUDIES = (
+    "Your measurements",
+    "Look at it, hand it on",
+    "Simulated machines and studies",
+)
+
 COMMANDS = {
     "open": LazyCommand(
-        "bench.cli.open:open_page", "Go from logs to the named effect on a page in the browser."
+        "bench.cli.open:open_page", "Go from logs to the named effect on a page in the browser.", MEASUREMENTS
     ),
-    "demo": LazyCommand("bench.cli.demo:demo", "Simulate a robot, identify it, and compare with the truth."),
-    "identify": LazyCommand(
-        "bench.cli.identify:identify", "Identify drive gains and dynamic parameters from a dataset."
-    ),
-    "compare": LazyCommand(
-        "bench.cli.compare:compare", "Tell and draw where a model fails on a dataset's recordings."
-    ),
-    "diagnose": LazyCommand(
-        "bench.cli.diagnose:diagnose", "Find the physical effects that a model lacks, and how sure it is."
-    ),
-    "report": LazyCommand(
-        "bench.cli.report:report", "Write one page, in one file, that shows what a run found."
-    ),
-    "export": LazyCommand(
-        "bench.cli.export:export", "Write an identified model as MJCF, URDF, a table or C."
-    ),
-    "replay": LazyCommand(
-        "bench.cli.replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions."
-    ),
-    "view": LazyCommand(
-        "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer."
-    ),
-    "figures": LazyCommand(
-        "bench.cli.figures:figures", "Draw figures for papers, with the numbers behind them."
-    ),
-    "discriminate": LazyCommand(
-        "bench.cli.discriminate:discriminate", "Design the motion that tells two effects apart."
-    ),
-    "simulate": LazyCommand(
-        "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset."
-    ),
-    "import": LazyCommand("bench.cli.import_log:import_log", "Turn a controller's logs into a dataset."),
-    "sweep": LazyCommand(
-        "bench.cli.sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators."
-    ),
-    "table": LazyCommand("bench.cli.table:table", "Summarise the runs of a sweep by axis."),
-    "plot": LazyCommand("bench.cli.plot:plot", "Draw a metric of a sweep against an axis."),
-    "check": LazyCommand(
-        "bench.cli.check:check", "Compare the accuracy with the reference; alarm if it is worse."
-    ),
-    "trial": LazyCommand(
-        "bench.cli.trial:trial", "Diagnose simulated machines whose hidden effects are known."
+    "import": LazyCommand(
+        "bench.cli.import_log:import_log", "Turn a controller's logs into a dataset.", MEASUREMENTS
     ),
     "robot": LazyCommand(
-        "bench.cli.robot:robot", "Check a robot folder: joints, loops, home pose, singularities."
+        "bench.cli.robot:robot",
+        "Check a robot folder: joints, loops, home pose, singularities.",
+        MEASUREMENTS,
+    ),
+    "identify": LazyCommand(
+        "bench.cli.identify:identify",
+        "Identify drive gains and dynamic parameters from a dataset.",
+        MEASUREMENTS,
+    ),
+    "compare": LazyCommand(
+        "bench.cli.compare:compare",
+        "Tell and draw where a model fails on a dataset's recordings.",
+        MEASUREMENTS,
+    ),
+    "diagnose": LazyCommand(
+        "bench.cli.diagnose:diagnose",
+        "Find the physical effects that a model lacks, and how sure it is.",
+        MEASUREMENTS,
+    ),
+    "discriminate": LazyCommand(
+        "bench.cli.discriminate:discriminate", "Design the motion that tells two effects apart.", MEASUREMENTS
+    ),
+    "report": LazyCommand(
+        "bench.cli.report:report", "Write one page, in one file, that shows what a run found.", RESULTS
+    ),
+    "view": LazyCommand(
+        "bench.cli.view:view", "Show the moving robot, currents and errors in the Rerun viewer.", RESULTS
+    ),
+    "figures": LazyCommand(
+        "bench.cli.figures:figures", "Draw figures for papers, with the numbers behind them.", RESULTS
+    ),
+    "export": LazyCommand(
+        "bench.cli.export:export", "Write an identified model as MJCF, URDF, a table or C.", RESULTS
+    ),
+    "replay": LazyCommand(
+        "bench.cli.replay:replay", "Simulate an exported model in MuJoCo along a dataset's motions.", RESULTS
+    ),
+    "demo": LazyCommand(
+        "bench.cli.demo:demo", "Simulate a robot, identify it, and compare with the truth.", STUDIES
+    ),
+    "simulate": LazyCommand(
+        "bench.cli.simulate:simulate", "Simulate a scenario and write its measurements as a dataset.", STUDIES
+    ),
+    "sweep": LazyCommand(
+        "bench.cli.sweep:sweep", "Run a sweep of scenarios: noise, gains, payloads, estimators.", STUDIES
+    ),
+    "table": LazyCommand("bench.cli.table:table", "Summarise the runs of a sweep by axis.", STUDIES),
+    "plot": LazyCommand("bench.cli.plot:plot", "Draw a metric of a sweep against an axis.", STUDIES),
+    "trial": LazyCommand(
+        "bench.cli.trial:trial", "Diagnose simulated machines whose hidden effects are known.", STUDIES
+    ),
+    "check": LazyCommand(
+        "bench.cli.check:check", "Compare the accuracy with the reference; alarm if it is worse.", STUDIES
     ),
 }
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.cli.last_lines import next_line, say, write_answer, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -77,7 +78,6 @@ def _of_one(
 
     from bench.compare.as_json import where_json
     from bench.compare.motor import compared
-    from bench.compare.next_step import next_step
     from bench.compare.where import errors_by_motor
     from bench.dataset import load_dataset
     from bench.effects import catalogue_for
@@ -89,16 +89,16 @@ def _of_one(
         load_model,
         read_identification,
     )
-    from bench.files import write_json_atomically
     from bench.show.comparison import where_report
     from bench.show.tables import comparison_report
 
     data = load_dataset(dataset)
     catalogue = catalogue_for(data.effect_files, effect_files)
-    result = None
+    result, its_effects = None, effects
     if model_file is not None:
         saved = load_model(model_file)
         comparison, settings = apply_model(data, saved, catalogue), saved.settings
+        its_effects = saved.model.effects
     else:
         result = identify(data, effects, filters=given, catalogue=catalogue)
         name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
@@ -108,8 +108,8 @@ def _of_one(
     where = errors_by_motor(what)
     written = []
     if json_file is not None:
-        write_json_atomically(json_file, {**comparison_json(comparison), **where_json(where)})
-        written.append(f"Comparison: {json_file}")
+        write_answer(json_file, {**comparison_json(comparison), **where_json(where)})
+        written.append(wrote(json_file, "comparison"))
     if output is not None:
         from bench.report.content_run import Run
 
@@ -121,9 +121,30 @@ def _of_one(
     console = Console()
     comparison_report(comparison, console)
     where_report(where, console)
-    steps = next_step(what, str(dataset)) if model_file is None else ()
-    for line in (*steps, *written):
-        click.echo(line)
+    say([*written, _next(what, dataset, model_file, its_effects, effect_files, given)])
+
+
+def _next(
+    what: "Compared",
+    dataset: Path,
+    model_file: Path | None,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    given: dict[str, Any],
+) -> str:
+    """The command that makes sense after a comparison."""
+    from bench.compare.next_step import DIAGNOSE, KEEP, beyond_noise
+    from bench.report.content_run import Run
+
+    files = tuple(map(str, effect_files))
+    if beyond_noise(what):
+        return f"next: {Run('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
+    if model_file is None:
+        return (
+            f"next: {Run('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
+        )
+    target = model_file.with_suffix(".xml")
+    return next_line(["export", model_file, "--to", "mjcf", "-o", target], "gives the machine to a simulator")
 
 
 def _side_by_side(
@@ -136,17 +157,16 @@ def _side_by_side(
     from bench.dataset import load_dataset
     from bench.document.side_by_side import changed_sentences
     from bench.effects import catalogue_for
-    from bench.files import write_json_atomically
     from bench.show.side_by_side import side_by_side_report
 
     data = load_dataset(dataset)
     found = side_by_side(data, model_files, catalogue_for(data.effect_files, effect_files))
     changed = changed_sentences(found)
     if json_file is not None:
-        write_json_atomically(json_file, side_by_side_json(found, changed))
+        write_answer(json_file, side_by_side_json(found, changed))
     side_by_side_report(found, changed, Console())
-    if json_file is not None:
-        click.echo(f"Comparison: {json_file}")
+    lines = [] if json_file is None else [wrote(json_file, "comparison")]
+    say([*lines, next_line(["compare", dataset, "--model", model_files[-1]], "shows where this one fails")])
 
 
 def _pictures_and_page(
@@ -161,8 +181,8 @@ def _pictures_and_page(
     from bench.report.write import write_identification_report
     from bench.show.comparison_figures import write_comparison_figures
 
-    written = [f"Figure: {path}" for path in write_comparison_figures(output, what)]
+    written = [wrote(path, "figure") for path in write_comparison_figures(output, what)]
     if result is not None:
         name = str(model_file) if model_file is not None else ""
-        written.append(f"Report: {write_identification_report(output, result, data, run, name)}")
+        written.append(wrote(write_identification_report(output, result, data, run, name), "report"))
     return written

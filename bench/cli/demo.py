@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.completion import scenarios
+
 
 @click.command("demo")
 @click.option(
@@ -15,7 +17,9 @@ import click
     metavar="DIR",
     help="Folder for data, model and pictures.",
 )
-@click.option("--scenario", default="five_bar", show_default=True, help="What to simulate.")
+@click.option(
+    "--scenario", shell_complete=scenarios, default="five_bar", show_default=True, help="What to simulate."
+)
 def demo(output: Path, scenario: str) -> None:
     """Simulate a robot, identify it, and compare with the truth."""
     from rich.console import Console

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from bench.cli.last_lines import after_diagnosis, say, write_answer, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -83,39 +84,40 @@ def diagnose(
         swapped = swapped_columns(data, diagnosis.before)
         findings = (*swapped, *diagnosis.after.findings, *short)
         diagnosis = replace(diagnosis, after=replace(diagnosis.after, findings=findings))
-    written = []
+    written: list[str] = []
+    laws: list[Path] = []
     if model_file is not None:
         from bench.discover.written import write_laws
 
         diagnosis = write_laws(diagnosis, model_file.parent)
-        laws = dict.fromkeys(one.file for one in diagnosis.discovered if one.file is not None)
-        written += [f"Law: {model_file.parent / name} (name it with --effect-file)" for name in laws]
+        names = dict.fromkeys(one.file for one in diagnosis.discovered if one.file is not None)
+        laws = [model_file.parent / name for name in names]
+        written += [wrote(path, "law: name it with --effect-file") for path in laws]
     if json_file is not None:
         from bench.diagnose.as_json import diagnosis_json
-        from bench.files import write_json_atomically
 
-        write_json_atomically(json_file, diagnosis_json(diagnosis))
-        written.append(f"Diagnosis: {json_file}")
+        write_answer(json_file, diagnosis_json(diagnosis))
+        written.append(wrote(json_file, "diagnosis"))
     if model_file is not None:
         from bench.estimate.model_file import save_model
 
         save_model(diagnosis.after, model_file, data.folder)
-        written.append(f"Model: {model_file}")
-    if output is not None:
-        from bench.report.content_run import Run
+        written.append(wrote(model_file, "model with what is missing"))
+    from bench.report.content_run import Run
 
+    if output is not None:
         run = Run("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given, str(output))
         with shown_progress(quiet, "drawing figures") as progress:
             from bench.report.write import write_diagnosis_report
             from bench.show.diagnosis_figures import write_diagnosis_figures
 
-            written += [f"Figure: {path}" for path in write_diagnosis_figures(output, diagnosis, data)]
+            written += [wrote(path, "figure") for path in write_diagnosis_figures(output, diagnosis, data)]
             page = write_diagnosis_report(output, diagnosis, data, run, progress)
-            written.append(f"Report: {page}")
+            written.append(wrote(page, "report"))
     from rich.console import Console
 
     from bench.show.diagnosis import diagnosis_report
 
     diagnosis_report(diagnosis, Console(), verbose=verbose)
-    for line in written:
-        click.echo(line)
+    again = Run("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given).line()
+    say([*written, after_diagnosis(diagnosis, dataset, again, model_file, (*effect_files, *laws))])

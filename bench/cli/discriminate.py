@@ -5,6 +5,8 @@ from typing import Any
 
 import click
 
+from bench.cli.completion import effects as effect_names
+from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
     dataset_argument,
     effect_file_option,
@@ -19,8 +21,8 @@ POSITIVE = click.FloatRange(min=0.0, min_open=True)
 
 @click.command("discriminate")
 @dataset_argument
-@click.argument("effect_a", metavar="EFFECT_A")
-@click.argument("effect_b", metavar="EFFECT_B")
+@click.argument("effect_a", metavar="EFFECT_A", shell_complete=effect_names)
+@click.argument("effect_b", metavar="EFFECT_B", shell_complete=effect_names)
 @click.option(
     "-o",
     "--output",
@@ -105,7 +107,7 @@ def discriminate(
     for sentence in sentences(found):
         console.print(Text(sentence, "yellow" if sentence in doubts else ""))
     for path in paths:
-        click.echo(f"wrote {path}")
+        say([wrote(path)])
     step = next_step(found, dataset, output)
     if step is not None:
         click.echo(step)

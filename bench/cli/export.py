@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from bench.cli.last_lines import say, wrote
 from bench.cli.options import effect_file_option
 
 FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
@@ -63,7 +64,7 @@ def export(
     if form == "c":
         for line in write_c(output, identified):
             click.echo(f"Not held: {line}")
-        click.echo(f"Written: {output}")
+        say([wrote(output)])
         return
     physical = physical_set(identified, use_cad=cad)
     if physical.contradiction is not None and not nearest:
@@ -91,7 +92,7 @@ def export(
     for line in lines:
         click.echo(f"Not held: {line}")
     for path in written:
-        click.echo(f"Written: {path}")
+        say([wrote(path)])
 
 
 def _bodies_line(distance: float, prior: str) -> str:

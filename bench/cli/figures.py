@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from bench.cli.last_lines import say, wrote
 from bench.cli.options import effect_file_option, filter_options, given_filters, with_option
 
 
@@ -67,4 +68,4 @@ def figures(
         names = ", ".join(one.name for one in found)
         raise BenchError(f"--only {' --only '.join(only)}: no such figure; there are {names}")
     for path in write_paper_figures(output, chosen):
-        click.echo(f"Figure: {path}" if path.suffix != ".csv" else f"Numbers: {path}")
+        say([wrote(path, "figure" if path.suffix != ".csv" else "numbers")])

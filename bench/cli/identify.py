@@ -1,10 +1,11 @@
 """`bench identify`: from recordings to drive gains and dynamic parameters."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.cli.last_lines import STANDARD_OUTPUT, next_line, say, write_answer, wrote
 from bench.cli.options import (
     METHODS,
     dataset_argument,
@@ -16,6 +17,9 @@ from bench.cli.options import (
     output_option,
     with_option,
 )
+
+if TYPE_CHECKING:
+    from bench.compare.motor import Compared
 
 
 @click.command("identify")
@@ -76,12 +80,12 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from rich.console import Console
 
     from bench.compare.motor import compared
-    from bench.compare.next_step import left_over, next_step
+    from bench.compare.next_step import left_over
     from bench.dataset import load_dataset
     from bench.diagnose.mounting import mounted_otherwise
     from bench.effects import catalogue_for
     from bench.estimate.identify import fit, prepare
-    from bench.estimate.model_file import save_model
+    from bench.estimate.model_file import model_json
     from bench.estimate.shortness import short_recordings
     from bench.estimate.swapped import swapped_columns
     from bench.show.tables import identification_report
@@ -104,13 +108,13 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     result = replace(result, findings=(*swapped, *mounted, *result.findings, *short))
     written = []
     if json_file is not None:
-        save_model(result, json_file, data.folder)
-        written.append(f"Model: {json_file}")
+        write_answer(json_file, model_json(result, data.folder))
+        written.append(wrote(json_file, "model"))
     if rrd_file is not None:
         from bench.show.recording import write_rrd
 
         write_rrd(rrd_file, result, data)
-        written.append(f"Recording: {rrd_file} (open it with: rerun {rrd_file})")
+        written.append(wrote(rrd_file, f"recording: open it with rerun {rrd_file}"))
     if output is not None:
         from bench.report.content_run import Run
         from bench.report.write import write_identification_report
@@ -123,8 +127,29 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
             **given,
         }
         command = Run("identify", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
-        written.append(f"Report: {write_identification_report(output, result, data, command)}")
+        written.append(wrote(write_identification_report(output, result, data, command), "report"))
     identification_report(result, Console(), verbose=verbose)
     what = compared(data.robot, data.recordings, result.recordings, result.settings)
-    for line in (*left_over(what), *next_step(what, str(dataset)), *written):
-        click.echo(line)
+    say([*left_over(what), *written, _next(what, dataset, effects, effect_files, given, json_file)])
+
+
+def _next(
+    what: "Compared",
+    dataset: Path,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    given: dict[str, Any],
+    json_file: Path | None,
+) -> str:
+    """The command that makes sense after an identification."""
+    from bench.compare.next_step import DIAGNOSE, KEEP, beyond_noise
+    from bench.report.content_run import Run
+
+    files = tuple(map(str, effect_files))
+    if beyond_noise(what):
+        return f"next: {Run('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
+    if json_file is None or json_file == STANDARD_OUTPUT:
+        return (
+            f"next: {Run('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
+        )
+    return next_line(["compare", dataset, "--model", json_file], "shows its errors motor by motor")

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from bench.cli.completion import robots
+from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.parameters import Assignment, number_or_word, unique
 
 if TYPE_CHECKING:
@@ -17,7 +19,7 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 
 @click.command("import")
 @click.argument("file", type=click.Path(path_type=Path), required=False)
-@click.option("--robot", help="Built-in name, or path of a robot folder.")
+@click.option("--robot", shell_complete=robots, help="Built-in name, or path of a robot folder.")
 @click.option(
     "--mapping",
     "mapping_file",
@@ -122,8 +124,8 @@ def import_log(
     for path, note in imported.notes:
         click.echo(f"{path}: {note}")
     for entry in imported.entries:
-        click.echo(f"wrote {folder / entry.file} ({entry.use})")
-    click.echo(f"next: bench identify {folder}")
+        say([wrote(folder / entry.file, entry.use)])
+    say([next_line(["identify", folder])])
 
 
 def _refuse_beside_mapping(context: click.Context) -> None:

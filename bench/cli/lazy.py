@@ -7,6 +7,9 @@ from typing import Any
 
 import click
 
+from bench.cli.last_lines import quiet_here
+from bench.cli.progress import QUIET
+
 
 @dataclass(frozen=True)
 class LazyCommand:
@@ -15,6 +18,8 @@ class LazyCommand:
     target: str
     """`package.module:name` of a click command."""
     help: str
+    section: str = "Commands"
+    """Under which heading of the group's help it stands."""
 
     def load(self) -> click.Command:
         """Import the command."""
@@ -22,7 +27,19 @@ class LazyCommand:
         command = getattr(importlib.import_module(module), name)
         if not isinstance(command, click.Command):
             raise TypeError(f"{self.target} is not a click command")
+        _may_be_quiet(command)
         return command
+
+
+def _may_be_quiet(command: click.Command) -> None:
+    """Give a command, or those of a group, the option that all have."""
+    if isinstance(command, click.Group):
+        for one in command.commands.values():
+            _may_be_quiet(one)
+    elif not any(one.name == "quiet" for one in command.params):
+        quiet = ["-q", "--quiet"]
+        option = click.Option(quiet, is_flag=True, callback=quiet_here, help=QUIET, expose_value=False)
+        command.params.append(option)
 
 
 class LazyGroup(click.Group):
@@ -41,8 +58,25 @@ class LazyGroup(click.Group):
         lazy = self.lazy_commands.get(cmd_name)
         return lazy.load() if lazy else None
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is asked for; a misspelt one is told with the one that is most like it."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.NoSuchCommand as error:
+            raise click.NoSuchCommand(
+                error.command_name, possibilities=self.lazy_commands, ctx=ctx
+            ) from error
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's
-        """List every command from the table alone."""
-        if self.lazy_commands:
-            with formatter.section("Commands"):
-                formatter.write_dl([(name, lazy.help) for name, lazy in self.lazy_commands.items()])
+        """List every command from the table alone, section by section."""
+        width = max(map(len, self.lazy_commands), default=0)
+        for section in dict.fromkeys(lazy.section for lazy in self.lazy_commands.values()):
+            with formatter.section(section):
+                rows = [
+                    (n.ljust(width), one.help)
+                    for n, one in self.lazy_commands.items()
+                    if one.section == section
+                ]
+                formatter.write_dl(rows)

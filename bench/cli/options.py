@@ -6,6 +6,8 @@ from typing import Any
 
 import click
 
+from bench.cli.completion import effects
+from bench.cli.last_lines import answer_on
 from bench.errors import BenchError
 
 METHODS = ("current", "ls", "tls", "wls", "wtls")
@@ -18,6 +20,7 @@ with_option = click.option(
     "--with",
     "effects",
     multiple=True,
+    shell_complete=effects,
     metavar="EFFECT[:PLACE][@recording]",
     help="Add an effect to the model, on every actuator or at one place; with @recording each fitted recording has its "
     "own value. Repeat for each.",
@@ -38,6 +41,12 @@ def in_existing_folder(_context: click.Context, option: click.Parameter, file: P
     if file is not None and not file.parent.is_dir():
         raise BenchError(f"{option.opts[0]} {file}: there is no folder {file.parent}")
     return file
+
+
+def _answer_file(context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
+    """A file in a folder that is there, or "-" for standard output."""
+    answer_on(context, file)
+    return in_existing_folder(context, option, file)
 
 
 def as_folder(_context: click.Context, option: click.Parameter, folder: Path | None) -> Path | None:
@@ -67,8 +76,8 @@ json_option = click.option(
     "json_file",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    callback=in_existing_folder,
-    help="Write the answer as JSON.",
+    callback=_answer_file,
+    help="Write the answer as JSON; - for standard output.",
 )
 
 

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.last_lines import say, wrote
+
 
 @click.command("plot")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
@@ -31,4 +33,4 @@ def plot(
     table = table_in(folder)
     path = output or table.with_name(plot_name(x, y, lines))
     plot_sweep(table, path, x, y, lines, logarithmic=logarithmic)
-    click.echo(f"Figure: {path}")
+    say([wrote(path, "figure")])

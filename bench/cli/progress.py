@@ -8,15 +8,17 @@ from typing import Any
 
 import click
 
+from bench.cli.last_lines import quiet_here
 from bench.progress import SILENT, Progress
+
+QUIET = "Print nothing but errors, and show no progress."
 
 _elsewhere: ContextVar[Progress | None] = ContextVar("progress shown elsewhere", default=None)
 
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Say nothing of the progress."""
-    option = click.option("-q", "--quiet", is_flag=True, help="Show no progress on the terminal.")
-    return option(command)
+    """Show no progress, and print nothing but errors."""
+    return click.option("-q", "--quiet", is_flag=True, callback=quiet_here, help=QUIET)(command)
 
 
 @contextmanager

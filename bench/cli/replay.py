@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from bench.cli.last_lines import say, write_answer, wrote
 from bench.cli.options import dataset_argument, effect_file_option, in_existing_folder, json_option
 from bench.cli.progress import quiet_option
 
@@ -63,7 +64,6 @@ def replay(
     from bench.errors import BenchError
     from bench.export.identified import load_identified
     from bench.export.physical import physical_set
-    from bench.files import write_json_atomically
     from bench.replay.replay import replay as replayed
     from bench.replay.replay import replay_json
     from bench.replay.report import replay_report
@@ -78,8 +78,8 @@ def replay(
         result = replayed(data, physical, catalogue_for(data.effect_files, effect_files), progress)
     written = []
     if json_file is not None:
-        write_json_atomically(json_file, replay_json(result))
-        written.append(f"Replay: {json_file}")
+        write_answer(json_file, replay_json(result))
+        written.append(wrote(json_file, "answer"))
     if rrd_file is not None:
         from bench.estimate.model_file import read_identification
         from bench.show.recording import write_rrd
@@ -87,7 +87,6 @@ def replay(
         model = read_identification(model_file, data, catalogue_for(data.effect_files, effect_files))
         told = replace(model, method="twin", recordings=result.twin.recordings, error=result.twin.error)
         write_rrd(rrd_file, told, data)
-        written.append(f"Recording: {rrd_file} (open it with: rerun {rrd_file})")
+        written.append(wrote(rrd_file, f"recording: open it with rerun {rrd_file}"))
     replay_report(result, Console())
-    for line in written:
-        click.echo(line)
+    say(written)

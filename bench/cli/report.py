@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
     effect_file_option,
     filter_options,
@@ -60,7 +61,7 @@ def report(
         said = _written(source, data, effects, effect_files, given, output, progress)
     if said:
         click.echo(said, err=True)
-    click.echo(f"Report: {output}")
+    say([wrote(output, "report")])
 
 
 def _written(

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.completion import robots
+from bench.cli.last_lines import next_line, say, write_answer, wrote
 from bench.cli.options import json_option
 
 
@@ -13,7 +15,7 @@ def robot() -> None:
 
 
 @robot.command("check")
-@click.argument("folder", metavar="FOLDER")
+@click.argument("folder", metavar="FOLDER", shell_complete=robots)
 @json_option
 @click.option("-v", "--verbose", is_flag=True, help="List the base parameters and what they stand for.")
 def check(folder: str, json_file: Path | None, verbose: bool) -> None:
@@ -24,7 +26,6 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     from rich.console import Console
 
     from bench.errors import BenchError
-    from bench.files import write_json_atomically
     from bench.robot import load_robot
     from bench.robot_check.as_json import report_json
     from bench.robot_check.check import check_robot
@@ -37,5 +38,6 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
         prefix = f"robot {report.robot.name}: "
         raise BenchError(f"{prefix}{first.name}: {first.detail.removeprefix(prefix)}")
     if json_file is not None:
-        write_json_atomically(json_file, report_json(report))
-        click.echo(f"Report: {json_file}")
+        write_answer(json_file, report_json(report))
+        say([wrote(json_file, "answer")])
+    say([next_line(["open", "--robot", folder] if Path(folder).is_dir() else ["open"], "takes its logs")])

@@ -4,11 +4,13 @@ from pathlib import Path
 
 import click
 
+from bench.cli.completion import scenarios
+from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.progress import quiet_option, shown_progress
 
 
 @click.command("simulate")
-@click.argument("scenario")
+@click.argument("scenario", shell_complete=scenarios)
 @click.option(
     "-o",
     "--output",
@@ -18,8 +20,9 @@ from bench.cli.progress import quiet_option, shown_progress
     help="Dataset folder to write.",
 )
 @click.option("--seed", type=int, help="Another seed for gains and noise than the scenario's.")
+@click.option("--overwrite", is_flag=True, help="Replace a dataset that is in DIR already.")
 @quiet_option
-def simulate(scenario: str, output: Path, seed: int | None, quiet: bool) -> None:
+def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, quiet: bool) -> None:
     """Simulate a scenario and write its measurements as a dataset.
 
     SCENARIO is a built-in name or the path of a scenario file. The truth goes to DIR.truth.json, beside the
@@ -28,17 +31,26 @@ def simulate(scenario: str, output: Path, seed: int | None, quiet: bool) -> None
     with shown_progress(quiet) as progress:
         from functools import partial
 
+        from bench.dataset_toml import DATASET_FILE
+        from bench.errors import BenchError
         from bench.excite.scenario import designer
         from bench.scenario import load_scenario, resolve_trajectories
         from bench.truth.dataset import write_simulation
         from bench.truth.simulate import simulate as run
 
+        if (output / DATASET_FILE).exists() and not overwrite:
+            raise BenchError(f"{output}: holds a dataset already; --overwrite replaces it")
         loaded = load_scenario(scenario, {} if seed is None else {"seed": seed})
         trajectories = resolve_trajectories(loaded, partial(designer, progress=progress))
         simulation = run(loaded, trajectories, progress=progress)
         progress.phase("writing the recordings")
         truth = write_simulation(simulation, output)
-    click.echo(
-        f"Dataset: {output} ({len(simulation.recordings)} recordings, loop gap {simulation.loop_gap:.1e} m)"
+    count = len(simulation.recordings)
+    gap = f"loop gap {simulation.loop_gap:.1e} m"
+    say(
+        [
+            wrote(output, f"dataset: {count} recordings, {gap}"),
+            wrote(truth, "truth"),
+            next_line(["compare", output], "fits the model and shows where it fails"),
+        ]
     )
-    click.echo(f"Truth:   {truth}")

@@ -4,11 +4,13 @@ from pathlib import Path
 
 import click
 
+from bench.cli.completion import sweeps
+from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.progress import quiet_option, shown_progress
 
 
 @click.command("sweep")
-@click.argument("sweep_file", metavar="FILE")
+@click.argument("sweep_file", metavar="FILE", shell_complete=sweeps)
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
 @click.option(
     "--workers",
@@ -60,5 +62,5 @@ def sweep(
             from bench.report.write import REPORT_FILE, write_sweep_report
 
             page = write_sweep_report(output, output / REPORT_FILE)
-        click.echo(f"Report: {page}")
+        say([wrote(page, "report"), next_line(["table", output], "summarises it by axis")])
     return code

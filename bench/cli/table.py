@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from bench.cli.last_lines import say, wrote
+
 
 @click.command("table")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
@@ -29,4 +31,4 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
 
     summary, path = write_table_summary(table_in(folder), axes, metrics or ("gain_error",))
     print_summary(summary, table_console())
-    click.echo(f"Summary: {path}")
+    say([wrote(path, "summary")])

@@ -5,12 +5,14 @@ from typing import Any
 
 import click
 
+from bench.cli.completion import robots
+from bench.cli.last_lines import say, wrote
 from bench.cli.options import as_folder
 from bench.cli.progress import quiet_option, shown_progress
 
 
 @click.command("trial")
-@click.argument("robot", metavar="ROBOT")
+@click.argument("robot", metavar="ROBOT", shell_complete=robots)
 @click.option("--effects", metavar="A,B,...", default="", help="Hide these only. [default: all]")
 @click.option(
     "--kinds",
@@ -88,7 +90,7 @@ def trial(
 
         table = output / f"{load_robot(robot).name}.parquet"
         page = write_trial_report(table, table.with_suffix(".html"))
-    click.echo(f"Report: {page}")
+    say([wrote(page, "report")])
     return code
 
 

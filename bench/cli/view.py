@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from bench.cli.last_lines import say, wrote
 from bench.cli.options import effect_file_option, filter_options, given_filters, with_option
 
 
@@ -54,7 +55,7 @@ def view(
         write_rrd(path, told[0].result, told[0].dataset, story=told[0].story)
     else:
         write_side_by_side(path, told)
-    click.echo(f"Recording: {path}")
+    say([wrote(path, "recording")])
     if save is None:
         from bench.cli.open_viewer import open_viewer
 

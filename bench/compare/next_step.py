@@ -19,11 +19,13 @@ def left_over(what: Compared) -> list[str]:
     return found
 
 
-def next_step(what: Compared, dataset: str) -> list[str]:
-    """The command that tells more about the errors that are left; nothing where noise accounts for them."""
+DIAGNOSE = "tells which physical effect the model lacks"
+KEEP = "keeps the model"
+
+
+def beyond_noise(what: Compared) -> bool:
+    """Whether errors are left that noise does not account for."""
     errors = [
         (relative_error_of(what.of(joint)) or 0.0, relative_noise(what.of(joint))) for joint in what.joints
     ]
-    if any(error > MATERIAL * noise for error, noise in errors):
-        return [f"next: bench diagnose {dataset}    tells which physical effect the model lacks"]
-    return []
+    return any(error > MATERIAL * noise for error, noise in errors)

@@ -71,9 +71,11 @@ def select_effects(
         effect = catalogue[name]
         possible = places.of(effect.place)
         if joint and joint not in possible:
-            known = ", ".join(one for one in possible if one) or "only the robot as a whole"
+            near = meant(
+                joint, [one for one in possible if one] or ["only the robot as a whole"], "there are:"
+            )
             what = "joint" if effect.place in ("actuator", "passive", "robot") else effect.place
-            raise BenchError(f"effect {request!r}: no {what} {joint!r} where it can sit; there are: {known}")
+            raise BenchError(f"effect {request!r}: no {what} {joint!r} where it can sit; {near}")
         if not possible:
             raise BenchError(f"effect {request!r}: {NOWHERE[effect.place]}")
         if each and not can_differ(effect):

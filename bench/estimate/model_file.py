@@ -78,10 +78,15 @@ class Comparison:
 
 def save_model(result: Identification, path: str | Path, dataset: Path | None = None) -> None:
     """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from."""
+    write_text_atomically(Path(path), json.dumps(model_json(result, dataset), indent=1) + "\n")
+
+
+def model_json(result: Identification, dataset: Path | None = None) -> dict[str, Any]:
+    """What a model file holds. dataset: the folder that it was identified from."""
     answer = to_json(result)
     if dataset is not None:
         answer["dataset"] = str(dataset.resolve())
-    write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
+    return answer
 
 
 def load_model(path: str | Path) -> SavedModel:

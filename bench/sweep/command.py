@@ -45,12 +45,23 @@ def run_command(
     if dry_run or folder is None:
         return 0
 
+    def resumed(kept: int) -> None:
+        left = plan.size - kept
+        console.print(f"{kept} of {plan.size} runs are there from before, {left} to go", highlight=False)
+
     start = time.monotonic()
     with shown_progress(progress_console(quiet), plan.size) as report:
         work = IdentificationWork(plan.sweep.table.record)
         try:
             finished = run_sweep(
-                plan, folder, workers.pool, work, report, retry_failed=retry_failed, phase=report.phase
+                plan,
+                folder,
+                workers.pool,
+                work,
+                report,
+                retry_failed=retry_failed,
+                phase=report.phase,
+                resumed=resumed,
             )
         except KeyboardInterrupt:
             console.print("Stopped. Finished runs are kept: the same command goes on with the others.")
@@ -89,10 +100,10 @@ def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> i
     kept = f", {finished.kept} kept from before" if finished.kept else ""
     text = f"{_counted(made, 'run')} in {duration_text(seconds)}{kept}, {finished.failed} failed"
     console.print(text, highlight=False)
-    for name, path in (("Table", finished.table), ("Summary", finished.folder / SUMMARY)):
-        console.print(f"{name}: {path}", highlight=False, soft_wrap=True)
+    for name, path in (("table", finished.table), ("summary", finished.folder / SUMMARY)):
+        console.print(f"wrote {path} ({name})", highlight=False, soft_wrap=True)
     for path in plots:
-        console.print(f"Figure: {path}", highlight=False, soft_wrap=True)
+        console.print(f"wrote {path} (figure)", highlight=False, soft_wrap=True)
     return 1 if finished.failed == finished.runs else 0
 
 

@@ -41,16 +41,20 @@ def run_sweep(
     retry_failed: bool = False,
     designs: Path | None = None,
     phase: Phase = silent,
+    resumed: Callable[[int], None] = lambda _kept: None,
 ) -> Finished:
     """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's own by default.
 
-    report: told whenever runs are finished; phase: what goes on until then.
+    report: told whenever runs are finished; phase: what goes on until then; resumed: told
+    before anything runs how many runs are there from before.
 
     Started again on the same folder after whatever end it goes on, and the table is the same to the last bit.
     Raises BenchError if the folder belongs to another sweep, or cannot be written.
     """
     with written(folder):
-        return _run(plan, folder, make_pool, work, report, retry_failed, designs or folder / DESIGNS, phase)
+        return _run(
+            plan, folder, make_pool, work, report, retry_failed, designs or folder / DESIGNS, phase, resumed
+        )
 
 
 @contextmanager
@@ -72,12 +76,15 @@ def _run(
     retry_failed: bool,
     designs: Path,
     phase: Phase,
+    resumed: Callable[[int], None],
 ) -> Finished:
     _claim(plan, folder)
     journal = Journal(folder / JOURNAL, plan.size)
     try:
         report(journal)
         kept = journal.count - (len(journal.failed) if retry_failed else 0)
+        if kept:
+            resumed(kept)
         if journal.count < plan.size or (retry_failed and journal.failed):
             phase("starting workers")
             pool = make_pool()

@@ -28,7 +28,8 @@ const Effects = (() => {
       shownOf = key;
       [tried, applied] = [null, null];
       chosen.clear();
-      for (const one of found ? found.after.effects : []) chosen.add(one);
+      const known = (request) => app.described.effects.some((one) => one.name === request.split(":")[0]);
+      for (const one of found ? found.after.effects.filter(known) : []) chosen.add(one);
     }
     diagnosis = found;
     drawMissing(run, line);

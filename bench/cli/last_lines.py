@@ -1,0 +1,97 @@
+"""The last lines of a command: what it wrote, always in the same words, and the command that makes sense next."""
+
+import io
+import json
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from bench.diagnose.result import Diagnosis
+
+STANDARD_OUTPUT = Path("-")
+_OUTPUT, _QUIET = "bench.standard output", "bench.quiet"
+
+
+def wrote(path: str | Path, what: str = "") -> str:
+    """A file or a folder that was written, and what it is."""
+    return f"wrote {path} ({what})" if what else f"wrote {path}"
+
+
+def next_line(words: Sequence[str | Path], why: str = "") -> str:
+    """The command that makes sense next, to be copied, and what it does."""
+    from bench.report.content_run import quoted
+
+    line = f"next: {' '.join(quoted(word) for word in ('bench', *words))}"
+    return f"{line}    {why}" if why else line
+
+
+def say(lines: Sequence[str]) -> None:
+    """Print the last lines, what stands on standard output itself aside."""
+    for line in lines:
+        if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
+            click.echo(line)
+
+
+def quiet_here(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
+    """Let nothing but errors be printed, if that is asked for."""
+    if quiet:
+        _standard_output(context)
+        context.meta[_QUIET] = True
+        context.with_resource(redirect_stdout(io.StringIO()))
+    return quiet
+
+
+def answer_on(context: click.Context, file: Path | None) -> None:
+    """With an answer on standard output, what people read goes to standard error."""
+    if file == STANDARD_OUTPUT:
+        _standard_output(context)
+        if not context.meta.get(_QUIET):
+            context.with_resource(redirect_stdout(sys.stderr))
+
+
+def _standard_output(context: click.Context) -> Any:
+    return context.meta.setdefault(_OUTPUT, sys.stdout)
+
+
+def write_answer(path: Path, value: Any) -> None:
+    """Write an answer as JSON: to a file, whole or not at all, or to standard output."""
+    from bench.files import write_json_atomically
+
+    if path != STANDARD_OUTPUT:
+        write_json_atomically(path, value)
+        return
+    stream = _standard_output(click.get_current_context())
+    stream.write(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    stream.flush()
+
+
+def after_diagnosis(
+    diagnosis: "Diagnosis", dataset: Path, again: str, model: Path | None, effect_files: Sequence[Path] = ()
+) -> str:
+    """The step after a diagnosis. again: its own command line; model: the file of `--apply`.
+
+    effect_files: what the model needs beside the catalogue.
+    """
+    if diagnosis.missing and model is not None:
+        files = [word for file in effect_files for word in ("--effect-file", file)]
+        return next_line(["compare", dataset, "--model", model, *files], "shows what is left with them")
+    if diagnosis.missing:
+        return f"next: {again} --apply model.json    writes the model with what is missing"
+    doubtful = [one for one in diagnosis.ranking if one.verdict == "indistinguishable" and one.alternatives]
+    if doubtful:
+        one = doubtful[0]
+        pair = [
+            f"{name}:{one.actuators[0]}" if one.actuators else name
+            for name in (one.effect, one.alternatives[0])
+        ]
+        already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
+        folder = dataset.with_name(f"{dataset.resolve().name}.motion")
+        words: list[str | Path] = ["discriminate", dataset, *pair, *already, "-o", folder]
+        return next_line(words, "designs the motion that tells them apart")
+    already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
+    return next_line(["identify", dataset, *already, "--json", "model.json"], "keeps the model as it is")
