@@ -7,38 +7,38 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bench.compare.where import WhereItFails as WhereItFails
-    from bench.compare.where import where_it_fails as where_it_fails
-    from bench.dataset import Dataset as Dataset
-    from bench.dataset import load_dataset as load_dataset
-    from bench.diagnose.result import Diagnosis as Diagnosis
-    from bench.discover.find import find_missing_effects as find_missing_effects
-    from bench.errors import BenchError as BenchError
-    from bench.estimate.identify import identify as identify
-    from bench.estimate.result import Identification as Identification
-    from bench.recording import Recording as Recording
-    from bench.robot import Robot as Robot
-    from bench.robot import load_robot as load_robot
-    from bench.show.comparison import where_report as where_report
-    from bench.show.diagnosis import diagnosis_report as diagnosis_report
-    from bench.show.tables import identification_report as identification_report
+    from bench.basics.errors import BenchError as BenchError
+    from bench.dataset.dataset import Dataset as Dataset
+    from bench.dataset.dataset import load_dataset as load_dataset
+    from bench.dataset.recording import Recording as Recording
+    from bench.dataset.robot import Robot as Robot
+    from bench.dataset.robot import load_robot as load_robot
+    from bench.diagnosis.result import Diagnosis as Diagnosis
+    from bench.discovery.find import find_missing_effects as find_missing_effects
+    from bench.document.terminal.comparison import where_report as where_report
+    from bench.document.terminal.diagnosis import diagnosis_report as diagnosis_report
+    from bench.document.terminal.identification import identification_report as identification_report
+    from bench.identification.identify import identify as identify
+    from bench.identification.result import Identification as Identification
+    from bench.residuals.residuals import WhereItFails as WhereItFails
+    from bench.residuals.residuals import where_it_fails as where_it_fails
 
 _HOME_OF = {
-    "BenchError": "bench.errors",
-    "Dataset": "bench.dataset",
-    "Diagnosis": "bench.diagnose.result",
-    "Identification": "bench.estimate.result",
-    "Recording": "bench.recording",
-    "Robot": "bench.robot",
-    "WhereItFails": "bench.compare.where",
-    "diagnosis_report": "bench.show.diagnosis",
-    "find_missing_effects": "bench.discover.find",
-    "identification_report": "bench.show.tables",
-    "identify": "bench.estimate.identify",
-    "load_dataset": "bench.dataset",
-    "load_robot": "bench.robot",
-    "where_it_fails": "bench.compare.where",
-    "where_report": "bench.show.comparison",
+    "BenchError": "bench.basics.errors",
+    "Dataset": "bench.dataset.dataset",
+    "Diagnosis": "bench.diagnosis.result",
+    "Identification": "bench.identification.result",
+    "Recording": "bench.dataset.recording",
+    "Robot": "bench.dataset.robot",
+    "WhereItFails": "bench.residuals.residuals",
+    "diagnosis_report": "bench.document.terminal.diagnosis",
+    "find_missing_effects": "bench.discovery.find",
+    "identification_report": "bench.document.terminal.identification",
+    "identify": "bench.identification.identify",
+    "load_dataset": "bench.dataset.dataset",
+    "load_robot": "bench.dataset.robot",
+    "where_it_fails": "bench.residuals.residuals",
+    "where_report": "bench.document.terminal.comparison",
 }
 """Public name -> the module that defines it; in step with the imports above, which type checkers read."""
 

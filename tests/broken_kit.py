@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 
-from bench.recording import write_table
+from bench.dataset.recording import write_table
 
 CSV = "unloaded.csv"
 PARQUET = "loaded.parquet"

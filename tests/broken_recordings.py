@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from bench.recording import write_table
+from bench.dataset.recording import write_table
 from tests.broken_kit import CSV, PARQUET, broken, change_column, edit, edit_lines, read_columns, set_cell
 from tests.good_data import COUNT
 

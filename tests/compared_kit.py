@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.compare.motor import compared
-from bench.estimate.result import CurrentSeries
-from bench.recording import Recording
-from bench.robot import Actuator, Robot
+from bench.dataset.recording import Recording
+from bench.dataset.robot import Actuator, Robot
+from bench.identification.result import CurrentSeries
+from bench.residuals.motor import compared
 from bench.signals.settings import FilterSettings
 
 RATE, EVERY, ROWS = 1000.0, 25, 800  # logged samples per second, one row in so many, rows

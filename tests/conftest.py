@@ -40,7 +40,7 @@ def measured_data(project_root: Path) -> Path:
 @pytest.fixture(scope="session")
 def chromium():
     """A browser without a window; skips where there is none."""
-    from bench.report.browser import browser, browser_program
+    from bench.page.browser import browser, browser_program
 
     if browser_program() is None:
         pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from bench.dataset import Dataset
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
 from tests.shown import identification_of
 
 VISCOUS = EffectVerdict(

@@ -1,8 +1,8 @@
 """Machines with laws that no catalogue has, for tests of their discovery."""
 
-from bench.dataset import Dataset
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.dataset.dataset import Dataset
+from bench.excitation.scenario import designer
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

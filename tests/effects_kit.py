@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.dataset.recording import Recording
 from bench.effects import JointSignals, RobotSignals
-from bench.estimate.effect_columns import PresentModel, robot_signals
-from bench.estimate.measured import Measured
-from bench.estimate.standstill import no_gaps
+from bench.identification.effect_columns import PresentModel, robot_signals
+from bench.identification.filtered import Measured
+from bench.identification.standstill import no_gaps
 from bench.model.geometry import Geometry
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion, motion_of
 from bench.model.regressor import projected_regressor
-from bench.recording import Recording
 from bench.signals.settings import FilterSettings
 from tests.mechanisms import movement, robot_named
 

@@ -4,9 +4,9 @@ import functools
 import tempfile
 from pathlib import Path
 
-from bench.estimate.identify import identify
-from bench.estimate.model_file import save_model
 from bench.export.identified import load_identified
+from bench.identification.identify import identify
+from bench.identification.model_file import save_model
 from bench.truth.dataset import as_dataset
 from tests.hidden_kit import run
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.dataset import RecordingEntry, write_dataset_toml
-from bench.payload import Payload
-from bench.recording import write_recording
+from bench.dataset.dataset import RecordingEntry, write_dataset_toml
+from bench.dataset.payload import Payload
+from bench.dataset.recording import write_recording
 
 JOINTS = ("arm", "rail", "wheel")
 RATE = 500.0

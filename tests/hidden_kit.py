@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import mujoco
 import numpy as np
 
-from bench.scenario import load_scenario
+from bench.scenario.scenario import load_scenario
 from bench.truth.machine import build_machine
 from bench.truth.simulate import simulate
 

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from bench.dataset_toml import RecordingEntry
+from bench.dataset.dataset_toml import RecordingEntry
+from bench.dataset.payload import Payload
 from bench.logs.columns import LogMap
 from bench.logs.importing import Imported, LogRequest, import_log
 from bench.logs.segments import Cutting
-from bench.payload import Payload
 
 
 def told(

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.catalogue import built_in_robots
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import Robot, load_robot
 from bench.model.geometry import Geometry, read_geometry
-from bench.robot import Robot, load_robot
 
 HEAD = """
 <mujoco>

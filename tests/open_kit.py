@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from bench.dataset import load_dataset
+from bench.dataset.dataset import load_dataset
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
 from tests.hidden_kit import scenario

@@ -5,11 +5,11 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
-from bench.report.content import diagnosis_page, identification_page
-from bench.report.content_run import Made
-from bench.report.render import render_page
-from bench.robot import load_robot
+from bench.dataset.robot import load_robot
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.page.pages import diagnosis_page, identification_page
+from bench.page.render import render_page
+from bench.page.section_run import Made
 from tests.shown import dataset_of, identification_of
 
 MISSING = EffectVerdict(

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.dataset import Dataset
-from bench.estimate.finding import Code, Finding, Unknown
-from bench.estimate.result import (
+from bench.dataset.dataset import Dataset
+from bench.dataset.payload import Payload
+from bench.dataset.recording import Recording
+from bench.dataset.robot import Robot
+from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.result import (
     CurrentSeries,
     DriveGain,
     Identification,
@@ -15,9 +18,6 @@ from bench.estimate.result import (
     error_summary,
 )
 from bench.model.geometry import Geometry, read_geometry
-from bench.payload import Payload
-from bench.recording import Recording
-from bench.robot import Robot
 from bench.signals.settings import FilterSettings
 
 RATE = 1000.0

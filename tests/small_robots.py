@@ -1,6 +1,6 @@
 """Small robots that have what the built-in ones lack: welds, slides, ball joints, skewed bodies."""
 
-from bench.robot import load_robot
+from bench.dataset.robot import load_robot
 
 # A platform welded to a rail; joints off their bodies' origins, reference positions, skewed bodies.
 WELDED = """<mujoco>

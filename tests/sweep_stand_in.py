@@ -10,11 +10,11 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.errors import BenchError
-from bench.sweep.plan import make_plan
-from bench.sweep.pool import LocalPool, Outcome, attempt
-from bench.sweep.run_sweep import run_sweep
-from bench.sweep.sweep_file import load_sweep
+from bench.basics.errors import BenchError
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.pool import LocalPool, Outcome, attempt
+from bench.studies.sweep.run_sweep import run_sweep
+from bench.studies.sweep.sweep_file import load_sweep
 from bench.truth.streams import stream
 
 SWEEP = """

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.dataset import load_dataset
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
 from tests.broken import BROKEN
 from tests.good_data import write_good_dataset
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from bench.chi_squared import exceeded_with, tail
+from bench.basics.chi_squared import exceeded_with, tail
 
 FREEDOM = (0.3, 1.0, 2.0, 7.5, 40.0, 900.0, 30_000.0)
 

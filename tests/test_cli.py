@@ -11,9 +11,9 @@ import click
 import pytest
 
 from bench import cli
+from bench.basics.errors import BenchError
 from bench.cli.lazy import LazyCommand, LazyGroup
-from bench.errors import BenchError
-from bench.files import atomic_path
+from bench.files.atomic import atomic_path
 
 SLOW = {
     "jinja2",
@@ -162,7 +162,7 @@ import click
 from bench import cli
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs start with it ignored
 from bench.cli.lazy import LazyCommand
-from bench.files import atomic_path
+from bench.files.atomic import atomic_path
 
 def wait():
     with atomic_path({str(tmp_path / "answer.json")!r}) as partial:
@@ -199,7 +199,7 @@ def test_version_and_module(project_root):
 
 def test_a_target_that_is_no_command_is_a_bug():
     with pytest.raises(TypeError, match="not a click command"):
-        LazyCommand("bench.errors:BenchError", "No command.").load()
+        LazyCommand("bench.basics.errors:BenchError", "No command.").load()
 
 
 def test_commands_are_listed_in_the_order_of_the_table():

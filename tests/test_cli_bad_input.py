@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from bench.cli import main
-from bench.dataset import RecordingEntry, write_dataset_toml
-from bench.recording import write_recording
+from bench.dataset.dataset import RecordingEntry, write_dataset_toml
+from bench.dataset.recording import write_recording
 from tests.broken import BROKEN
 from tests.broken_robots import BROKEN_ROBOTS, write_five_bar
 from tests.good_data import write_good_dataset, write_robot

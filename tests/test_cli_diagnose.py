@@ -11,24 +11,24 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from bench.cli import main
-from bench.dataset import load_dataset
-from bench.diagnose.as_json import diagnosis_json
-from bench.diagnose.possible import impossible_effects, refused, superfluous_effect
-from bench.diagnose.result import LadderStep
-from bench.diagnose.summary import doubts, error_share, motor_torques, reason, summary_sentences
+from bench.dataset.dataset import load_dataset
+from bench.dataset.robot import load_robot
+from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.pruning import impossible_effects, refused, superfluous_effect
+from bench.diagnosis.result import LadderStep
+from bench.diagnosis.summary import doubts, error_share, motor_torques, reason, summary_sentences
 from bench.document.diagnosis import ranking_table, size_words
-from bench.document.terminal import bar
-from bench.effects import CATALOGUE, EffectInstance
-from bench.estimate.model_file import apply_model, load_model
-from bench.estimate.result import Quantity, relative_error
-from bench.robot import load_robot
-from bench.show.diagnosis import diagnosis_report
-from bench.show.diagnosis_figures import (
+from bench.document.figures.diagnosis import (
     errors_before_after_figure,
     gains_figure,
     ladder_figure,
     write_diagnosis_figures,
 )
+from bench.document.terminal.diagnosis import diagnosis_report
+from bench.document.terminal.tables import bar
+from bench.effects import CATALOGUE, EffectInstance
+from bench.identification.model_file import apply_model, load_model
+from bench.identification.result import Quantity, relative_error
 from bench.truth.dataset import write_simulation
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.hidden_kit import scenario, simulate

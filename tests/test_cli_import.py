@@ -9,8 +9,8 @@ import pytest
 from bench import load_dataset, load_robot
 from bench.cli import main
 from bench.cli.import_log import CHECKS
-from bench.joint_facts import joint_facts
-from bench.recording_checks import CHECKS as KNOWN_CHECKS
+from bench.dataset.joint_facts import joint_facts
+from bench.dataset.recording_checks import CHECKS as KNOWN_CHECKS
 
 COUNT = 1000
 

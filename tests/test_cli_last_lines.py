@@ -52,7 +52,7 @@ def test_the_last_line_is_the_next_command_with_all_that_was_given(data, tmp_pat
 def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
     from dataclasses import replace
 
-    from bench.robot import load_robot
+    from bench.dataset.robot import load_robot
 
     folder, model = tmp_path / "data", tmp_path / "model.json"
     found = found_diagnosis(dataset_of(load_robot("five_bar")))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bench.cli import main
-from bench.estimate.finding_words import sentence
-from bench.estimate.shortness import short_recordings
-from bench.recording import Recording
+from bench.dataset.recording import Recording
+from bench.identification.finding_words import sentence
+from bench.identification.shortness import short_recordings
 from bench.signals.settings import FilterSettings
 from bench.truth.dataset import write_simulation
 from tests.good_data import RATE, write_good_dataset
@@ -31,8 +31,8 @@ def refused(tmp_path, capsys, monkeypatch):
 
     def run(*arguments, reads=False):
         if not reads:
-            monkeypatch.setattr("bench.dataset.load_dataset", never)
-            monkeypatch.setattr("bench.trial.command.run_command", never)
+            monkeypatch.setattr("bench.dataset.dataset.load_dataset", never)
+            monkeypatch.setattr("bench.studies.trial.command.run_command", never)
         assert main([*map(str, arguments)]) == 2
         out, err = capsys.readouterr()
         assert out == ""

@@ -6,8 +6,8 @@ import re
 import pytest
 
 from bench.cli import main
-from bench.dataset import load_dataset
-from bench.report.folder import read_run
+from bench.dataset.dataset import load_dataset
+from bench.page.folder import read_run
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
 from tests.hidden_kit import scenario

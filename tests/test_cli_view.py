@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.cli import main, open_viewer
-from bench.sweep.again import run_again, telling_runs
+from bench.studies.sweep.rerun_runs import run_again, telling_runs
 from bench.truth.dataset import write_simulation
 from tests.hidden_kit import run
 from tests.rrd_reader import numbers, origins, static_value, verified
@@ -102,9 +102,9 @@ def swept(tmp_path_factory):
 
 
 def test_runs_of_a_sweep_are_made_again_and_stand_side_by_side(swept, tmp_path):
-    from bench.sweep.again import plan_of
-    from bench.sweep.results import table_in
-    from bench.sweep.table import read_table
+    from bench.studies.sweep.rerun_runs import plan_of
+    from bench.studies.sweep.results import table_in
+    from bench.studies.sweep.table import read_table
 
     path = tmp_path / "swept.rrd"
     viewed(swept, "--run", "0", "--run", "3", "--save", path)

@@ -5,16 +5,16 @@ import json
 import numpy as np
 import pytest
 
-from bench.compare.as_json import where_json
-from bench.compare.concentration import concentrations, shares
-from bench.compare.memory import autocorrelation, correlations, memory
-from bench.compare.motor import compared, relative_error_of, relative_noise
-from bench.compare.opposing import changes
-from bench.compare.periods import lines, position_spectrum, time_spectrum
-from bench.compare.profile import binned, dependences, profile
-from bench.compare.regions import regions
-from bench.compare.where import errors_by_motor
-from bench.compare.words import dependence_words, where_sentences
+from bench.residuals.as_json import where_json
+from bench.residuals.autocorrelation import autocorrelation, correlations, memory
+from bench.residuals.concentration import concentrations, shares
+from bench.residuals.motor import compared, relative_error_of, relative_noise
+from bench.residuals.opposing_motion import changes
+from bench.residuals.periods import lines, position_spectrum, time_spectrum
+from bench.residuals.profile import binned, dependences, profile
+from bench.residuals.regions import regions
+from bench.residuals.residuals import errors_by_motor
+from bench.residuals.words import dependence_words, where_sentences
 from bench.signals.decimation import noise_bandwidth
 from tests.compared_kit import EVERY, NOISE, RATE, ROWS, SETTINGS, coloured, made, one_recording, robot, white
 

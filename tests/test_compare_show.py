@@ -12,14 +12,14 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from bench.cli import main
-from bench.compare.motor import compared
-from bench.compare.profile import profile, values_of
-from bench.compare.where import errors_by_motor, where_it_fails
-from bench.dataset import load_dataset
-from bench.estimate.identify import identify
-from bench.show.comparison import where_report
-from bench.show.comparison_figures import currents_figure, errors_figure, write_comparison_figures
-from bench.show.comparison_panels import BINS, draw_against, worth_drawing
+from bench.dataset.dataset import load_dataset
+from bench.document.figures.comparison import currents_figure, errors_figure, write_comparison_figures
+from bench.document.figures.comparison_panels import BINS, draw_against, worth_drawing
+from bench.document.terminal.comparison import where_report
+from bench.identification.identify import identify
+from bench.residuals.motor import compared
+from bench.residuals.profile import profile, values_of
+from bench.residuals.residuals import errors_by_motor, where_it_fails
 from bench.truth.dataset import write_simulation
 from tests.compared_kit import ROWS, SETTINGS, made, one_recording, robot, white
 from tests.hidden_kit import scenario, simulate

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.dataset import RecordingEntry, load_dataset, write_dataset_toml
-from bench.errors import BenchError
-from bench.payload import Payload, payload_fault
-from bench.recording import write_recording
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import RecordingEntry, load_dataset, write_dataset_toml
+from bench.dataset.payload import Payload, payload_fault
+from bench.dataset.recording import write_recording
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_good_dataset, write_robot
 
 
@@ -69,7 +69,9 @@ def test_an_interrupted_write_leaves_the_older_file_whole(
     path = tmp_path / f"a.{suffix}"
     write_recording(path, time_stamps(), *movement(time_stamps()), JOINTS)
     before = path.read_bytes()
-    writer = "bench.recording._write_csv" if suffix == "csv" else "bench.recording._write_parquet"
+    writer = (
+        "bench.dataset.recording._write_csv" if suffix == "csv" else "bench.dataset.recording._write_parquet"
+    )
 
     def half(target: Path, columns: object) -> None:
         target.write_text("time,posi")

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.errors import BenchError
-from bench.report.digest import dataset_digest
-from bench.sampling import FEWEST
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
+from bench.dataset.sampling import FEWEST
+from bench.page.digest import dataset_digest
 from tests.good_data import COUNT, RATE, write_good_dataset
 
 END = (COUNT - 1) / RATE

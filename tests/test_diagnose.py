@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import pytest
 
-from bench.dataset import Dataset
-from bench.diagnose.diagnose import diagnose
-from bench.diagnose.result import Diagnosis
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.result import Diagnosis
 from bench.effects import CATALOGUE, EffectInstance
-from bench.estimate.identify import fit
-from bench.estimate.prepare import prepare, with_effects
-from bench.estimate.settle import settled
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import designer
+from bench.identification.identify import fit
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import prepare, with_effects
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import Dataset, load_dataset
-from bench.diagnose.as_json import diagnosis_json
-from bench.diagnose.diagnose import diagnose
-from bench.diagnose.differs import differing
-from bench.diagnose.result import Diagnosis
-from bench.diagnose.summary import summary_sentences
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.differs import differing
+from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.summary import summary_sentences
 from bench.effects import CATALOGUE
-from bench.estimate.identify import gains_can_be_fitted
-from bench.estimate.prepare import prepare
-from bench.estimate.settle import settled
+from bench.identification.identify import gains_can_be_fitted
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import prepare
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from bench.diagnose.as_json import diagnosis_json
-from bench.diagnose.summary import doubts, summary_sentences
-from bench.estimate.findings import runaway, with_findings
-from bench.robot import load_robot
+from bench.dataset.robot import load_robot
+from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.summary import doubts, summary_sentences
+from bench.identification.findings import runaway, with_findings
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
 

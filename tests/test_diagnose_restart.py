@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnose.restart import restarted
-from bench.estimate.current_error import minimised, squared_errors
-from bench.estimate.solution import Solution
-from bench.estimate.stack import Stack, compress
+from bench.diagnosis.restart import restarted
+from bench.identification.compressed import Stack, compress
+from bench.identification.current_error import minimised, squared_errors
+from bench.identification.solution import Solution
 
 NOMINAL = np.array([3.0, 3.0])
 TRUE = np.array([3.3, 2.8])

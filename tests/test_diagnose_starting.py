@@ -5,11 +5,11 @@ import json
 import pytest
 
 from bench.cli import main
-from bench.dataset import Dataset, load_dataset
-from bench.diagnose.as_json import diagnosis_json
-from bench.diagnose.diagnose import diagnose
-from bench.diagnose.result import Diagnosis, Superfluous
-from bench.diagnose.summary import summary_sentences
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.result import Diagnosis, Superfluous
+from bench.diagnosis.summary import summary_sentences
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 PUBLISHED = ("viscous_friction", "coulomb_friction", "constant_offset")

@@ -6,12 +6,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bench.diagnose.many_sets import solve_sets
-from bench.diagnose.system import Candidate, System, _orthonormal, _products, _solved, _triangle, solve_set
-from bench.diagnose.system import squared_errors as left_by
-from bench.estimate.current_error import minimised, squared_errors
-from bench.estimate.solution import Solution
-from bench.estimate.stack import compress
+from bench.diagnosis.batched_sets import solve_sets
+from bench.diagnosis.normal_equations import (
+    Candidate,
+    System,
+    _orthonormal,
+    _products,
+    _solved,
+    _triangle,
+    solve_set,
+)
+from bench.diagnosis.normal_equations import squared_errors as left_by
+from bench.identification.compressed import compress
+from bench.identification.current_error import minimised, squared_errors
+from bench.identification.solution import Solution
 
 TRUE = np.array([3.3, 2.8])
 OWN, ADDED = 5, 6

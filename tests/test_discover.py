@@ -5,16 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from bench.dataset import Dataset
-from bench.diagnose.as_json import diagnosis_json
-from bench.diagnose.diagnose import diagnose
-from bench.diagnose.law_words import law_sentences, symbols
-from bench.diagnose.result import Diagnosis
-from bench.diagnose.summary import summary_sentences
-from bench.discover.find import diagnose_and_discover, find_missing_effects
-from bench.discover.written import write_laws
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.law_words import law_sentences, symbols
+from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.summary import summary_sentences
+from bench.discovery.find import diagnose_and_discover, find_missing_effects
+from bench.discovery.written import write_laws
 from bench.effects import catalogue_for
-from bench.estimate.identify import identify
+from bench.identification.identify import identify
 from tests.discover_kit import BRAKED, measured
 
 FLOOR = 1.15  # times the noise: what may be left

@@ -7,19 +7,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bench.diagnose.rounds import problem_of
-from bench.discover.factors import Decay, Memory, Power, Step, Wave
-from bench.discover.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
-from bench.discover.named import NAMED, name_of
-from bench.discover.screen import Known, few_rows, left_by, screened
-from bench.discover.seen import places_of, scope_of, seen_at
-from bench.discover.source import law_effect, law_source
-from bench.discover.term import Term, freed
-from bench.discover.units import times, written
-from bench.discover.variables import OF_A_MOTOR, Place, Seen, Variable
+from bench.diagnosis.rounds import problem_of
+from bench.discovery.factors import Decay, Memory, Power, Step, Wave
+from bench.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
+from bench.discovery.named import NAMED, name_of
+from bench.discovery.screen import Known, few_rows, left_by, screened
+from bench.discovery.seen import places_of, scope_of, seen_at
+from bench.discovery.source import law_effect, law_source
+from bench.discovery.term import Term, freed
+from bench.discovery.units import times, written
+from bench.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
-from bench.estimate.prepare import prepare
+from bench.identification.prepare import prepare
 from tests.discover_kit import BRAKED, measured
 
 MIXED = Place(("left", "right", "slide"), (True, True, False), 0)

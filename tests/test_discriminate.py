@@ -8,18 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.diagnose.diagnose import diagnose
-from bench.discriminate.discriminate import discriminate
-from bench.discriminate.files import write_discrimination
-from bench.discriminate.words import motion_words, next_step, sentences, warnings
+from bench.diagnosis.diagnose import diagnose
 from bench.effects import CATALOGUE
-from bench.errors import BenchError
+from bench.excitation.discrimination.discriminate import discriminate
+from bench.excitation.discrimination.figure import discrimination_figure, write_discrimination_figure
+from bench.excitation.discrimination.files import write_discrimination
+from bench.excitation.discrimination.sentences import motion_words, next_step, sentences, warnings
 from bench.model.geometry import read_geometry
 from bench.model.states import active_ranges
-from bench.scenario import load_scenario, resolve_trajectories
-from bench.show.discrimination_figure import discrimination_figure, write_discrimination_figure
-from bench.trajectory import FourierTrajectory
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import simulate
 

@@ -8,16 +8,16 @@ from typing import get_args
 import pytest
 from rich.console import Console
 
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
 from bench.document.diagnosis import gains_before_after, ladder_table, parameters_before_after, ranking_table
 from bench.document.identification import effects_table, errors_table, gains_table, parameters_table
-from bench.document.markdown import markdown
+from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Kind, Table
-from bench.document.terminal import printed
-from bench.errors import BenchError
-from bench.estimate.result import Quantity
-from bench.report.tables import on_page
-from bench.report.words import typeset
-from bench.robot import load_robot
+from bench.document.terminal.tables import printed
+from bench.identification.result import Quantity
+from bench.page.tables import on_page
+from bench.page.words import typeset
 from tests.report_kit import diagnosis
 from tests.shown import dataset_of, identification_of
 

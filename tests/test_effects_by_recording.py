@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from bench.basics.errors import BenchError
 from bench.cli.identify import identify as identify_command
-from bench.dataset import Dataset, load_dataset
-from bench.diagnose.split import with_judged_parts
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.split import with_judged_parts
+from bench.document.terminal.identification import effects_table
 from bench.effects import CATALOGUE, select_effects
 from bench.effects.places import Places
-from bench.errors import BenchError
-from bench.estimate.identify import identify
-from bench.estimate.model_file import apply_model, load_model, save_model
-from bench.estimate.result import Identification
-from bench.show.tables import effects_table
+from bench.identification.identify import identify
+from bench.identification.model_file import apply_model, load_model, save_model
+from bench.identification.result import Identification
 from bench.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset
 from tests.workbench_solver import Solver

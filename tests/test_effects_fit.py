@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, places_in, select_effects
-from bench.errors import BenchError
-from bench.estimate.identify import fit, identify, prepare
-from bench.estimate.model_json import to_json
-from bench.estimate.prepare import Prepared, with_effects
-from bench.estimate.result import Identification
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import designer
+from bench.identification.identify import fit, identify, prepare
+from bench.identification.model_json import to_json
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.result import Identification
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

@@ -8,9 +8,9 @@ import pytest
 
 from bench.effects import CATALOGUE, EffectInstance, RobotSignals
 from bench.effects.body_length import lengths, with_length
-from bench.effects.evaluate import columns_at_motors
-from bench.effects.kept import KeptRows
-from bench.estimate import effect_rows
+from bench.effects.checked_columns import columns_at_motors
+from bench.effects.row_cache import KeptRows
+from bench.identification import effect_rows
 from bench.model.motion import motion_of
 from tests.effects_kit import moving_robot, rigid_torque
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import Dataset, load_dataset
+from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for
-from bench.estimate.identify import identify, prepare
-from bench.estimate.prepare import with_effects
-from bench.estimate.settle import settled
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import designer
+from bench.identification.identify import identify, prepare
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import with_effects
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, EffectInstance, effect_columns, places_in, select_effects
 from bench.effects.body_length import lengths, with_length
 from bench.effects.on_spring import deflection
 from bench.effects.signals import RobotSignals
 from bench.effects.tool_motion import tool_motion, tool_of
-from bench.errors import BenchError
 from bench.model.geometry import read_geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
@@ -193,7 +193,7 @@ def test_encoder_offset_flexibility_and_backlash_move_the_link(
     torque = robot.torque()[:, 1]
     compliance = 2e-3 / np.abs(torque).max()
     smoothed = columns_at(robot, "drive_flexibility", joint, C=compliance)[200:-200, :, 0]
-    monkeypatch.setattr("bench.effects.drive_flexibility.motion_cutoff", lambda robot, joint: None)
+    monkeypatch.setattr("bench.effects.laws.drive_flexibility.motion_cutoff", lambda robot, joint: None)
     whole = columns_at(robot, "drive_flexibility", joint, C=compliance)[200:-200, :, 0]
     assert np.sqrt(np.mean((smoothed - whole) ** 2) / np.mean(whole**2)) < 0.01
     soft = 0.1 * np.sqrt((torque[:: robot.every] ** 2).mean())

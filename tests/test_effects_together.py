@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import Dataset
-from bench.estimate.identify import identify
-from bench.estimate.result import Identification, Quantity
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.dataset.dataset import Dataset
+from bench.excitation.scenario import designer
+from bench.identification.identify import identify
+from bench.identification.result import Identification, Quantity
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

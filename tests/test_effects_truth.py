@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bench.dataset import Dataset
+from bench.dataset.dataset import Dataset
 from bench.effects import CATALOGUE, places_in, select_effects
-from bench.estimate.identify import fit, identify, prepare
-from bench.estimate.prepare import with_effects
-from bench.estimate.result import Identification
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import designer
+from bench.identification.identify import fit, identify, prepare
+from bench.identification.prepare import with_effects
+from bench.identification.result import Identification
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.signals.decimation import noise_bandwidth
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate

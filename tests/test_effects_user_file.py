@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from bench import cli
-from bench.dataset import Dataset, load_dataset
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for, load_effects
-from bench.errors import BenchError
-from bench.estimate.identify import identify
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import designer
+from bench.identification.identify import identify
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import Simulation, simulate
 

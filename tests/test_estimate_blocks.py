@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.estimate.blocks import Block, block_scatter, blocks_in
-from bench.estimate.deviations import _widened
-from bench.estimate.identify import identify
-from bench.estimate.model_json import from_json, to_json
-from bench.scenario import load_scenario
+from bench.identification.blocks import Block, block_scatter, blocks_in
+from bench.identification.identify import identify
+from bench.identification.model_json import from_json, to_json
+from bench.identification.standard_errors import _widened
+from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
 from bench.truth.simulate import Simulation, simulate

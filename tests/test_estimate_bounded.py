@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from bench.estimate.bounded import minimum_between
+from bench.identification.bounded import minimum_between
 
 FUNCTIONS = {
     "parabola": lambda x: (x - 0.3) ** 2,

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from bench.excite import design
-from bench.excite.design import Movement, design_trajectories
-from bench.excite.limits import feasible_motion
-from bench.payload import Payload
-from bench.robot import load_robot
-from bench.scenario import home_position
+from bench.dataset.payload import Payload
+from bench.dataset.robot import load_robot
+from bench.excitation import design
+from bench.excitation.design import Movement, design_trajectories
+from bench.excitation.limits import feasible_motion
+from bench.scenario.scenario import home_position
 
 DISC = Payload("disc", 0.5, np.array([0.0, 0.0, 0.02]), np.array([1e-3, 1e-3, 2e-3, 0.0, 0.0, 0.0]))
 

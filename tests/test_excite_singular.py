@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from bench.excite.design import Movement, design_trajectories
-from bench.excite.limits import HELD
+from bench.excitation.design import Movement, design_trajectories
+from bench.excitation.limits import HELD
 from bench.model.mobility import smallest_singular_values
 from bench.model.model import build_model
 from bench.model.motion import motion_of

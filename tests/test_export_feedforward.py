@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.errors import BenchError
-from bench.estimate.model_file import apply_model, load_model
+from bench.dataset.robot import load_robot
 from bench.export.c_code import LAWS, c_text
 from bench.export.feedforward import PASSIVE, Feedforward, chosen_effects
+from bench.identification.model_file import apply_model, load_model
 from bench.model.model import build_model
 from bench.model.motion import motion_of
-from bench.robot import load_robot
 from bench.speed.feedforward import seconds_per_call
 from tests.export_kit import identified, identified_file, simulated
 from tests.test_export_files import with_effects

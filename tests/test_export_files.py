@@ -12,24 +12,24 @@ import pinocchio as pin
 import pytest
 import yaml
 
-from bench.catalogue import built_in_robots
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.dataset import load_dataset
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.dataset import load_dataset
+from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
 from bench.effects.select import EffectInstance
-from bench.errors import BenchError
-from bench.estimate.identify import identify
-from bench.estimate.model_file import save_model
 from bench.export.identified import EffectValues, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.export.placed import RULES, left_lines, placed_effects
 from bench.export.prior import cad_prior
 from bench.export.urdf import urdf_text
+from bench.identification.identify import identify
+from bench.identification.model_file import save_model
 from bench.model.geometry import read_geometry
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
-from bench.robot import load_robot
 from tests.export_kit import identified, identified_file
 from tests.test_export_physical import base_of
 

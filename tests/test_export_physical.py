@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.errors import BenchError
-from bench.estimate.identify import identify
-from bench.estimate.model_file import save_model
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
 from bench.export.identified import load_identified
 from bench.export.physical import physical_set
 from bench.export.prior import cad_prior
 from bench.export.pseudo_inertia import about_center, from_scaled, pseudo_inertia, standard_parameters
+from bench.identification.identify import identify
+from bench.identification.model_file import save_model
 from bench.model.regressor import moved_parameters
 from bench.truth.dataset import write_simulation
 from tests.export_kit import RICH, identified, identified_file

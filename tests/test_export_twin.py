@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, ActuatorEffect, EffectParameter, JointSignals
-from bench.effects.presliding_hysteresis import dahl_state
-from bench.errors import BenchError
+from bench.effects.laws.presliding_hysteresis import dahl_state
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.export.sidecar import sidecar, write_sidecar

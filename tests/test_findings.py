@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from bench.estimate.finding import Code, Finding, Unknown
-from bench.estimate.finding_words import UNBELIEVABLE, WORDS, note, sentence
-from bench.estimate.findings import runaway, unlike, with_findings
-from bench.estimate.model_file import load_model, save_model
-from bench.robot import load_robot
+from bench.dataset.robot import load_robot
+from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.finding_words import UNBELIEVABLE, WORDS, note, sentence
+from bench.identification.findings import runaway, unlike, with_findings
+from bench.identification.model_file import load_model, save_model
 from tests.shown import dataset_of, identification_of
 
 

@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.catalogue import built_in_robots
-from bench.dataset import Dataset
-from bench.errors import BenchError
-from bench.estimate.estimators import ESTIMATORS
-from bench.estimate.identify import fit, identify, prepare
-from bench.estimate.model_file import apply_model, load_model, save_model
-from bench.estimate.model_json import to_json
-from bench.excite.scenario import designer
-from bench.robot import load_robot
-from bench.scenario import load_scenario, resolve_trajectories
-from bench.sweep.accuracy import accuracy
-from bench.sweep.true_parameters import true_base_parameters
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.dataset import Dataset
+from bench.dataset.robot import load_robot
+from bench.excitation.scenario import designer
+from bench.identification.estimators import ESTIMATORS
+from bench.identification.identify import fit, identify, prepare
+from bench.identification.model_file import apply_model, load_model, save_model
+from bench.identification.model_json import to_json
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.studies.sweep.accuracy import accuracy
+from bench.studies.sweep.true_parameters import true_base_parameters
 from bench.truth.dataset import as_dataset
 from bench.truth.report import truth
 from bench.truth.simulate import Simulation, simulate

@@ -9,11 +9,11 @@ import pyarrow.parquet as pq
 import pytest
 from scipy.io import savemat
 
-from bench.dataset import load_dataset
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
+from bench.dataset.payload import Payload
+from bench.dataset.recording import write_table
 from bench.logs.columns import LogMap
-from bench.payload import Payload
-from bench.recording import write_table
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_robot
 from tests.logs_kit import imported
 

@@ -6,16 +6,23 @@ import pytest
 
 from tests.import_graph import chain, imports_in, modules_of, read_graph, within
 
-TRUTH = ("bench.scenario", "bench.truth")
-MODEL = ("bench.compare", "bench.diagnose", "bench.effects", "bench.estimate", "bench.model", "bench.signals")
+TRUTH = ("bench.scenario.scenario", "bench.truth")
+MODEL = (
+    "bench.residuals",
+    "bench.diagnosis",
+    "bench.effects",
+    "bench.identification",
+    "bench.model",
+    "bench.signals",
+)
 ABOVE = (
     "bench.cli",
     "bench.demo",
-    "bench.excite",
-    "bench.report",
+    "bench.excitation",
+    "bench.page",
     "bench.robot_check",
     "bench.show",
-    "bench.sweep",
+    "bench.studies.sweep",
 )
 
 # The one place of the model that reads the MJCF, and all that it may call there: names, no dynamics.
@@ -29,11 +36,11 @@ MAY_IMPORT_BY_NAME = {
     "bench",
     "bench.cli.lazy",
     "bench.effects.user_file",  # a user's own effect
-    "bench.sweep.dask_pool",  # an optional dependency
+    "bench.studies.sweep.dask_pool",  # an optional dependency
     "bench.peers.figaroh_arm",  # versions of the peers
     "bench.peers.__main__",  # versions of the peers
     "bench.peers.mujoco_sysid",  # versions of the peers
-    "bench.sweep.versions",  # versions of what is installed
+    "bench.studies.sweep.versions",  # versions of what is installed
 }
 
 
@@ -106,7 +113,7 @@ def test_checks_see_direct_indirect_and_hidden_imports(tmp_path):
         "truth/indirect.py": "import bench.helper",
         "truth/hidden.py": "def f():\n    from bench.model.tree import g",
         "truth/typed.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import bench.model.tree",
-        "truth/innocent.py": "import bench.robot, bench.modelling",
+        "truth/innocent.py": "import bench.dataset.robot, bench.modelling",
         "helper.py": "import bench.between",
         "between.py": "import bench.model",
         "model/__init__.py": "",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
-from bench.interpolation import PiecewisePolynomial, cubic_spline
+from bench.basics.interpolation import PiecewisePolynomial, cubic_spline
 
 
 @pytest.mark.parametrize("shape", [(), (2,), (3, 2)])

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.dataset import load_dataset
-from bench.errors import BenchError
+from bench.dataset.dataset import load_dataset
+from bench.dataset.recording import write_table
 from bench.logs.columns import LogMap
-from bench.recording import write_table
 from tests.good_data import COUNT, JOINTS, movement, time_stamps, write_robot
 from tests.logs_kit import told
 

@@ -11,9 +11,9 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.dataset import load_dataset
-from bench.errors import BenchError
+from bench.dataset.dataset import load_dataset
 from bench.logs.columns import LogMap
 from bench.logs.log_file import Reading, read_log
 from bench.logs.ros_bag import EFFORT, JOINT_STATE

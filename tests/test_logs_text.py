@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
 from bench.logs.columns import LogMap
 from bench.logs.log_file import Reading, read_log
 from bench.logs.units import UNITS, unit_named

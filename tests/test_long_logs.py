@@ -6,17 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.estimate import deviations, measured, observation
-from bench.estimate.deviations import MOST_LAGS, _autocorrelated, _covariances
-from bench.estimate.identify import fit, prepare
-from bench.estimate.measured import measure
-from bench.estimate.observation import all_currents, observe
-from bench.estimate.standstill import around, bridged, bridged_part
+from bench.dataset.dataset import load_dataset
+from bench.dataset.recording import Recording
+from bench.dataset.robot import load_robot
+from bench.identification import filtered as measured
+from bench.identification import observation
+from bench.identification import standard_errors as deviations
+from bench.identification.filtered import measure
+from bench.identification.identify import fit, prepare
+from bench.identification.observation import all_currents, observe
+from bench.identification.standard_errors import MOST_LAGS, _autocorrelated, _covariances
+from bench.identification.standstill import around, bridged, bridged_part
 from bench.model.model import build_model
 from bench.model.motion import LongMotion
-from bench.recording import Recording
-from bench.robot import load_robot
 from bench.signals.decimation import Decimation, decimate
 from bench.signals.settings import FilterSettings
 from tests.workbench_kit import write_dataset
@@ -77,7 +79,7 @@ def test_a_log_in_parts_gives_the_answer_of_one_piece(tmp_path, monkeypatch):
 def test_rows_in_parts_give_the_factors_of_one_piece():
     random = np.random.default_rng(3)
     phi, kappa, current = random.normal(size=(500, 2, 4)), *random.normal(size=(2, 500, 2))
-    from bench.estimate import stack
+    from bench.identification import compressed as stack
 
     once = stack.compress(phi, kappa, current)
     with pytest.MonkeyPatch.context() as patch:

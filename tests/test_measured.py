@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE
-from bench.errors import BenchError
 from bench.measured import __main__ as program
 from bench.measured.known import Compared, Known, compared, known_machines
 from bench.measured.machines import MACHINES

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.estimate.identify import fit, prepare
-from bench.estimate.result import Identification
-from bench.estimate.settle import settled
+from bench.dataset.dataset import load_dataset
+from bench.identification.identify import fit, prepare
+from bench.identification.nonlinear import settled
+from bench.identification.result import Identification
 
 FRICTION = ("viscous_friction", "coulomb_friction")
 LOAD = "load_dependent_friction"

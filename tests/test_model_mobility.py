@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.model.geometry import read_geometry
 from bench.model.mobility import check_mobility
 from bench.model.model import build_model

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.model import motion as motion_module
 from bench.model.closure import loop_residual
 from bench.model.follow import advance, home_pose, make_follower

@@ -5,6 +5,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from bench.dataset.robot import load_robot
 from bench.model import regressor as regressor_module
 from bench.model.base import base_parameters
 from bench.model.geometry import Anchor, Placement, read_geometry
@@ -19,7 +20,6 @@ from bench.model.regressor import (
 )
 from bench.model.states import random_motion
 from bench.model.tree import build_tree
-from bench.robot import load_robot
 from tests.mechanisms import NAMES, movement, robot_named, to_mujoco
 
 STATES = 12

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from bench.catalogue import built_in_robots
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import load_robot
 from bench.model.model import build_model
 from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
-from bench.robot import load_robot
 from bench.robot_check.check import check_robot
 from tests.mechanisms import movement, write_robot
 

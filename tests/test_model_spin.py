@@ -5,14 +5,14 @@ import re
 import numpy as np
 import pytest
 
-from bench.catalogue import built_in_robots
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import load_robot
 from bench.model.base import base_parameters
 from bench.model.closure import loop_residual
 from bench.model.geometry import read_geometry
 from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
-from bench.robot import load_robot
 from bench.robot_check.check import check_robot
 from tests.mechanisms import movement, write_robot
 

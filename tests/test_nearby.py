@@ -7,8 +7,8 @@ import pytest
 
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.body_length import lengths
-from bench.estimate.effect_rows import effect_rows
-from bench.estimate.nearby import Nearby
+from bench.identification.effect_rows import effect_rows
+from bench.identification.perturbations import Nearby
 from tests.effects_kit import moving_robot
 
 DECIMATION = 20

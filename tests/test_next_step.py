@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from bench.compare.next_step import beyond_noise, left_over
-from bench.errors import BenchError
-from bench.estimate.findings import with_findings
-from bench.robot import load_robot
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
+from bench.identification.findings import with_findings
+from bench.residuals.next_step import beyond_noise, left_over
 from bench.truth.dataset import write_simulation
 from tests.compared_kit import NOISE, made
 from tests.shown import dataset_of, identification_of

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from bench.dataset.robot import load_robot
 from bench.local.checks import Mapped, checked
 from bench.local.columns import guesses, look_at, unit_in, units_of
-from bench.robot import load_robot
 
 
 @pytest.fixture(scope="module")

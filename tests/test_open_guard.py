@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.local.folder import Folder
 from bench.local.server import _listening
 from bench.local.steps import command_of

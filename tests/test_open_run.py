@@ -10,10 +10,10 @@ import time
 
 import pytest
 
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT
 from bench.cli import main
-from bench.errors import BenchError
 from bench.local.worker import CancelledError, DiedError, Worker
-from bench.progress import SILENT
 from tests.open_kit import opened, short_dataset, write_log
 
 LEFT = "viscous_friction:left"

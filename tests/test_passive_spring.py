@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from bench.catalogue import built_in_robots
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE, EffectInstance, catalogue_for, effect_columns
-from bench.estimate.identify import identify
-from bench.estimate.result import Identification
-from bench.excite.scenario import designer
-from bench.robot import load_robot
+from bench.excitation.scenario import designer
+from bench.identification.identify import identify
+from bench.identification.result import Identification
 from bench.robot_check.check import check_robot
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 from tests.effects_kit import moving_robot

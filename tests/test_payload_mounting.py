@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from bench.dataset import Dataset
-from bench.diagnose.mounting import mounted_otherwise
-from bench.estimate.finding import Code, Finding
-from bench.estimate.finding_words import note
-from bench.estimate.prepare import prepare
-from bench.scenario import load_scenario
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.mounting import mounted_otherwise
+from bench.identification.finding import Code, Finding
+from bench.identification.finding_words import note
+from bench.identification.prepare import prepare
+from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

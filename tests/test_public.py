@@ -43,4 +43,4 @@ def test_unknown_name_is_an_attribute_error():
 def test_star_import_gives_the_public_names():
     program = "from bench import *; print(load_robot.__module__, BenchError.__module__)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["bench.robot", "bench.errors"]
+    assert done.stdout.split() == ["bench.dataset.robot", "bench.basics.errors"]

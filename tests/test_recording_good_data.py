@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.joint_facts import JointFacts
-from bench.recording import write_recording
-from bench.recording_checks import Channel, find
+from bench.dataset.dataset import load_dataset
+from bench.dataset.joint_facts import JointFacts
+from bench.dataset.recording import write_recording
+from bench.dataset.recording_checks import Channel, find
 from tests.broken_kit import CSV, edit, edit_lines
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_good_dataset
 

@@ -11,17 +11,17 @@ import pytest
 from rich.console import Console
 
 from bench.cli import main
-from bench.dataset import load_dataset
-from bench.estimate.identify import identify
-from bench.estimate.model_file import apply_model, load_model, save_model
+from bench.dataset.dataset import load_dataset
+from bench.dataset.robot import load_robot
 from bench.export.gravity import still_determined
 from bench.export.identified import load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
+from bench.identification.identify import identify
+from bench.identification.model_file import apply_model, load_model, save_model
 from bench.model.model import build_model
 from bench.replay.replay import replay
 from bench.replay.report import replay_report
-from bench.robot import load_robot
 from bench.truth.dataset import as_dataset, write_simulation
 from tests.export_kit import FRICTION
 from tests.hidden_kit import run

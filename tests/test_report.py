@@ -9,14 +9,14 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from bench.diagnose.result import Unexplained
-from bench.report.content import diagnosis_page
-from bench.report.content_run import Run
-from bench.report.parts import Figure, Section, Table, Text
-from bench.report.render import Workbench, render_page
-from bench.report.thin import extremes, rounded, thinned
-from bench.report.verdict import diagnosis_verdict
-from bench.report.words import effect_name, share, typeset
+from bench.diagnosis.result import Unexplained
+from bench.page.pages import diagnosis_page
+from bench.page.parts import Figure, Section, Table, Text
+from bench.page.render import Workbench, render_page
+from bench.page.section_run import Run
+from bench.page.thinned import extremes, rounded, thinned
+from bench.page.verdict import diagnosis_verdict
+from bench.page.words import effect_name, share, typeset
 from tests.report_kit import (
     AGAIN,
     DOUBTFUL,

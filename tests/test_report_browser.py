@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.report.browser import opened, scrolled
+from bench.page.browser import opened, scrolled
 from tests.report_kit import diagnosed_page, identified_page, write
 
 PHONE = 390

@@ -7,14 +7,14 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.errors import BenchError
-from bench.estimate import prepare
-from bench.estimate.effect_torques import effect_torques
-from bench.estimate.result import CurrentSeries, relative_error
-from bench.report.folder import SERIES_FILE, WORKBENCH_FILE, read_run
-from bench.report.series_file import read_series, write_series
-from bench.robot import load_robot
+from bench.dataset.robot import load_robot
+from bench.identification import prepare
+from bench.identification.effect_torques import effect_torques
+from bench.identification.result import CurrentSeries, relative_error
+from bench.page.folder import SERIES_FILE, WORKBENCH_FILE, read_run
+from bench.page.series_file import read_series, write_series
 from bench.truth.dataset import write_simulation
 from tests.hidden_kit import run
 from tests.report_kit import dataset

@@ -6,10 +6,10 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
+from bench.document.terminal.diagnosis import diagnosis_report
 from bench.effects import CATALOGUE, ActuatorEffect, EffectParameter
-from bench.report.content import diagnosis_page
-from bench.report.parts import Table
-from bench.show.diagnosis import diagnosis_report
+from bench.page.pages import diagnosis_page
+from bench.page.parts import Table
 from tests.report_kit import AGAIN, MISSING, dataset, diagnosis
 
 

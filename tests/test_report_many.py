@@ -7,13 +7,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.errors import BenchError
-from bench.report.content_sweep import read_sweep, sweep_page
-from bench.report.content_trial import again_line, read_trial, trial_page, trial_table
-from bench.report.parts import Figure, Table
-from bench.report.render import render_page
-from bench.report.write import write_sweep_report, write_trial_report
+from bench.page.parts import Figure, Table
+from bench.page.render import render_page
+from bench.page.sweep_page import read_sweep, sweep_page
+from bench.page.trial_page import again_line, read_trial, trial_page, trial_table
+from bench.page.write import write_sweep_report, write_trial_report
 from tests.report_kit import Tags
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 from tests.trial_rows import trial_rows
@@ -214,6 +214,6 @@ def test_both_pages_are_drawn_in_a_browser(swept, tried, tmp_path, chromium, wid
 
 
 def _read_to_the_end(page):
-    from bench.report.browser import scrolled
+    from bench.page.browser import scrolled
 
     scrolled(page)

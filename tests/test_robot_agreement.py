@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.dataset.robot import load_robot
 from bench.model.geometry import Placement, read_geometry
 from bench.model.states import random_motion
-from bench.robot import load_robot
 from bench.robot_check import agreement
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import make_machine, random_open_poses

@@ -8,12 +8,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.catalogue import built_in_robots
 from bench.cli import main
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import load_robot
 from bench.model.geometry import read_geometry
 from bench.model.mobility import smallest_singular_values
 from bench.model.states import random_motion
-from bench.robot import load_robot
 from bench.robot_check.check import check_robot
 from bench.robot_check.listing import loop_lines
 from bench.robot_check.loops import check_constraints

@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
 from bench.model.geometry import read_geometry
 from bench.model.model import build_model
 from bench.model.motion import motion_of
-from bench.robot import load_robot
 from bench.robot_check.check import check_robot
 
 ARM = """<mujoco>

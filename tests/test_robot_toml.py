@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from bench.catalogue import built_in_robots
-from bench.errors import BenchError
-from bench.robot import load_robot
-from bench.toml_input import line_of
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import load_robot
+from bench.files.toml_input import line_of
 
 TOML = """\
 name = "slider"

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.catalogue import built_in_robots
-from bench.robot import load_robot
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot import load_robot
 
 ROBOTS = tuple(built_in_robots())
 LOOPS = {

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bench.estimate.identify import identify
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import designer
+from bench.identification.identify import identify
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.signals.decimation import noise_bandwidth
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from bench.diagnose.diagnose import diagnose
-from bench.scenario import load_scenario
+from bench.diagnosis.diagnose import diagnose
+from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 

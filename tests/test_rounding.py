@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.diagnose.diagnose import diagnose
+from bench.dataset.dataset import load_dataset
+from bench.diagnosis.diagnose import diagnose
 from bench.effects import CATALOGUE
-from bench.estimate.identify import identify
-from bench.estimate.partial import PartialRegression
+from bench.identification.identify import identify
+from bench.identification.partial_regression import PartialRegression
 from bench.workbench import kinds, reduce
 from bench.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset

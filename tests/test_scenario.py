@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from bench.catalogue import built_in_scenarios
-from bench.errors import BenchError
-from bench.scenario import (
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import built_in_scenarios
+from bench.scenario.scenario import (
     TOLERANCES,
     home_position,
     load_scenario,
@@ -16,7 +16,7 @@ from bench.scenario import (
     per_joint,
     resolve_trajectories,
 )
-from bench.trajectory import random_trajectory
+from bench.scenario.trajectory import random_trajectory
 
 MINIMAL = """
 robot = "five_bar"

@@ -5,9 +5,9 @@ from dataclasses import MISSING, fields
 
 import pytest
 
-from bench import scenario_tables
-from bench.catalogue import catalogue_folder
-from bench.scenario import TOLERANCES, load_scenario
+from bench.dataset.catalogue import catalogue_folder
+from bench.scenario import tables as scenario_tables
+from bench.scenario.scenario import TOLERANCES, load_scenario
 from bench.truth.hidden import HIDDEN_EFFECTS
 
 README = (catalogue_folder("scenarios") / "README.md").read_text()

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 import rerun as rr
 
+from bench.dataset.recording import Recording
 from bench.model.geometry import from_mujoco, read_geometry, to_mujoco
 from bench.model.motion import motion_of
-from bench.recording import Recording
-from bench.show.body_motion import body_motion, placed
-from bench.show.geoms import DARKEST, shapes, visible_geoms
 from bench.signals.settings import FilterSettings
+from bench.viewer.body_motion import body_motion, placed
+from bench.viewer.geoms import DARKEST, shapes, visible_geoms
 from tests.mechanisms import NAMES, movement, robot_named
 
 SHAPES = """

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
+from bench.document.colours import ON_DARK, ON_WHITE, rgb
+from bench.document.figures.currents import current_figure, write_current_figure
 from bench.document.numbers import error_deviation, percent
-from bench.errors import BenchError
-from bench.estimate.result import relative_error
-from bench.robot import load_robot
-from bench.show.colours import ON_DARK, ON_WHITE, rgb
-from bench.show.figures import current_figure, write_current_figure
+from bench.identification.result import relative_error
 from tests.shown import dataset_of, identification_of
 
 # Simulation of full colour blindness in linear RGB (Machado, Oliveira and Fernandes 2009).

@@ -11,8 +11,8 @@ import pytest
 from matplotlib import pyplot as plt
 
 from bench.cli import main
-from bench.show.diagnosis_panels import moved, rungs
-from bench.show.paper import (
+from bench.document.figures.diagnosis_panels import moved, rungs
+from bench.document.figures.paper import (
     PICTURE_DPI,
     WIDTHS,
     Panel,
@@ -22,8 +22,8 @@ from bench.show.paper import (
     paper_figure,
     write_paper_figures,
 )
-from bench.show.paper_errors import error_figures
-from bench.show.paper_model import diagnosis_figures, gain_figure
+from bench.document.figures.paper_errors import error_figures
+from bench.document.figures.paper_model import diagnosis_figures, gain_figure
 from tests.compared_kit import made, white
 from tests.shown import dataset_of, identification_of
 from tests.test_cli_diagnose import dataset, found, nothing  # noqa: F401 - fixtures
@@ -251,8 +251,8 @@ def test_a_mistake_is_one_line(arm, tmp_path, capsys, arguments, said):
 
 
 def test_an_identification_by_hand_has_all_its_figures(tmp_path):
-    from bench.compare.motor import compared
-    from bench.robot import load_robot
+    from bench.dataset.robot import load_robot
+    from bench.residuals.motor import compared
 
     made_by_hand = dataset_of(load_robot("delta"))
     result = identification_of(made_by_hand)

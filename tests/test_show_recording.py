@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
 from bench.document.numbers import error_deviation, percent
-from bench.errors import BenchError
-from bench.robot import load_robot
-from bench.show import body_motion
-from bench.show import recording as writer
-from bench.show.recording import entity_roots, write_rrd
-from bench.show.scene import PAYLOAD_DENSITY
+from bench.viewer import body_motion
+from bench.viewer import recording as writer
+from bench.viewer.recording import entity_roots, write_rrd
+from bench.viewer.scene import PAYLOAD_DENSITY
 from tests.rrd_reader import batches, columns, numbers, static_value, verified
 from tests.shown import DISC, dataset_of, identification_of
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
-from bench.estimate.effect_torques import EffectTorques
-from bench.robot import load_robot
-from bench.show.colours import scale_colours
-from bench.show.phases import BACKWARDS, FORWARDS, REVERSAL, STILL, lanes, motion_states
-from bench.show.recording import Told, write_rrd, write_side_by_side
-from bench.show.scene import error_share
-from bench.show.story import Known, Step, Story
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
+from bench.document.colours import scale_colours
+from bench.identification.effect_torques import EffectTorques
+from bench.viewer.context import Known, Step, Story
+from bench.viewer.phases import BACKWARDS, FORWARDS, REVERSAL, STILL, lanes, motion_states
+from bench.viewer.recording import Told, write_rrd, write_side_by_side
+from bench.viewer.scene import error_share
 from tests.rrd_reader import batches, columns, numbers, origins, static_value, verified
 from tests.shown import dataset_of, identification_of
 

@@ -9,6 +9,7 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
+from bench.dataset.robot import load_robot
 from bench.document.numbers import (
     deviations_away,
     off_by,
@@ -20,11 +21,10 @@ from bench.document.numbers import (
     value_and_deviation,
 )
 from bench.document.table import Column
-from bench.document.terminal import Strip, fit_strips
-from bench.estimate.model_file import Comparison
-from bench.estimate.result import CurrentSeries, DriveGain, Quantity, relative_error
-from bench.robot import load_robot
-from bench.show.tables import comparison_report, identification_report
+from bench.document.terminal.identification import comparison_report, identification_report
+from bench.document.terminal.tables import Strip, fit_strips
+from bench.identification.model_file import Comparison
+from bench.identification.result import CurrentSeries, DriveGain, Quantity, relative_error
 from tests.shown import LONG, dataset_of, identification_of
 
 TRUTH = {"left": 3.3021, "mx(left_crank)": 0.35465, "viscous_friction:left.Fv": 0.114}

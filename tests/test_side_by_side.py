@@ -9,7 +9,11 @@ import pytest
 from rich.console import Console
 
 from bench.cli import main
-from bench.compare.side_by_side import (
+from bench.dataset.robot import load_robot
+from bench.document.side_by_side import changed_sentences, errors_beside_table, gains_beside_table
+from bench.document.terminal.side_by_side import side_by_side_report
+from bench.identification.result import Quantity
+from bench.residuals.side_by_side import (
     Beside,
     SideBySide,
     effect_places,
@@ -18,10 +22,6 @@ from bench.compare.side_by_side import (
     side_by_side_json,
     told_apart,
 )
-from bench.document.side_by_side import changed_sentences, errors_beside_table, gains_beside_table
-from bench.estimate.result import Quantity
-from bench.robot import load_robot
-from bench.show.side_by_side import side_by_side_report
 from tests.shown import dataset_of, identification_of
 
 

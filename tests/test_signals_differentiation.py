@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.signals.differentiation import central_difference, second_difference
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings

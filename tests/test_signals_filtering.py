@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.signals.decimation import decimate, decimated_indices, fit_band, noise_bandwidth
 from bench.signals.filtering import forward_backward, low_pass, low_pass_gain
 

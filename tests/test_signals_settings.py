@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.signals.decimation import decimate, noise_bandwidth
 from bench.signals.filtering import low_pass_gain
 from bench.signals.processing import estimate_motion, trim

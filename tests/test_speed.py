@@ -8,12 +8,12 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_table
 from bench.speed import sweep
 from bench.speed.__main__ import MEASUREMENTS
 from bench.speed.figures import Figure, append_history, figures_table, last_values
-from bench.sweep.console import WIDE, table_console
+from bench.studies.sweep.console import WIDE, table_console
 
 SLOW = Figure("identify", 1.2, "s", 1.0)
 GAIN = Figure("two workers over one", 1.9, "", 1.8, at_least=True)
@@ -102,7 +102,7 @@ def test_what_is_timed_of_the_peers_is_said():
 
 
 def test_a_log_is_wide_and_columns_are_obeyed():
-    program = "from bench.sweep.console import table_console as c; print(c().width)"
+    program = "from bench.studies.sweep.console import table_console as c; print(c().width)"
 
     def width(**environment):
         done = subprocess.run(

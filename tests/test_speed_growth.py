@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from bench.dataset import load_dataset
+from bench.dataset.dataset import load_dataset
 from bench.speed import growth
 from bench.speed.long_log import write_long_dataset
 

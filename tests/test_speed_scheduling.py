@@ -3,7 +3,7 @@
 import pytest
 
 from bench.speed.scheduling import COST_LIMIT, GROWTH_LIMIT, Scheduling, figures_of, measure
-from bench.sweep.drive import Driver
+from bench.studies.sweep.run_plan import Driver
 from tests.sweep_stand_in import Inline, plan_of, run
 
 SEEDS = 40

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.estimate.finding_words import sentence
-from bench.estimate.findings import with_findings
-from bench.estimate.identify import identify, prepare
-from bench.estimate.swapped import LARGE, swapped_columns
+from bench.dataset.dataset import load_dataset
+from bench.identification.finding_words import sentence
+from bench.identification.findings import with_findings
+from bench.identification.identify import identify, prepare
+from bench.identification.swapped_columns import LARGE, swapped_columns
 from tests.workbench_kit import FRICTION, write_dataset
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
-from bench.sweep.axes import DrawnAxis, GridAxis, read_axes
-from bench.sweep.settings import flat_settings, with_setting
+from bench.basics.errors import BenchError
+from bench.studies.sweep.axes import DrawnAxis, GridAxis, read_axes
+from bench.studies.sweep.settings import flat_settings, with_setting
 
 
 def values_of(axis):

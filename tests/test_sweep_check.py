@@ -8,12 +8,18 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.errors import BenchError
-from bench.sweep import check as command
-from bench.sweep.check import CheckOptions, check_accuracy, update_reference
-from bench.sweep.reference import Line, load_reference, reference_folder, reference_sweeps, save_reference
-from bench.sweep.regression import compare_line
+from bench.studies.sweep import check as command
+from bench.studies.sweep.check import CheckOptions, check_accuracy, update_reference
+from bench.studies.sweep.reference import (
+    Line,
+    load_reference,
+    reference_folder,
+    reference_sweeps,
+    save_reference,
+)
+from bench.studies.sweep.regression import compare_line
 from tests.sweep_stand_in import Inline, StandIn
 
 SWEEP = """

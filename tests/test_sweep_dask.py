@@ -8,9 +8,9 @@ import time
 
 import pytest
 
-from bench.errors import BenchError
-from bench.sweep.run_sweep import JOURNAL, TABLE
-from bench.sweep.versions import Versions
+from bench.basics.errors import BenchError
+from bench.studies.sweep.run_sweep import JOURNAL, TABLE
+from bench.studies.sweep.versions import Versions
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
 STARTING = 60.0  # s
@@ -66,7 +66,7 @@ def address_of(file):
 
 @pytest.mark.filterwarnings("ignore")
 def test_one_worker_is_killed_and_the_table_is_the_same_to_the_last_bit(tmp_path, cluster):
-    from bench.sweep.dask_pool import DaskPool
+    from bench.studies.sweep.dask_pool import DaskPool
 
     address, (_, *workers) = cluster
     here = run(
@@ -95,7 +95,7 @@ def test_one_worker_is_killed_and_the_table_is_the_same_to_the_last_bit(tmp_path
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_that_goes_away_is_told_and_what_is_finished_is_kept(tmp_path, cluster):
-    from bench.sweep.dask_pool import DaskPool
+    from bench.studies.sweep.dask_pool import DaskPool
 
     address, (scheduler, *_) = cluster
 
@@ -113,7 +113,7 @@ def test_a_scheduler_that_goes_away_is_told_and_what_is_finished_is_kept(tmp_pat
 
 
 def test_no_scheduler_is_told_in_one_line(monkeypatch):
-    from bench.sweep import dask_pool
+    from bench.studies.sweep import dask_pool
 
     monkeypatch.setattr(dask_pool, "CONNECTING", 0.3)
     with pytest.raises(BenchError, match=r"no Dask scheduler at tcp://127\.0\.0\.1:9"):
@@ -121,7 +121,7 @@ def test_no_scheduler_is_told_in_one_line(monkeypatch):
 
 
 def test_a_worker_with_another_version_is_refused():
-    from bench.sweep.dask_pool import _check_versions
+    from bench.studies.sweep.dask_pool import _check_versions
 
     class Client:
         def run(self, function):

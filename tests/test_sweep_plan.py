@@ -5,12 +5,12 @@ from itertools import pairwise
 
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.effects.catalogue import CATALOGUE
-from bench.errors import BenchError
-from bench.sweep.extent import extent
-from bench.sweep.plan import make_plan
-from bench.sweep.preflight import check_plan
-from bench.sweep.sweep_file import IdentifyTable, SweepTable, built_in_sweeps, load_sweep
+from bench.studies.sweep.cost import extent
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.preflight import check_plan
+from bench.studies.sweep.sweep_file import IdentifyTable, SweepTable, built_in_sweeps, load_sweep
 from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.sweep_stand_in import plan_of
 

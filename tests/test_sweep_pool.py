@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.errors import BenchError
-from bench.sweep import pool as module
-from bench.sweep.pool import ATTEMPTS, LocalPool, Shared
+from bench.basics.errors import BenchError
+from bench.studies.sweep import pool as module
+from bench.studies.sweep.pool import ATTEMPTS, LocalPool, Shared
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def test_closing_stops_workers_at_once():
 def test_a_script_without_a_guard_can_use_workers(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
-        "from bench.sweep.pool import LocalPool\n"
+        "from bench.studies.sweep.pool import LocalPool\n"
         "from tests.test_sweep_pool import Task, outcomes_of\n"
         "pool = LocalPool(1)\n"
         "pool.submit(1, Task(value=6))\n"

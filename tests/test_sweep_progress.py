@@ -6,8 +6,8 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from bench.sweep import progress
-from bench.sweep.progress import duration_text, rate_text, shown_progress
+from bench.studies.sweep import progress
+from bench.studies.sweep.progress import duration_text, rate_text, shown_progress
 
 
 @dataclass

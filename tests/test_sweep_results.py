@@ -5,10 +5,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.errors import BenchError
-from bench.sweep.results import write_plots, write_summary
-from bench.sweep.summary import share_interval, summarise, summarise_in_parts
+from bench.studies.sweep.results import write_plots, write_summary
+from bench.studies.sweep.summary import share_interval, summarise, summarise_in_parts
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
 

@@ -12,9 +12,9 @@ from collections import Counter
 import pyarrow.parquet as pq
 import pytest
 
-from bench.errors import BenchError
-from bench.sweep.pool import LocalPool
-from bench.sweep.run_sweep import JOURNAL, TABLE
+from bench.basics.errors import BenchError
+from bench.studies.sweep.pool import LocalPool
+from bench.studies.sweep.run_sweep import JOURNAL, TABLE
 from tests.sweep_stand_in import NONE, Accidents, Inline, StandIn, plan_of, run
 
 

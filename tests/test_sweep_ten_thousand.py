@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from bench.cli import main
-from bench.sweep.run_sweep import JOURNAL, TABLE
+from bench.studies.sweep.run_sweep import JOURNAL, TABLE
 from tests.sweep_stand_in import plan_of
 
 SEEDS, RUNS = 560, 10_080

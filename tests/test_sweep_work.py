@@ -5,13 +5,13 @@ from dataclasses import replace
 import pyarrow.parquet as pq
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.errors import BenchError
-from bench.scenario import scenario_from_dict
-from bench.sweep.hidden_share import with_sized_effect, without_share
-from bench.sweep.plan import make_plan
-from bench.sweep.sweep_file import load_sweep
-from bench.sweep.work import DesignTask, IdentificationWork, MotionTask, RunTask
+from bench.scenario.scenario import scenario_from_dict
+from bench.studies.sweep.hidden_share import with_sized_effect, without_share
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.sweep_file import load_sweep
+from bench.studies.sweep.work import DesignTask, IdentificationWork, MotionTask, RunTask
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import measured_share
 from bench.truth.simulate import simulate

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from bench.threads import on_one_thread
+from bench.basics.threads import on_one_thread
 
 
 def threads():
@@ -31,7 +31,7 @@ def test_an_error_gives_the_setting_back():
 
 @pytest.mark.parametrize("name", ["identify", "fit"])
 def test_the_library_fits_on_one_thread(name, monkeypatch):
-    from bench.estimate import identify as module
+    from bench.identification import identify as module
 
     seen = []
 

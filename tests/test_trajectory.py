@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
-from bench.trajectory import FourierTrajectory, random_trajectory
+from bench.basics.errors import BenchError
+from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 
 @pytest.fixture

@@ -5,18 +5,18 @@ from pathlib import Path
 
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.errors import BenchError
-from bench.sweep.drive import Report
-from bench.sweep.journal import Journal, Row
-from bench.sweep.pool import Outcome, Pool, Shared, Task, attempt
-from bench.sweep.table import read_table
-from bench.trial.cases import draw_case
-from bench.trial.plan import TrialPlan
-from bench.trial.run_trial import Request, read_rows, run_trial
-from bench.trial.setup import Setup, make_setup
-from bench.trial.summary import LARGE
-from bench.trial.work import CaseTask, DesignTask, ReferenceTask
+from bench.studies.sweep.journal import Journal, Row
+from bench.studies.sweep.pool import Outcome, Pool, Shared, Task, attempt
+from bench.studies.sweep.run_plan import Report
+from bench.studies.sweep.table import read_table
+from bench.studies.trial.cases import draw_case
+from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.run_trial import Request, read_rows, run_trial
+from bench.studies.trial.setup import Setup, make_setup
+from bench.studies.trial.summary import LARGE
+from bench.studies.trial.work import CaseTask, DesignTask, ReferenceTask
 
 DURATION = 8.0
 EFFECTS = ("load_dependent_friction", "torque_ripple")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bench.estimate.identify import identify
-from bench.trial.intervals import intervals, moving_alike
-from bench.trial.setup import make_setup
+from bench.identification.identify import identify
+from bench.studies.trial.intervals import intervals, moving_alike
+from bench.studies.trial.setup import make_setup
 from bench.truth.dataset import as_dataset
 from tests.hidden_kit import plain, run
 

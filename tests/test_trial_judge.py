@@ -5,16 +5,16 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE
-from bench.errors import BenchError
-from bench.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
-from bench.trial.compatible import EXCLUSIVE, compatible, expected
-from bench.trial.judge import Named, judged
-from bench.trial.realise import hidden_places
-from bench.trial.setup import Setup, make_setup
-from bench.trial.summary import NOTHING, SOMETHING, summarised
-from bench.trial.target import Figure, Share
-from bench.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, as_logged, true_values
+from bench.studies.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
+from bench.studies.trial.compatible import EXCLUSIVE, compatible, expected
+from bench.studies.trial.judge import Named, judged
+from bench.studies.trial.realise import hidden_places
+from bench.studies.trial.setup import Setup, make_setup
+from bench.studies.trial.summary import NOTHING, SOMETHING, summarised
+from bench.studies.trial.target import Figure, Share
+from bench.studies.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, as_logged, true_values
 from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.trial_rows import trial_row
 

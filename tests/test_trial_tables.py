@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from bench.trial.command import show
-from bench.trial.figures import write_figures
-from bench.trial.markdown import parts, trial_markdown
-from bench.trial.summary import TrialSummary, summarised
-from bench.trial.target import Figure, Share, Target
+from bench.studies.trial.command import show
+from bench.studies.trial.figures import write_figures
+from bench.studies.trial.markdown import parts, trial_markdown
+from bench.studies.trial.summary import TrialSummary, summarised
+from bench.studies.trial.target import Figure, Share, Target
 from tests.trial_rows import trial_row, trial_rows
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 
-from bench.scenario import load_scenario
+from bench.scenario.scenario import load_scenario
 from bench.truth.simulate import simulate
 from tests.hidden_kit import run, states
 

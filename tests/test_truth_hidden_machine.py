@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.catalogue import catalogue_folder
+from bench.dataset.catalogue import catalogue_folder
 from bench.truth.dataset import as_dataset
 from bench.truth.hidden.geometric_error import GeometricError
 from bench.truth.report import truth

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bench.truth.hidden
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.report import truth
 from bench.truth.simulate import simulate

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
 from bench.truth.hidden.law_sizes import LAW_SIZES
 from bench.truth.hidden.machine_sizes import MACHINE_SIZES

@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
-from bench.scenario import load_scenario
+from bench.basics.errors import BenchError
+from bench.scenario.scenario import load_scenario
 from bench.truth.assembly import assembled, loop_rows, reduced_inertia
 from bench.truth.machine import build_machine
 from bench.truth.simulate import simulate

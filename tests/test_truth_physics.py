@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.catalogue import built_in_scenarios
-from bench.scenario import load_scenario
+from bench.dataset.catalogue import built_in_scenarios
+from bench.scenario.scenario import load_scenario
 from bench.truth.loops import loop_gaps
 from bench.truth.machine import build_machine
 from bench.truth.motion import Run, Timing, simulate_motion

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
-from bench.errors import BenchError
-from bench.estimate.effect_torques import effect_torques
-from bench.estimate.identify import identify
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
+from bench.identification.effect_torques import effect_torques
+from bench.identification.identify import identify
 from bench.truth.dataset import truth_path, write_simulation
 from bench.truth.hidden_torque import hidden_torque, plain_machine
 from bench.truth.repeat import repeated

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.scenario_tables import Sensors
+from bench.scenario.tables import Sensors
 from bench.truth.sensors import sense
 from bench.truth.streams import stream
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from mujoco import rollout
 
-from bench.dataset import load_dataset
-from bench.errors import BenchError
-from bench.scenario import load_scenario
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import load_dataset
+from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, truth_path, write_simulation
 from bench.truth.loops import loop_gaps
 from bench.truth.simulate import simulate

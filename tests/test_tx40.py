@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.dataset import load_dataset
-from bench.estimate.identify import identify
+from bench.dataset.dataset import load_dataset
+from bench.identification.identify import identify
 from bench.measured.machines import GEARS, dataset_of
 
 FRICTION = {1: 8.05, 2: 5.53, 3: 1.97, 4: 1.11, 5: 1.86, 6: 0.65}  # N m s/rad at the joints, published

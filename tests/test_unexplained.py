@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnose.encoder_noise import encoder_error
-from bench.diagnose.unexplained import unexplained
-from bench.estimate.identify import fit
-from bench.estimate.prepare import prepare
-from bench.estimate.settle import settled
-from bench.robot import load_robot
-from bench.scenario import load_scenario
+from bench.dataset.robot import load_robot
+from bench.diagnosis.encoder_noise import encoder_error
+from bench.diagnosis.unexplained import unexplained
+from bench.identification.identify import fit
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import prepare
+from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 from tests.shown import dataset_of, identification_of

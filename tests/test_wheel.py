@@ -43,7 +43,7 @@ def test_installed_wheel_loads_a_robot_from_another_folder(wheel, project_root, 
     subprocess.run([*install, str(site), str(wheel)], check=True)
     program = """
 import bench
-from bench.catalogue import built_in_robots, built_in_scenarios
+from bench.dataset.catalogue import built_in_robots, built_in_scenarios
 print(bench.__file__)
 print(*built_in_robots())
 print(*built_in_scenarios())

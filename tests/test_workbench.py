@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
+from bench.dataset.dataset import load_dataset
 from bench.effects import CATALOGUE, catalogue_for
-from bench.estimate.identify import identify
+from bench.identification.identify import identify
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
 from tests.workbench_kit import ABSORBED, FOUND, diagnosis_of, write_dataset

@@ -6,10 +6,10 @@ import re
 import pytest
 
 from bench.cli import main
-from bench.dataset import load_dataset
-from bench.report.browser import opened
-from bench.report.parts import Page, Section
-from bench.report.render import Workbench, render_page
+from bench.dataset.dataset import load_dataset
+from bench.page.browser import opened
+from bench.page.parts import Page, Section
+from bench.page.render import Workbench, render_page
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
 from tests.workbench_kit import FOUND, diagnosis_of, write_dataset

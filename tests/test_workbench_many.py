@@ -5,18 +5,18 @@ import json
 import numpy as np
 import pytest
 
-from bench.dataset import load_dataset
+from bench.dataset.dataset import load_dataset
 from bench.effects import CATALOGUE
-from bench.estimate.identify import identify
-from bench.estimate.prepare import prepare
-from bench.report.parts import Page, Section
-from bench.report.render import Workbench, render_page
+from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.page.parts import Page, Section
+from bench.page.render import Workbench, render_page
 from bench.workbench import kinds, reduce
-from bench.workbench.apart import set_apart
+from bench.workbench.decorrelated import set_apart
 from bench.workbench.encode import short_triangle
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
-from bench.workbench.small_changes import small_changes
+from bench.workbench.small_perturbations import small_changes
 from tests.workbench_kit import FOUND, diagnosis_of, write_dataset
 from tests.workbench_solver import Solver, numbers
 
@@ -111,7 +111,7 @@ def test_columns_set_apart_are_the_same_model():
 
 
 def test_a_browser_shows_nearly_that_at_once_and_then_that(chromium, dataset, solver, tmp_path):
-    from bench.report.browser import opened
+    from bench.page.browser import opened
 
     page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
     file = tmp_path / "page.html"

@@ -5,11 +5,11 @@ import json
 import pytest
 
 from bench.cli import main
-from bench.dataset import load_dataset
-from bench.diagnose.split import with_judged_parts
-from bench.estimate.identify import identify
-from bench.report.parts import Page, Section
-from bench.report.render import Workbench, render_page
+from bench.dataset.dataset import load_dataset
+from bench.diagnosis.split import with_judged_parts
+from bench.identification.identify import identify
+from bench.page.parts import Page, Section
+from bench.page.render import Workbench, render_page
 from bench.signals.settings import FilterSettings
 from bench.workbench.page_data import page_data
 from bench.workbench.page_files import script, style
@@ -78,7 +78,7 @@ def test_all_rows_are_fitted_as_identify_does(page, robot, requests):
 
 @pytest.mark.parametrize(("robot", "requests"), CASES, ids=str)
 def test_a_browser_shows_what_identify_shows(chromium, page, robot, requests):
-    from bench.report.browser import opened
+    from bench.page.browser import opened
 
     dataset, parts, _, file = page(robot)
     expected, judged = identify(dataset, requests), identify(parts, requests)

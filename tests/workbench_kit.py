@@ -1,9 +1,9 @@
 """A dataset to try the workbench on, and a diagnosis of it."""
 
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
 from bench.effects import CATALOGUE
-from bench.estimate.identify import identify
-from bench.scenario import load_scenario
+from bench.identification.identify import identify
+from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
 

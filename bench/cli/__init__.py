@@ -15,9 +15,9 @@ from types import FrameType
 
 import click
 
+from bench.basics.errors import BenchError
+from bench.cli.closed_output import forgiving_output
 from bench.cli.lazy import LazyCommand, LazyGroup
-from bench.cli.unread import forgiving_output
-from bench.errors import BenchError
 
 MEASUREMENTS, RESULTS, STUDIES = (
     "Your measurements",

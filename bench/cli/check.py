@@ -36,14 +36,14 @@ def check(
     Runs the reference scenarios and compares gains, parameters, errors, coverage and diagnosis with what is kept
     in results/reference, seed by seed. The exit code is 1 if anything got worse by more than its tolerance.
     """
-    from bench.errors import BenchError
+    from bench.basics.errors import BenchError
 
     if update and not (reason or "").strip():
         raise BenchError("check --update: say why the reference changes, with --reason")
 
-    from bench.sweep.check import CheckOptions, check_accuracy, identification_work, update_reference
-    from bench.sweep.console import table_console
-    from bench.sweep.reference import reference_folder
+    from bench.studies.sweep.check import CheckOptions, check_accuracy, identification_work, update_reference
+    from bench.studies.sweep.console import table_console
+    from bench.studies.sweep.reference import reference_folder
 
     options = CheckOptions(
         reference=reference or reference_folder(),

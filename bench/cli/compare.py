@@ -17,10 +17,10 @@ from bench.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from bench.compare.motor import Compared
-    from bench.dataset import Dataset
-    from bench.estimate.result import Identification
-    from bench.report.content_run import Run
+    from bench.dataset.dataset import Dataset
+    from bench.identification.result import Identification
+    from bench.page.section_run import Run
+    from bench.residuals.motor import Compared
 
 
 @click.command("compare")
@@ -76,21 +76,21 @@ def _of_one(
 ) -> None:
     from rich.console import Console
 
-    from bench.compare.as_json import where_json
-    from bench.compare.motor import compared
-    from bench.compare.where import errors_by_motor
-    from bench.dataset import load_dataset
+    from bench.dataset.dataset import load_dataset
+    from bench.document.terminal.comparison import where_report
+    from bench.document.terminal.identification import comparison_report
     from bench.effects import catalogue_for
-    from bench.estimate.identify import identify
-    from bench.estimate.model_file import (
+    from bench.identification.identify import identify
+    from bench.identification.model_file import (
         Comparison,
         apply_model,
         comparison_json,
         load_model,
         read_identification,
     )
-    from bench.show.comparison import where_report
-    from bench.show.tables import comparison_report
+    from bench.residuals.as_json import where_json
+    from bench.residuals.motor import compared
+    from bench.residuals.residuals import errors_by_motor
 
     data = load_dataset(dataset)
     catalogue = catalogue_for(data.effect_files, effect_files)
@@ -111,7 +111,7 @@ def _of_one(
         write_answer(json_file, {**comparison_json(comparison), **where_json(where)})
         written.append(wrote(json_file, "comparison"))
     if output is not None:
-        from bench.report.content_run import Run
+        from bench.page.section_run import Run
 
         options = {"model": str(model_file), **given} if model_file is not None else given
         run = Run("compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
@@ -133,8 +133,8 @@ def _next(
     given: dict[str, Any],
 ) -> str:
     """The command that makes sense after a comparison."""
-    from bench.compare.next_step import DIAGNOSE, KEEP, beyond_noise
-    from bench.report.content_run import Run
+    from bench.page.section_run import Run
+    from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))
     if beyond_noise(what):
@@ -153,11 +153,11 @@ def _side_by_side(
     """Several models on the same recordings."""
     from rich.console import Console
 
-    from bench.compare.side_by_side import side_by_side, side_by_side_json
-    from bench.dataset import load_dataset
+    from bench.dataset.dataset import load_dataset
     from bench.document.side_by_side import changed_sentences
+    from bench.document.terminal.side_by_side import side_by_side_report
     from bench.effects import catalogue_for
-    from bench.show.side_by_side import side_by_side_report
+    from bench.residuals.side_by_side import side_by_side, side_by_side_json
 
     data = load_dataset(dataset)
     found = side_by_side(data, model_files, catalogue_for(data.effect_files, effect_files))
@@ -178,8 +178,8 @@ def _pictures_and_page(
     model_file: Path | None,
 ) -> list[str]:
     """Write both into a folder and tell what was written."""
-    from bench.report.write import write_identification_report
-    from bench.show.comparison_figures import write_comparison_figures
+    from bench.document.figures.comparison import write_comparison_figures
+    from bench.page.write import write_identification_report
 
     written = [wrote(path, "figure") for path in write_comparison_figures(output, what)]
     if result is not None:

@@ -2,7 +2,7 @@
 
 import click
 
-from bench.catalogue import built_in_robots, built_in_scenarios, catalogue_folder
+from bench.dataset.catalogue import built_in_robots, built_in_scenarios, catalogue_folder
 
 
 def effects(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:

@@ -24,21 +24,21 @@ def demo(output: Path, scenario: str) -> None:
     """Simulate a robot, identify it, and compare with the truth."""
     from rich.console import Console
 
-    from bench.dataset import load_dataset
-    from bench.discover.find import find_missing_effects
-    from bench.estimate.identify import fit, prepare
-    from bench.estimate.model_file import save_model
-    from bench.excite.scenario import designer
-    from bench.report.content_run import Run
-    from bench.report.write import write_diagnosis_report
-    from bench.scenario import load_scenario, resolve_trajectories
-    from bench.show.figures import write_current_figure
-    from bench.show.recording import write_rrd
-    from bench.show.tables import identification_report
-    from bench.sweep.true_parameters import true_values
+    from bench.dataset.dataset import load_dataset
+    from bench.discovery.find import find_missing_effects
+    from bench.document.figures.currents import write_current_figure
+    from bench.document.terminal.identification import identification_report
+    from bench.excitation.scenario import designer
+    from bench.identification.identify import fit, prepare
+    from bench.identification.model_file import save_model
+    from bench.page.section_run import Run
+    from bench.page.write import write_diagnosis_report
+    from bench.scenario.scenario import load_scenario, resolve_trajectories
+    from bench.studies.sweep.true_parameters import true_values
     from bench.truth.dataset import write_simulation
     from bench.truth.report import truth
     from bench.truth.simulate import simulate
+    from bench.viewer.recording import write_rrd
 
     console = Console()
     loaded = load_scenario(scenario)

@@ -64,10 +64,10 @@ def diagnose(
     with shown_progress(quiet) as progress:
         from dataclasses import replace
 
-        from bench.dataset import load_dataset
-        from bench.discover.find import find_missing_effects
-        from bench.estimate.shortness import short_recordings
-        from bench.estimate.swapped import swapped_columns
+        from bench.dataset.dataset import load_dataset
+        from bench.discovery.find import find_missing_effects
+        from bench.identification.shortness import short_recordings
+        from bench.identification.swapped_columns import swapped_columns
 
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
@@ -87,36 +87,36 @@ def diagnose(
     written: list[str] = []
     laws: list[Path] = []
     if model_file is not None:
-        from bench.discover.written import write_laws
+        from bench.discovery.written import write_laws
 
         diagnosis = write_laws(diagnosis, model_file.parent)
         names = dict.fromkeys(one.file for one in diagnosis.discovered if one.file is not None)
         laws = [model_file.parent / name for name in names]
         written += [wrote(path, "law: name it with --effect-file") for path in laws]
     if json_file is not None:
-        from bench.diagnose.as_json import diagnosis_json
+        from bench.diagnosis.as_json import diagnosis_json
 
         write_answer(json_file, diagnosis_json(diagnosis))
         written.append(wrote(json_file, "diagnosis"))
     if model_file is not None:
-        from bench.estimate.model_file import save_model
+        from bench.identification.model_file import save_model
 
         save_model(diagnosis.after, model_file, data.folder)
         written.append(wrote(model_file, "model with what is missing"))
-    from bench.report.content_run import Run
+    from bench.page.section_run import Run
 
     if output is not None:
         run = Run("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given, str(output))
         with shown_progress(quiet, "drawing figures") as progress:
-            from bench.report.write import write_diagnosis_report
-            from bench.show.diagnosis_figures import write_diagnosis_figures
+            from bench.document.figures.diagnosis import write_diagnosis_figures
+            from bench.page.write import write_diagnosis_report
 
             written += [wrote(path, "figure") for path in write_diagnosis_figures(output, diagnosis, data)]
             page = write_diagnosis_report(output, diagnosis, data, run, progress)
             written.append(wrote(page, "report"))
     from rich.console import Console
 
-    from bench.show.diagnosis import diagnosis_report
+    from bench.document.terminal.diagnosis import diagnosis_report
 
     diagnosis_report(diagnosis, Console(), verbose=verbose)
     again = Run("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given).line()

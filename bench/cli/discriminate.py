@@ -75,11 +75,11 @@ def discriminate(
     """
     duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
     with shown_progress(quiet) as progress:
-        from bench.dataset import load_dataset
-        from bench.discriminate.discriminate import discriminate as run
-        from bench.discriminate.files import check_folder, write_discrimination
+        from bench.dataset.dataset import load_dataset
         from bench.effects import catalogue_for
-        from bench.show.discrimination_figure import write_discrimination_figure
+        from bench.excitation.discrimination.discriminate import discriminate as run
+        from bench.excitation.discrimination.figure import write_discrimination_figure
+        from bench.excitation.discrimination.files import check_folder, write_discrimination
 
         check_folder(output)
         progress.phase("reading the recordings")
@@ -100,7 +100,7 @@ def discriminate(
     from rich.console import Console
     from rich.text import Text
 
-    from bench.discriminate.words import next_step, sentences, warnings
+    from bench.excitation.discrimination.sentences import next_step, sentences, warnings
 
     console = Console()
     doubts = warnings(found)

@@ -48,7 +48,7 @@ def export(
     reads. The control of an exported motor is its current reference. What a format cannot hold is listed, and for MJCF
     stands in NAME.twin.json beside it. C is a feed-forward, currents for a desired motion, of a robot without loops.
     """
-    from bench.errors import BenchError
+    from bench.basics.errors import BenchError
     from bench.export.c_code import write_c
     from bench.export.identified import load_identified
     from bench.export.mjcf import write_mjcf

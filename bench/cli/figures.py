@@ -51,12 +51,12 @@ def figures(
 
     Each figure comes as PDF and PNG for one column (88 mm) and for two (180 mm), with its numbers as CSV.
     """
-    from bench.cli.told import Asked, answer_of
-    from bench.compare.motor import compared
-    from bench.errors import BenchError
-    from bench.show.paper import write_paper_figures
-    from bench.show.paper_errors import error_figures
-    from bench.show.paper_model import diagnosis_figures, gain_figure
+    from bench.basics.errors import BenchError
+    from bench.cli.named_sources import Asked, answer_of
+    from bench.document.figures.paper import write_paper_figures
+    from bench.document.figures.paper_errors import error_figures
+    from bench.document.figures.paper_model import diagnosis_figures, gain_figure
+    from bench.residuals.motor import compared
 
     given = given_filters(**filters)
     dataset, result, diagnosis = answer_of(source, Asked(effects, effect_files, given, data))

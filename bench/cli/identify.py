@@ -19,7 +19,7 @@ from bench.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from bench.compare.motor import Compared
+    from bench.residuals.motor import Compared
 
 
 @click.command("identify")
@@ -79,16 +79,16 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
 
     from rich.console import Console
 
-    from bench.compare.motor import compared
-    from bench.compare.next_step import left_over
-    from bench.dataset import load_dataset
-    from bench.diagnose.mounting import mounted_otherwise
+    from bench.dataset.dataset import load_dataset
+    from bench.diagnosis.mounting import mounted_otherwise
+    from bench.document.terminal.identification import identification_report
     from bench.effects import catalogue_for
-    from bench.estimate.identify import fit, prepare
-    from bench.estimate.model_file import model_json
-    from bench.estimate.shortness import short_recordings
-    from bench.estimate.swapped import swapped_columns
-    from bench.show.tables import identification_report
+    from bench.identification.identify import fit, prepare
+    from bench.identification.model_file import model_json
+    from bench.identification.shortness import short_recordings
+    from bench.identification.swapped_columns import swapped_columns
+    from bench.residuals.motor import compared
+    from bench.residuals.next_step import left_over
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
@@ -111,13 +111,13 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         write_answer(json_file, model_json(result, data.folder))
         written.append(wrote(json_file, "model"))
     if rrd_file is not None:
-        from bench.show.recording import write_rrd
+        from bench.viewer.recording import write_rrd
 
         write_rrd(rrd_file, result, data)
         written.append(wrote(rrd_file, f"recording: open it with rerun {rrd_file}"))
     if output is not None:
-        from bench.report.content_run import Run
-        from bench.report.write import write_identification_report
+        from bench.page.section_run import Run
+        from bench.page.write import write_identification_report
 
         options = {
             "method": method,
@@ -142,8 +142,8 @@ def _next(
     json_file: Path | None,
 ) -> str:
     """The command that makes sense after an identification."""
-    from bench.compare.next_step import DIAGNOSE, KEEP, beyond_noise
-    from bench.report.content_run import Run
+    from bench.page.section_run import Run
+    from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))
     if beyond_noise(what):

@@ -11,8 +11,8 @@ from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.parameters import Assignment, number_or_word, unique
 
 if TYPE_CHECKING:
+    from bench.dataset.payload import Payload
     from bench.logs.importing import LogRequest
-    from bench.payload import Payload
 
 CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 
@@ -139,7 +139,7 @@ def _refuse_beside_mapping(context: click.Context) -> None:
 
 def _payload(options: Mapping[str, Any]) -> "Payload | None":
     """The payload to define, if its mass is given."""
-    from bench.payload import Payload
+    from bench.dataset.payload import Payload
 
     name, mass = options["payload"], options["payload_mass"]
     if mass is None:

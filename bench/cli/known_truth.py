@@ -6,19 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from bench.dataset import Dataset
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset
 from bench.document.numbers import effect_key
-from bench.errors import BenchError
 from bench.model.model import build_model
-from bench.show.story import Known
-from bench.sweep.true_parameters import true_values
-from bench.trial.true_effects import as_logged
-from bench.trial.true_effects import true_values as true_effect_values
+from bench.studies.sweep.true_parameters import true_values
+from bench.studies.trial.true_effects import as_logged
+from bench.studies.trial.true_effects import true_values as true_effect_values
 from bench.truth.dataset import truth_path
 from bench.truth.hidden_torque import hidden_torque, plain_machine
 from bench.truth.repeat import repeated
 from bench.truth.report import truth
 from bench.truth.simulate import Simulation
+from bench.viewer.context import Known
 
 WHOLE_ROBOT = "robot"
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from bench.diagnose.result import Diagnosis
+    from bench.diagnosis.result import Diagnosis
 
 STANDARD_OUTPUT = Path("-")
 _OUTPUT, _QUIET = "bench.standard output", "bench.quiet"
@@ -24,7 +24,7 @@ def wrote(path: str | Path, what: str = "") -> str:
 
 def next_line(words: Sequence[str | Path], why: str = "") -> str:
     """The command that makes sense next, to be copied, and what it does."""
-    from bench.report.content_run import quoted
+    from bench.page.section_run import quoted
 
     line = f"next: {' '.join(quoted(word) for word in ('bench', *words))}"
     return f"{line}    {why}" if why else line
@@ -60,7 +60,7 @@ def _standard_output(context: click.Context) -> Any:
 
 def write_answer(path: Path, value: Any) -> None:
     """Write an answer as JSON: to a file, whole or not at all, or to standard output."""
-    from bench.files import write_json_atomically
+    from bench.files.atomic import write_json_atomically
 
     if path != STANDARD_OUTPUT:
         write_json_atomically(path, value)

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from bench.progress import Progress
+from bench.basics.progress import Progress
 
 
 @click.command("open")
@@ -50,7 +50,7 @@ def open_page(folder: Path, robots: tuple[Path, ...], port: int, no_browser: boo
 
 
 def _line(words: list[str]) -> str:
-    from bench.report.content_run import quoted
+    from bench.page.section_run import quoted
 
     return " ".join(quoted(word) for word in ["bench", "open", *words])
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import click
 
+from bench.basics.errors import BenchError
 from bench.cli.completion import effects
 from bench.cli.last_lines import answer_on
-from bench.errors import BenchError
 
 METHODS = ("current", "ls", "tls", "wls", "wtls")
 

@@ -27,8 +27,8 @@ def plot(
 
     DIR is the folder of a sweep.
     """
-    from bench.sweep.plot import plot_sweep
-    from bench.sweep.results import plot_name, table_in
+    from bench.studies.sweep.plot import plot_sweep
+    from bench.studies.sweep.results import plot_name, table_in
 
     table = table_in(folder)
     path = output or table.with_name(plot_name(x, y, lines))

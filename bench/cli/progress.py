@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
+from bench.basics.progress import SILENT, Progress
 from bench.cli.last_lines import quiet_here
-from bench.progress import SILENT, Progress
 
 QUIET = "Print nothing but errors, and show no progress."
 

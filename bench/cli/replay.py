@@ -58,10 +58,10 @@ def replay(
 
     from rich.console import Console
 
+    from bench.basics.errors import BenchError
     from bench.cli.progress import shown_progress
-    from bench.dataset import load_dataset
+    from bench.dataset.dataset import load_dataset
     from bench.effects import catalogue_for
-    from bench.errors import BenchError
     from bench.export.identified import load_identified
     from bench.export.physical import physical_set
     from bench.replay.replay import replay as replayed
@@ -81,8 +81,8 @@ def replay(
         write_answer(json_file, replay_json(result))
         written.append(wrote(json_file, "answer"))
     if rrd_file is not None:
-        from bench.estimate.model_file import read_identification
-        from bench.show.recording import write_rrd
+        from bench.identification.model_file import read_identification
+        from bench.viewer.recording import write_rrd
 
         model = read_identification(model_file, data, catalogue_for(data.effect_files, effect_files))
         told = replace(model, method="twin", recordings=result.twin.recordings, error=result.twin.error)

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from bench.basics.progress import Progress
 from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
     effect_file_option,
@@ -14,7 +15,6 @@ from bench.cli.options import (
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
-from bench.progress import Progress
 
 
 @click.command("report")
@@ -55,7 +55,7 @@ def report(
     """
     given = given_filters(**filters)
     with shown_progress(quiet) as progress:
-        from bench.report.write import REPORT_FILE
+        from bench.page.write import REPORT_FILE
 
         output = output / REPORT_FILE if output.is_dir() else output
         said = _written(source, data, effects, effect_files, given, output, progress)
@@ -74,10 +74,10 @@ def _written(
     progress: Progress,
 ) -> str:
     """Write the page of what the source turns out to be; tells what of a result was worked out anew, if anything."""
-    from bench.errors import BenchError
-    from bench.report.folder import RUN_FILE, read_run
-    from bench.report.write import write_kept, write_sweep_report
-    from bench.sweep.again import is_sweep_folder
+    from bench.basics.errors import BenchError
+    from bench.page.folder import RUN_FILE, read_run
+    from bench.page.write import write_kept, write_sweep_report
+    from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     said = ""
     models = {"--data": data, "--with": effects, "--effect-file": effect_files, "filters": given}
@@ -113,10 +113,10 @@ def _refuse(options: dict[str, Any], what: str) -> None:
 
 
 def _of_trial(source: Path, output: Path) -> None:
-    from bench.errors import BenchError
-    from bench.report.content_trial import trial_table
-    from bench.report.folder import RUN_FILE
-    from bench.report.write import write_trial_report
+    from bench.basics.errors import BenchError
+    from bench.page.folder import RUN_FILE
+    from bench.page.trial_page import trial_table
+    from bench.page.write import write_trial_report
 
     table = trial_table(source) if source.exists() else None
     if table is None and source.is_dir():
@@ -138,11 +138,11 @@ def _of_dataset(
     output: Path,
     progress: Progress,
 ) -> None:
-    from bench.dataset import load_dataset
-    from bench.discover.find import find_missing_effects
-    from bench.report.content_run import Run
-    from bench.report.folder import Kept
-    from bench.report.write import write_kept
+    from bench.dataset.dataset import load_dataset
+    from bench.discovery.find import find_missing_effects
+    from bench.page.folder import Kept
+    from bench.page.section_run import Run
+    from bench.page.write import write_kept
 
     progress.phase("reading the recordings")
     dataset = load_dataset(source)
@@ -157,13 +157,13 @@ def _of_dataset(
 def _of_model(
     source: Path, data: Path | None, effect_files: tuple[Path, ...], output: Path, progress: Progress
 ) -> None:
-    from bench.dataset import load_dataset
+    from bench.basics.errors import BenchError
+    from bench.dataset.dataset import load_dataset
     from bench.effects import catalogue_for
-    from bench.errors import BenchError
-    from bench.estimate.model_file import load_model, read_identification
-    from bench.report.content_run import Run
-    from bench.report.folder import Kept
-    from bench.report.write import write_kept
+    from bench.identification.model_file import load_model, read_identification
+    from bench.page.folder import Kept
+    from bench.page.section_run import Run
+    from bench.page.write import write_kept
 
     saved = load_model(source)
     data = data or saved.dataset

@@ -25,11 +25,11 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     """
     from rich.console import Console
 
-    from bench.errors import BenchError
-    from bench.robot import load_robot
+    from bench.basics.errors import BenchError
+    from bench.dataset.robot import load_robot
+    from bench.document.terminal.robot import robot_report
     from bench.robot_check.as_json import report_json
     from bench.robot_check.check import check_robot
-    from bench.show.robot_report import robot_report
 
     report = check_robot(load_robot(folder))
     robot_report(report, Console(), verbose=verbose)

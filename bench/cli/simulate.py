@@ -31,10 +31,10 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
     with shown_progress(quiet) as progress:
         from functools import partial
 
-        from bench.dataset_toml import DATASET_FILE
-        from bench.errors import BenchError
-        from bench.excite.scenario import designer
-        from bench.scenario import load_scenario, resolve_trajectories
+        from bench.basics.errors import BenchError
+        from bench.dataset.dataset_toml import DATASET_FILE
+        from bench.excitation.scenario import designer
+        from bench.scenario.scenario import load_scenario, resolve_trajectories
         from bench.truth.dataset import write_simulation
         from bench.truth.simulate import simulate as run
 

@@ -40,14 +40,14 @@ def sweep(
     FILE is a sweep file or the name of a built-in sweep. Finished runs are kept in DIR as they come: stopped in
     whatever way and started again on the same folder, the sweep goes on.
     """
-    from bench.errors import BenchError
+    from bench.basics.errors import BenchError
 
     if output is None and not dry_run:
         raise BenchError("sweep: name the folder of the results with -o DIR")
 
     with shown_progress(quiet):
-        from bench.sweep.command import run_command
-        from bench.sweep.workers import Workers
+        from bench.studies.sweep.command import run_command
+        from bench.studies.sweep.workers import Workers
 
     code = run_command(
         sweep_file,
@@ -59,7 +59,7 @@ def sweep(
     )
     if output is not None and not dry_run:
         with shown_progress(quiet, "drawing the page"):
-            from bench.report.write import REPORT_FILE, write_sweep_report
+            from bench.page.write import REPORT_FILE, write_sweep_report
 
             page = write_sweep_report(output, output / REPORT_FILE)
         say([wrote(page, "report"), next_line(["table", output], "summarises it by axis")])

@@ -25,9 +25,9 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
     DIR is the folder of a sweep. Prints median and spread, and writes them beside the table as Markdown. Every
     column of the table can be an axis, and every column of numbers a metric.
     """
-    from bench.sweep.console import table_console
-    from bench.sweep.print_summary import print_summary
-    from bench.sweep.results import table_in, write_table_summary
+    from bench.studies.sweep.console import table_console
+    from bench.studies.sweep.print_summary import print_summary
+    from bench.studies.sweep.results import table_in, write_table_summary
 
     summary, path = write_table_summary(table_in(folder), axes, metrics or ("gain_error",))
     print_summary(summary, table_console())

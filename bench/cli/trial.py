@@ -70,8 +70,8 @@ def trial(
     goes on. The answer does not depend on the number of workers.
     """
     with shown_progress(running["quiet"]):
-        from bench.sweep.workers import Workers
-        from bench.trial.command import run_command
+        from bench.studies.sweep.workers import Workers
+        from bench.studies.trial.command import run_command
 
     code = run_command(
         robot,
@@ -85,8 +85,8 @@ def trial(
         quiet=running["quiet"],
     )
     with shown_progress(running["quiet"], "drawing the page"):
-        from bench.report.write import write_trial_report
-        from bench.robot import load_robot
+        from bench.dataset.robot import load_robot
+        from bench.page.write import write_trial_report
 
         table = output / f"{load_robot(robot).name}.parquet"
         page = write_trial_report(table, table.with_suffix(".html"))

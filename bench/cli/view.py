@@ -43,8 +43,8 @@ def view(
 
     The recording goes to SOURCE.rrd, beside SOURCE, and opens; with --save it is only written.
     """
-    from bench.cli.told import Asked, told_of
-    from bench.show.recording import write_rrd, write_side_by_side
+    from bench.cli.named_sources import Asked, told_of
+    from bench.viewer.recording import write_rrd, write_side_by_side
 
     given = given_filters(**filters)
     asked = Asked(effects, effect_files, given, data, runs, not no_truth)

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from bench.diagnose.result import Diagnosis, EffectVerdict
-from bench.diagnose.summary import effort_unit, error_share, motor_torques
+from bench.diagnosis.result import Diagnosis, EffectVerdict
+from bench.diagnosis.summary import effort_unit, error_share, motor_torques
 from bench.document.numbers import effect_name, gain_change
 from bench.document.table import PLAIN, Column, Mark, Table
-from bench.estimate.result import Identification, Quantity
+from bench.identification.result import Identification, Quantity
 
 FEW = 4  # alternatives named in a cell
 ROUNDING = 1e-6  # of an evidence in nats, of a share

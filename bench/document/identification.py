@@ -17,7 +17,7 @@ from bench.document.numbers import (
     other_terms,
 )
 from bench.document.table import Column, Mark, Table
-from bench.estimate.result import CurrentSeries, Identification, Quantity, relative_error
+from bench.identification.result import CurrentSeries, Identification, Quantity, relative_error
 
 
 def gains_table(result: Identification, truth: Truth | None = None) -> Table:

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bench.effects.names import spoken
-from bench.estimate.deviations import StdFrom
-from bench.estimate.result import CurrentSeries, DriveGain, Identification, Quantity
+from bench.effects.display_names import spoken
+from bench.identification.result import CurrentSeries, DriveGain, Identification, Quantity
+from bench.identification.standard_errors import StdFrom
 
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"

@@ -1,9 +1,9 @@
 """Models side by side: their errors and gains as tables, and what is different between them in sentences."""
 
-from bench.compare.side_by_side import Beside, SideBySide, effect_places, interval, moved_parameters
 from bench.document.numbers import USES, change_between, effect_name, percent, pretty_unit, quantity_text
 from bench.document.table import Column, Table
-from bench.estimate.result import DriveGain
+from bench.identification.result import DriveGain
+from bench.residuals.side_by_side import Beside, SideBySide, effect_places, interval, moved_parameters
 
 MANY = 6  # parameters that are named
 

@@ -17,8 +17,8 @@ from bench.document.numbers import (
     rounded_terms,
     value_and_deviation,
 )
-from bench.estimate.frame import data_frame
-from bench.estimate.result import Quantity
+from bench.identification.frame import data_frame
+from bench.identification.result import Quantity
 
 if TYPE_CHECKING:
     import pandas as pd

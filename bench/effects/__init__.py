@@ -1,6 +1,7 @@
 """The catalogue of physical effects, model side: one file an effect, one literal, sorted mapping."""
 
 from bench.effects.catalogue import CATALOGUE
+from bench.effects.checked_columns import effect_columns
 from bench.effects.effect import (
     ActuatorEffect,
     Bracket,
@@ -9,7 +10,6 @@ from bench.effects.effect import (
     Place,
     ShapeParameter,
 )
-from bench.effects.evaluate import effect_columns
 from bench.effects.places import Places, passive_joints, places_in
 from bench.effects.samples import JointSamples
 from bench.effects.select import EffectInstance, select_effects

@@ -7,9 +7,9 @@ from typing import ClassVar, Literal, Self
 
 import numpy as np
 
+from bench.basics.errors import BenchError
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals, RobotSignals
-from bench.errors import BenchError
 
 Place = Literal["actuator", "passive", "body", "payload", "robot"]
 Bracket = tuple[float, float, float]

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import solve_banded
 
-from bench.interpolation import cubic_spline
+from bench.basics.interpolation import cubic_spline
 
 FINER = 4  # samples for each given one: a torque is then nearly straight between two
 

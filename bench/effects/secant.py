@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from bench.basics.errors import BenchError
 from bench.effects.signals import RobotSignals
-from bench.errors import BenchError
 
 
 def secant(

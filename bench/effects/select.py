@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from bench.basics.errors import BenchError, meant
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import Effect, Place
 from bench.effects.places import Places
-from bench.errors import BenchError, meant
 
 ROBOT = "robot"  # where an effect of the whole robot stands among the joints
 TAG = "@recording"  # behind an effect or its place: a value for each recording

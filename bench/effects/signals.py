@@ -7,8 +7,8 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from bench.effects.kept import KeptRows
-from bench.interpolation import cubic_spline
+from bench.basics.interpolation import cubic_spline
+from bench.effects.row_cache import KeptRows
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion
 from bench.signals.filtering import low_pass

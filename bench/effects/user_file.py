@@ -10,9 +10,9 @@ from dataclasses import fields
 from pathlib import Path
 from typing import get_args
 
+from bench.basics.errors import BenchError
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import Effect, EffectParameter, Place, ShapeParameter, unit_at
-from bench.errors import BenchError
 
 PREFIX = "bench_user_effects_"
 MISTAKES = (

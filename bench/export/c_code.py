@@ -7,13 +7,13 @@ from string import Template
 
 import numpy as np
 
-from bench.effects.gain_saturation import LEAST as LEAST_SATURATED
-from bench.effects.gain_saturation import SOLVING
-from bench.effects.torque_ripple import LEAST as LEAST_RIPPLED
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.effects.laws.gain_saturation import LEAST as LEAST_SATURATED
+from bench.effects.laws.gain_saturation import SOLVING
+from bench.effects.laws.torque_ripple import LEAST as LEAST_RIPPLED
 from bench.export.feedforward import chosen_effects
 from bench.export.identified import EffectValues, IdentifiedModel
-from bench.files import write_text_atomically
+from bench.files.atomic import write_text_atomically
 from bench.model.geometry import Geometry
 
 TEMPLATE = Path(__file__).with_name("feedforward.c.in")

@@ -5,8 +5,8 @@ from functools import partial
 
 import numpy as np
 
+from bench.basics.errors import BenchError
 from bench.effects import ActuatorEffect, JointSignals
-from bench.errors import BenchError
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion, motion_of

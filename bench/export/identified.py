@@ -6,16 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.dataset import DATASET_FILE
-from bench.dataset_toml import DatasetSpec, PayloadSpec
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import DATASET_FILE
+from bench.dataset.dataset_toml import DatasetSpec, PayloadSpec
+from bench.dataset.payload import Payload
+from bench.dataset.robot import Robot, load_robot
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
-from bench.errors import BenchError
-from bench.estimate.model_file import SavedModel, load_model
+from bench.files.toml_input import read_toml
+from bench.identification.model_file import SavedModel, load_model
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import PARAMETERS
-from bench.payload import Payload
-from bench.robot import Robot, load_robot
-from bench.toml_input import read_toml
 
 
 @dataclass(frozen=True)

@@ -10,15 +10,15 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from bench.errors import BenchError
-from bench.estimate.payload_parameters import payload_columns
+from bench.basics.errors import BenchError
+from bench.dataset.robot_mjcf import INERTIA, MASS, ROTOR
 from bench.export.mjcf_actuators import DrivenJoint, set_motors
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
 from bench.export.pseudo_inertia import about_center
-from bench.files import atomic_path
+from bench.files.atomic import atomic_path
+from bench.identification.payload_parameters import payload_columns
 from bench.model.geometry import Placement
-from bench.robot_mjcf import INERTIA, MASS, ROTOR
 from bench.twin.friction import STEPS_TO_STICK, STIFF
 
 PAYLOAD = "payload:"  # what the name of a payload's body begins with

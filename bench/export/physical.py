@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.chi_squared import exceeded_with
-from bench.errors import BenchError
+from bench.basics.chi_squared import exceeded_with
+from bench.basics.errors import BenchError
 from bench.export.bodies import Equations, equations_of
 from bench.export.identified import IdentifiedModel
 from bench.export.programs import Programs

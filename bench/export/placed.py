@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bench.effects.base_tilt import BaseTilt
+from bench.effects.laws.base_tilt import BaseTilt
 from bench.export.gravity import still_determined, tilted
 from bench.export.identified import EffectValues
 from bench.export.physical import PhysicalSet

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from bench.dataset.robot_mjcf import ROTOR
 from bench.export.pseudo_inertia import pseudo_inertia, standard_parameters
 from bench.model.geometry import Geometry, Placement
 from bench.model.guess import guessed_parameters
 from bench.model.regressor import moved_parameters
-from bench.robot_mjcf import ROTOR
 
 SLENDER = (
     1e-4  # of a body's longest extent squared: a body thinner than its hundredth is taken to be that thick

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.export.bodies import Equations
 from bench.export.pseudo_inertia import from_scaled, pseudo_inertia
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from bench.export.mjcf import Exported
 from bench.export.physical import PhysicalSet
-from bench.files import write_json_atomically
+from bench.files.atomic import write_json_atomically
 from bench.twin.file import FORMAT, sidecar_path
 
 

@@ -8,11 +8,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
 from bench.export.pseudo_inertia import about_center
-from bench.files import write_text_atomically
+from bench.files.atomic import write_text_atomically
 from bench.model.geometry import Geometry, Joint
 
 GRAVITY = np.array([0.0, 0.0, -9.81])  # m/s2: what programs that read URDF suppose

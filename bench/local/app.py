@@ -15,9 +15,10 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from bench.dataset_toml import DATASET_FILE
-from bench.errors import BenchError
-from bench.files import finite
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT
+from bench.dataset.dataset_toml import DATASET_FILE
+from bench.files.atomic import finite
 from bench.local.folder import Folder, said_time
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
@@ -25,7 +26,6 @@ from bench.local.page import asset, page_html
 from bench.local.steps import command_of
 from bench.local.upload import LARGEST, take, zip_dataset
 from bench.local.worker import CancelledError, DiedError, Worker
-from bench.progress import SILENT
 
 LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
 LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip"}

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.joint_facts import JointFacts, joint_facts
+from bench.basics.errors import BenchError
+from bench.dataset.joint_facts import JointFacts, joint_facts
+from bench.dataset.recording_checks import Channel, find
+from bench.dataset.robot import Robot
+from bench.dataset.sampling import time_fault
+from bench.files.table import HUGE
 from bench.logs.columns import GROUPS
 from bench.logs.importing import CURES
 from bench.logs.log_file import Log, read_log
 from bench.logs.units import UNITS, factor_of
-from bench.recording_checks import Channel, find
-from bench.robot import Robot
-from bench.sampling import time_fault
-from bench.table_file import HUGE
 
 GAP = "a gap of "
 

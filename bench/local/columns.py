@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from bench.dataset.robot import Robot
 from bench.logs.columns import GROUPS
 from bench.logs.log_file import Log, read_log
 from bench.logs.units import UNITS, measured_by, unit_named
-from bench.robot import Robot
 
 POINTS = 160  # of a column's small picture
 

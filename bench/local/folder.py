@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from bench.catalogue import built_in_robots
-from bench.dataset_toml import DATASET_FILE
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.dataset_toml import DATASET_FILE
 from bench.logs.log_file import TEXTS
-from bench.report.folder import RUN_FILE
+from bench.page.folder import RUN_FILE
 
 LOGS = (*TEXTS, ".mat", ".npz", ".parquet")
 ROBOT_FILE = "robot.toml"

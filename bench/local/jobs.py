@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.local.worker import CancelledError, DiedError, Worker
 
 State = Literal["waiting", "running", "done", "refused", "cancelled", "ended"]

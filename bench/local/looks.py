@@ -5,22 +5,22 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from bench.dataset import Dataset, load_dataset
+from bench.basics.errors import BenchError
+from bench.basics.progress import Progress
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.robot import load_robot
 from bench.effects import catalogue_for, places_in
-from bench.effects.names import begun, spoken
-from bench.errors import BenchError
-from bench.estimate.model_file import apply_model, load_model
-from bench.estimate.model_json import to_json
-from bench.files import finite
+from bench.effects.display_names import begun, spoken
+from bench.files.atomic import finite
+from bench.identification.model_file import apply_model, load_model
+from bench.identification.model_json import to_json
 from bench.local.checks import Mapped, checked
 from bench.local.columns import look_at
 from bench.model.geometry import read_geometry
-from bench.progress import Progress
-from bench.report.content_errors import currents_section
-from bench.report.content_run import Run
-from bench.report.folder import RUN_FILE, read_json
-from bench.report.shown import shown
-from bench.robot import load_robot
+from bench.page.folder import RUN_FILE, read_json
+from bench.page.model_errors import shown
+from bench.page.section_errors import currents_section
+from bench.page.section_run import Run
 
 
 def columns(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:

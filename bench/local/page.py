@@ -3,8 +3,8 @@
 from functools import cache
 from pathlib import Path
 
-from bench.report.render import CHARTS
-from bench.report.render import asset as report_asset
+from bench.page.render import CHARTS
+from bench.page.render import asset as report_asset
 
 ASSETS = Path(__file__).with_name("assets")
 SCRIPTS = (

@@ -8,8 +8,8 @@ from pathlib import Path
 import uvicorn
 from starlette.applications import Starlette
 
-from bench.dataset_toml import DATASET_FILE
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.dataset_toml import DATASET_FILE
 from bench.local.app import Pages, application
 from bench.local.folder import Folder
 from bench.local.guard import LOOPBACK, Guard, new_token

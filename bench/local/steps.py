@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from bench.dataset_toml import DATASET_FILE
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.dataset_toml import DATASET_FILE
+from bench.dataset.recording import Use
+from bench.dataset.recording_checks import Check
+from bench.files.toml_input import UserTable, first_mistake
 from bench.local.folder import Folder
-from bench.recording import Use
-from bench.recording_checks import Check
-from bench.report.content_run import quoted
-from bench.toml_input import UserTable, first_mistake
+from bench.page.section_run import quoted
 
 RESULTS = ".results"
 Name = Annotated[str, Field(min_length=1, max_length=400)]

@@ -4,9 +4,9 @@ import zipfile
 from collections.abc import AsyncIterator
 from pathlib import Path
 
-from bench.csv_text import FOREIGN
-from bench.errors import BenchError
-from bench.files import atomic_path
+from bench.basics.errors import BenchError
+from bench.files.atomic import atomic_path
+from bench.files.csv_text import FOREIGN
 from bench.local.folder import LOGS, Folder
 
 LARGEST = 1 << 30  # bytes of one log

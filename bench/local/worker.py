@@ -8,8 +8,8 @@ from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from typing import Any
 
-from bench.errors import BenchError
-from bench.progress import Progress
+from bench.basics.errors import BenchError
+from bench.basics.progress import Progress
 
 Function = Callable[[Mapping[str, Any], Progress], Any]
 """What a worker can do: plain arguments to a plain answer; a user's mistake is a BenchError."""

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from bench.errors import BenchError, meant
+from bench.basics.errors import BenchError, meant
+from bench.dataset.robot import Robot
 from bench.logs.log_file import Log
 from bench.logs.units import UNITS, factor_of, measured_by
-from bench.robot import Robot
 
 Array = npt.NDArray[np.float64]
 GROUPS = ("position", "current")

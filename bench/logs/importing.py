@@ -8,20 +8,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.catalogue import built_in_robots
-from bench.dataset_toml import DATASET_FILE, RecordingEntry, extended_toml
-from bench.errors import BenchError
-from bench.files import write_text_atomically
-from bench.joint_facts import JointFacts, joint_facts
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.dataset_toml import DATASET_FILE, RecordingEntry, extended_toml
+from bench.dataset.joint_facts import JointFacts, joint_facts
+from bench.dataset.payload import Payload
+from bench.dataset.recording import Use, write_table
+from bench.dataset.recording_checks import Check
+from bench.dataset.recording_file import recording_from_table
+from bench.dataset.robot import Robot, load_robot
+from bench.files.atomic import write_text_atomically
+from bench.files.table import Table
 from bench.logs.columns import LogMap, columns_of
 from bench.logs.log_file import AS_FOUND, Reading, read_log
 from bench.logs.segments import UNCUT, Cutting, Part, cut
-from bench.payload import Payload
-from bench.recording import Use, write_table
-from bench.recording_checks import Check
-from bench.recording_file import recording_from_table
-from bench.robot import Robot, load_robot
-from bench.table_file import Table
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,13 @@ import numpy.typing as npt
 from scipy.io import loadmat
 from scipy.io.matlab import MatReadError
 
-from bench.csv_text import CsvText
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.files.csv_text import CsvText
+from bench.files.table import Table, read_table, table_of
+from bench.files.toml_input import one_line
 from bench.logs.ros_bag import SUFFIXES as BAGS
 from bench.logs.ros_bag import is_bag, read_bag
 from bench.logs.text_log import split_log
-from bench.table_file import Table, read_table, table_of
-from bench.toml_input import one_line
 
 Array = npt.NDArray[np.float64]
 

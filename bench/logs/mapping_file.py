@@ -25,16 +25,16 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from bench.dataset_toml import Number, PayloadSpec, payload_of
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.dataset_toml import Number, PayloadSpec, payload_of
+from bench.dataset.recording import Use
+from bench.dataset.recording_checks import Check
+from bench.dataset.robot import load_robot
+from bench.files.toml_input import UserTable, read_toml
 from bench.logs.columns import LogMap
 from bench.logs.importing import Imported, LogRequest, import_logs
 from bench.logs.log_file import Reading
 from bench.logs.segments import SHORTEST, Cutting
-from bench.recording import Use
-from bench.recording_checks import Check
-from bench.robot import load_robot
-from bench.toml_input import UserTable, read_toml
 
 Text = Annotated[str, Field(min_length=1)]
 

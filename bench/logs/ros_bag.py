@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from bench.errors import BenchError
-from bench.toml_input import one_line
+from bench.basics.errors import BenchError
+from bench.files.toml_input import one_line
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader

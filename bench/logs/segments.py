@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from bench.errors import BenchError
-from bench.recording import Use
-from bench.sampling import FEWEST, gap_rows
-from bench.table_file import SUFFIXES
+from bench.basics.errors import BenchError
+from bench.dataset.recording import Use
+from bench.dataset.sampling import FEWEST, gap_rows
+from bench.files.table import SUFFIXES
 
 Array = npt.NDArray[np.float64]
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from bench.csv_text import CsvText, decoded, is_number
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.files.csv_text import CsvText, decoded, is_number
 from bench.logs.units import unit_named
 
 LOOKED_AT = 400  # lines that tell what the table is like

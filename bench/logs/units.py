@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 
-from bench.errors import BenchError
-from bench.robot import Actuator, Robot
+from bench.basics.errors import BenchError
+from bench.dataset.robot import Actuator, Robot
 
 TURN = 2.0 * pi
 

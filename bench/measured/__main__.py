@@ -12,14 +12,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from bench.errors import BenchError
-from bench.files import write_text_atomically
+from bench.basics.errors import BenchError
+from bench.files.atomic import write_text_atomically
 from bench.measured.known import known_machines
 from bench.measured.machines import MACHINES, dataset_of
 from bench.measured.markdown import measured_markdown
 from bench.measured.page import measured_page
 from bench.measured.run import keep, kept, measured
-from bench.report.render import render_page
+from bench.page.render import render_page
 
 RESULT = Path("results/measured")
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from bench.toml_input import UserTable, read_toml
+from bench.files.toml_input import UserTable, read_toml
 
 DRIVE_GAIN, PARAMETER = "drive_gain", "parameter"
 WITHIN = 2.0  # stated deviations: what an estimate may be off beside the reference's own uncertainty

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.logs.columns import LogMap
 from bench.logs.importing import LogRequest, import_log
 

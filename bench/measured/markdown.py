@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from bench.document.markdown import rows_in_markdown
+from bench.document.markdown.tables import rows_in_markdown
 from bench.measured.known import MachineTable
 from bench.measured.run import Record
 from bench.measured.tables import EXPLANATION, NO, RUN_HEADS, VALUE_HEADS, run_rows, sources, value_rows

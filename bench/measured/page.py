@@ -17,12 +17,12 @@ from bench.measured.tables import (
     sources,
     value_rows,
 )
-from bench.report.content_run import versions_of
-from bench.report.content_sweep import footer, generator
-from bench.report.parts import Cell, Column, Commands, Figure, Items, Page, Part, Row, Section, Table, Tile
-from bench.report.parts import one_figure as figure_of
-from bench.report.thin import significant
-from bench.report.words import plural, share, typeset
+from bench.page.parts import Cell, Column, Commands, Figure, Items, Page, Part, Row, Section, Table, Tile
+from bench.page.parts import one_figure as figure_of
+from bench.page.section_run import versions_of
+from bench.page.sweep_page import footer, generator
+from bench.page.thinned import significant
+from bench.page.words import plural, share, typeset
 
 ROLES = ("before", "after", "noise")
 LINE = 16  # px, of an interval

@@ -12,11 +12,11 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from bench.errors import BenchError
-from bench.files import write_text_atomically
+from bench.basics.errors import BenchError
+from bench.files.atomic import write_text_atomically
+from bench.files.toml_input import first_mistake
 from bench.measured.known import Compared, MachineTable, compared
-from bench.sweep.versions import versions
-from bench.toml_input import first_mistake
+from bench.studies.sweep.versions import versions
 
 SUFFIX = ".json"
 

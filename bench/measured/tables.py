@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from bench.document.numbers import percent, pretty_unit, value_and_deviation
-from bench.effects.names import spoken
+from bench.effects.display_names import spoken
 from bench.measured.known import DRIVE_GAIN, PARAMETER, WITHIN, Compared, MachineTable
 from bench.measured.run import Named, Record, Run
 

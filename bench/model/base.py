@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.model.geometry import Geometry
 from bench.model.regressor import body_columns, parameter_names, projected_regressor, rotor_columns
 from bench.model.states import random_motion

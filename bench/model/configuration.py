@@ -6,7 +6,7 @@ in the body's own frame, and a free joint's linear velocity is in that frame too
 
 import numpy as np
 
-from bench.interpolation import PiecewisePolynomial
+from bench.basics.interpolation import PiecewisePolynomial
 from bench.model.geometry import Geometry, Joint
 from bench.model.kinematics import rotation_of
 from bench.model.scalars import Vector, cross, turned

@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.polynomial import Polynomial
 from scipy.linalg.lapack import dgesv
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.model.geometry import Coupling, Geometry
 from bench.model.spin import Spin, idle_spins
 from bench.model.tree import build_tree, loop_constraints

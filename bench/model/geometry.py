@@ -11,10 +11,10 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.robot import Robot
+from bench.dataset.robot_mjcf import ROTOR
 from bench.model.supported import unsupported_features
-from bench.robot import Robot
-from bench.robot_mjcf import ROTOR
 
 JointKind = Literal["hinge", "slide", "ball", "free"]
 KINDS: dict[int, JointKind] = {

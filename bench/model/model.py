@@ -5,13 +5,13 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters, base_parameters
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled, check_mobility
 from bench.model.regressor import payload_transform, projected_regressor
 from bench.model.states import random_motion
-from bench.robot import Robot
 
 SEED = 20120602  # of the states at which it is decided what recordings can tell at all
 STATES = 60

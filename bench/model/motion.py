@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.elimination import Elimination, eliminate

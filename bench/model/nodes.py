@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.model.follow import NEARLY_CLOSED, Follower, Pose, advance, home_pose, make_follower
 from bench.model.geometry import Geometry
 

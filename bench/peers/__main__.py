@@ -16,12 +16,12 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from bench.chi_squared import WITHIN_95
-from bench.files import write_json_atomically, write_text_atomically
+from bench.basics.chi_squared import WITHIN_95
+from bench.files.atomic import write_json_atomically, write_text_atomically
 from bench.peers.own import Answer, solve_all_unknown, solve_mass_known, solve_two_masses
 from bench.peers.problems import COULOMB_SHARE, DURATION, Problem, make_problem
-from bench.sweep.console import table_console
-from bench.sweep.versions import versions
+from bench.studies.sweep.console import table_console
+from bench.studies.sweep.versions import versions
 
 warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
 RESULT = Path("results/peers")

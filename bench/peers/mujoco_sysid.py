@@ -18,7 +18,7 @@ import numpy as np
 
 from bench.peers.own import Answer
 from bench.peers.problems import UNKNOWN_BODIES, Problem
-from bench.scenario import payload_truth
+from bench.scenario.scenario import payload_truth
 
 # only there in the environment of `make peers`
 mujoco: Any = import_module("mujoco")

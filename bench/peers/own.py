@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.dataset import Dataset
-from bench.estimate.identify import identify
-from bench.estimate.result import Identification
+from bench.dataset.dataset import Dataset
+from bench.identification.identify import identify
+from bench.identification.result import Identification
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import moved_parameters, projected_regressor
 from bench.model.states import random_motion
 from bench.peers.problems import UNKNOWN_BODIES, Problem
-from bench.sweep.true_parameters import true_base_parameters
+from bench.studies.sweep.true_parameters import true_base_parameters
 from bench.truth.dataset import as_dataset
 from bench.truth.report import truth
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.excite.scenario import designer
-from bench.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import designer
+from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.machine import true_gains
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate

@@ -9,24 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from bench.dataset import Dataset
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
 from bench.effects import Effect, JointSignals
 from bench.effects.effect import ActuatorEffect
-from bench.estimate.measured import Measured
-from bench.estimate.model_file import Comparison, applied
-from bench.estimate.observation import all_currents
-from bench.estimate.result import CurrentSeries, error_summary
-from bench.estimate.summary import modelled_series
 from bench.export.identified import IdentifiedModel
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import PhysicalSet
 from bench.export.sidecar import sidecar, write_sidecar
-from bench.files import finite
+from bench.files.atomic import finite
+from bench.identification.filtered import Measured
+from bench.identification.model_file import Comparison, applied
+from bench.identification.observation import all_currents
+from bench.identification.result import CurrentSeries, error_summary
+from bench.identification.summary import modelled_series
 from bench.model.configuration import configuration_rates
 from bench.model.geometry import Geometry, to_mujoco
-from bench.progress import SILENT, Progress
 from bench.replay.tracking import Reference, Tracked, track
-from bench.threads import on_one_thread
 from bench.twin import load_twin
 
 

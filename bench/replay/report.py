@@ -4,8 +4,8 @@ from rich.console import Console
 from rich.text import Text
 
 from bench.document.table import Column, Mark, Table
-from bench.document.terminal import printed
-from bench.estimate.result import CurrentSeries, relative_error
+from bench.document.terminal.tables import printed
+from bench.identification.result import CurrentSeries, relative_error
 from bench.replay.replay import Replay
 
 OPEN = 1e-4  # m or rad: a loop that opens farther moves the motors

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from bench.errors import BenchError
-from bench.interpolation import cubic_spline
+from bench.basics.errors import BenchError
+from bench.basics.interpolation import cubic_spline
 from bench.twin import Twin
 
 LONGEST_STEP = 5e-4  # s

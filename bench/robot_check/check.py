@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.dataset.robot import Robot
 from bench.model.base import base_parameters
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.motion import LARGEST_AMPLIFICATION
 from bench.model.states import random_motion
-from bench.robot import Robot
 from bench.robot_check import agreement
 from bench.robot_check.features import check_features, notes
 from bench.robot_check.home import check_home
@@ -28,7 +28,7 @@ WEAK = 1e-6  # smallest singular value at home below which it counts as singular
 
 
 def check_robot(robot: Robot) -> RobotReport:
-    """Check a robot that `bench.robot.load_robot` has read; what is wrong stands in the report's failures."""
+    """Check a robot that `bench.dataset.robot.load_robot` has read; what is wrong stands in the report's failures."""
     compiled = robot.mjcf_model()
     features = check_features(compiled)
     report = RobotReport(

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
+from bench.dataset.robot import Robot
 from bench.model.supported import label_of, unsupported_features
-from bench.robot import Robot
 from bench.robot_check.report import Check
 
 FORCES = {  # fields of MuJoCo's model, effect at a motor, effect at a joint without one

@@ -3,9 +3,9 @@
 import mujoco
 import numpy as np
 
+from bench.dataset.robot import Robot
 from bench.model.geometry import Geometry
 from bench.model.supported import label_of
-from bench.robot import Robot
 from bench.robot_check.loops import gaps, loop_bodies
 from bench.robot_check.machine import Machine, body_label
 from bench.robot_check.report import Check, JointLine, LoopLine

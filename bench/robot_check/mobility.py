@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.model.geometry import Geometry
 from bench.model.mobility import DEPENDENT, column_scales, scaled_jacobians
 from bench.model.mobility import check_mobility as require_mobility

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters
-from bench.robot import Robot
 
 Verdict = Literal["ok", "note", "failed", "skipped"]
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.signals.block_filter import RunningFilter, kept_samples
 from bench.signals.filtering import check_length, too_short
 from bench.signals.sections import chebyshev, response

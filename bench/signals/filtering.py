@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.signals.sections import at_rest, butterworth, filtered
 
 FloatArray = NDArray[np.float64]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.signals.differentiation import central_difference
 from bench.signals.filtering import low_pass
 from bench.signals.settings import FilterSettings

@@ -8,7 +8,7 @@ from bench.speed import diagnosis, growth, long_log, main_job, regressor, report
 from bench.speed.figures import Figure, append_history, figures_table, last_values
 from bench.speed.scheduling import scheduling_figures
 from bench.speed.sweep import sweep_figures
-from bench.sweep.console import table_console
+from bench.studies.sweep.console import table_console
 
 
 def regressor_figures() -> list[Figure]:

@@ -11,11 +11,11 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any
 
-from bench.dataset import Dataset, load_dataset
-from bench.diagnose.diagnose import diagnose
-from bench.excite.scenario import designer
-from bench.scenario import resolve_trajectories, scenario_from_dict
-from bench.scenario_file import find_scenario, read_with_bases
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.diagnose import diagnose
+from bench.excitation.scenario import designer
+from bench.scenario.file import find_scenario, read_with_bases
+from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.speed import report
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.export.c_code import c_text
 from bench.export.feedforward import Feedforward
 from bench.export.identified import IdentifiedModel, load_identified

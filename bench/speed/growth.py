@@ -16,16 +16,16 @@ import numpy as np
 from matplotlib.figure import Figure as Drawing
 from rich.table import Table
 
-from bench.dataset import Dataset, load_dataset
-from bench.diagnose.diagnose import diagnose
-from bench.diagnose.result import Diagnosis
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.result import Diagnosis
+from bench.document.figures.currents import STYLE
 from bench.effects import CATALOGUE
-from bench.estimate.identify import identify
-from bench.files import atomic_path
-from bench.show.figures import STYLE
+from bench.files.atomic import atomic_path
+from bench.identification.identify import identify
 from bench.speed.long_log import write_long_dataset
-from bench.sweep.console import table_console
-from bench.sweep.versions import versions
+from bench.studies.sweep.console import table_console
+from bench.studies.sweep.versions import versions
 
 RESULT = Path("results/speed/growth.json")
 PICTURE = Path("results/speed/growth.png")

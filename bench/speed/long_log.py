@@ -15,14 +15,14 @@ from time import process_time
 import click
 import numpy as np
 
-from bench.compare.motor import compared
-from bench.dataset import RecordingEntry, load_dataset, write_dataset_toml
-from bench.errors import BenchError
-from bench.estimate.identify import fit, prepare
-from bench.estimate.swapped import swapped_columns
-from bench.recording import write_recording
-from bench.scenario import Scenario, payload_declared, scenario_from_dict
-from bench.scenario_file import find_scenario, read_with_bases
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import RecordingEntry, load_dataset, write_dataset_toml
+from bench.dataset.recording import write_recording
+from bench.identification.identify import fit, prepare
+from bench.identification.swapped_columns import swapped_columns
+from bench.residuals.motor import compared
+from bench.scenario.file import find_scenario, read_with_bases
+from bench.scenario.scenario import Scenario, payload_declared, scenario_from_dict
 from bench.truth.sensors import sense
 from bench.truth.simulate import simulate
 

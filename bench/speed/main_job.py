@@ -15,12 +15,12 @@ import numpy as np
 from mujoco import rollout
 from rich.table import Table
 
-from bench.estimate.identify import identify
-from bench.excite.scenario import designer
-from bench.files import atomic_path
-from bench.scenario import load_scenario, resolve_trajectories
-from bench.sweep.console import table_console
-from bench.sweep.versions import versions
+from bench.excitation.scenario import designer
+from bench.files.atomic import atomic_path
+from bench.identification.identify import identify
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.studies.sweep.console import table_console
+from bench.studies.sweep.versions import versions
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
 

@@ -13,19 +13,19 @@ import numpy as np
 import pinocchio as pin
 from rich.table import Table
 
-from bench.errors import BenchError
-from bench.files import atomic_path
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
+from bench.files.atomic import atomic_path
 from bench.model.base import base_parameters
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.motion import Motion, motion_of
 from bench.model.regressor import projected_regressor
 from bench.model.states import active_ranges
 from bench.model.tree import build_tree
-from bench.robot import load_robot
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import FilterSettings
-from bench.sweep.console import table_console
-from bench.sweep.versions import versions
+from bench.studies.sweep.console import table_console
+from bench.studies.sweep.versions import versions
 
 LIMITS = {"five_bar": 6.0, "delta": 4.0}  # times Pinocchio's loop
 RATE, DURATION = 1000.0, 20.0  # Hz, s

@@ -6,16 +6,16 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
-from bench.dataset import Dataset, load_dataset
-from bench.diagnose.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
-from bench.diagnose.unexplained import relative_noise_floor
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnosis.unexplained import relative_noise_floor
 from bench.effects import CATALOGUE
-from bench.estimate.identify import identify
-from bench.excite.scenario import designer
-from bench.report.content_run import Run
-from bench.report.folder import read_run
-from bench.report.write import write_diagnosis_report, write_kept
-from bench.scenario import resolve_trajectories, scenario_from_dict
+from bench.excitation.scenario import designer
+from bench.identification.identify import identify
+from bench.page.folder import read_run
+from bench.page.section_run import Run
+from bench.page.write import write_diagnosis_report, write_kept
+from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.speed.hexapod import write_hexapod
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate

@@ -17,18 +17,18 @@ from pathlib import Path
 
 from rich.table import Table
 
-from bench.errors import BenchError
-from bench.files import write_json_atomically
+from bench.basics.errors import BenchError
+from bench.files.atomic import write_json_atomically
 from bench.speed.figures import Figure
 from bench.speed.stand_in import NoWork
-from bench.sweep.console import table_console
-from bench.sweep.dask_pool import DaskPool
-from bench.sweep.journal import Journal
-from bench.sweep.plan import make_plan
-from bench.sweep.pool import LocalPool, Pool
-from bench.sweep.run_sweep import JOURNAL, run_sweep
-from bench.sweep.sweep_file import load_sweep
-from bench.sweep.versions import versions
+from bench.studies.sweep.console import table_console
+from bench.studies.sweep.dask_pool import DaskPool
+from bench.studies.sweep.journal import Journal
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.pool import LocalPool, Pool
+from bench.studies.sweep.run_sweep import JOURNAL, run_sweep
+from bench.studies.sweep.sweep_file import load_sweep
+from bench.studies.sweep.versions import versions
 
 RUNS, LOCAL_WORKERS, DASK_WORKERS = 10_000, 2, 64
 COST_LIMIT = 2.0  # ms of the driver's processor time a run

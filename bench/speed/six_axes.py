@@ -11,11 +11,11 @@ from time import process_time
 import numpy as np
 import pyarrow.parquet as pq
 
-from bench.dataset import RecordingEntry, load_dataset, write_dataset_toml
-from bench.estimate.identify import fit, prepare
-from bench.estimate.swapped import swapped_columns
-from bench.recording import write_recording
-from bench.recording_checks import Check
+from bench.dataset.dataset import RecordingEntry, load_dataset, write_dataset_toml
+from bench.dataset.recording import write_recording
+from bench.dataset.recording_checks import Check
+from bench.identification.identify import fit, prepare
+from bench.identification.swapped_columns import swapped_columns
 
 LIMIT = 2.0  # s
 AXES = 6

@@ -13,11 +13,11 @@ from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import Any
 
-from bench.sweep.dask_pool import distributed
-from bench.sweep.journal import Row
-from bench.sweep.plan import Run
-from bench.sweep.pool import Task
-from bench.sweep.work import failed_row
+from bench.studies.sweep.dask_pool import distributed
+from bench.studies.sweep.journal import Row
+from bench.studies.sweep.plan import Run
+from bench.studies.sweep.pool import Task
+from bench.studies.sweep.work import failed_row
 
 LOCAL = "127.0.0.1"
 

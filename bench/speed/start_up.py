@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from time import perf_counter
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 
 COMMANDS = ("identify", "diagnose")
 LIMIT = 0.7  # s

@@ -9,13 +9,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.speed.figures import Figure
-from bench.sweep.plan import make_plan
-from bench.sweep.pool import LocalPool
-from bench.sweep.run_sweep import RECORD, run_sweep
-from bench.sweep.sweep_file import load_sweep
-from bench.sweep.work import IdentificationWork
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.pool import LocalPool
+from bench.studies.sweep.run_sweep import RECORD, run_sweep
+from bench.studies.sweep.sweep_file import load_sweep
+from bench.studies.sweep.work import IdentificationWork
 
 RUNS, FEWER = 200, 60
 SECONDS_LIMIT, GAIN_LIMIT, START_LIMIT = 38.0, 1.8, 3.0

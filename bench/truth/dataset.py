@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bench.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
-from bench.errors import BenchError
-from bench.files import whole_folder, write_json_atomically
-from bench.recording import Recording, write_recording
-from bench.scenario import payload_declared
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
+from bench.dataset.recording import Recording, write_recording
+from bench.files.atomic import whole_folder, write_json_atomically
+from bench.scenario.scenario import payload_declared
 from bench.truth.report import truth
 from bench.truth.simulate import Simulation
 

@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.payload import Payload, inertia_matrix
-from bench.robot import Robot
-from bench.scenario import Scenario, payload_truth, per_joint
-from bench.scenario_tables import Controller, PayloadTable
-from bench.toml_input import one_line
+from bench.basics.errors import BenchError
+from bench.dataset.payload import Payload, inertia_matrix
+from bench.dataset.robot import Robot
+from bench.files.toml_input import one_line
+from bench.scenario.scenario import Scenario, payload_truth, per_joint
+from bench.scenario.tables import Controller, PayloadTable
 from bench.truth.assembly import reduced_inertia
 from bench.truth.hidden import (
     LAWS,

@@ -11,10 +11,10 @@ import numpy as np
 from mujoco.batch import Batch, SimulationError
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.progress import SILENT, Progress
-from bench.toml_input import one_line
-from bench.trajectory import FourierTrajectory
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.files.toml_input import one_line
+from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.assembly import assembled, holding_torque
 from bench.truth.hidden import MOTOR_SIDE
 from bench.truth.loops import POINTS, batch_gaps

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bench.errors import BenchError
-from bench.scenario import Scenario, scenario_from_dict
-from bench.trajectory import FourierTrajectory
+from bench.basics.errors import BenchError
+from bench.scenario.scenario import Scenario, scenario_from_dict
+from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.simulate import Simulation, simulate
 
 

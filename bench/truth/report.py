@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.payload import Payload
+from bench.dataset.payload import Payload
 from bench.truth.hidden import MOTOR_SIDE, PAYLOAD_BODY
 from bench.truth.machine import Machine
 from bench.truth.simulate import SimulatedRecording, Simulation

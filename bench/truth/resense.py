@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from bench.scenario import Scenario
+from bench.scenario.scenario import Scenario
 from bench.truth.sensors import sense
 from bench.truth.simulate import Simulation
 

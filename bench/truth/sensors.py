@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.scenario import per_joint
-from bench.scenario_tables import Sensors
+from bench.scenario.scenario import per_joint
+from bench.scenario.tables import Sensors
 from bench.truth.streams import stream
 
 Array = NDArray[np.float64]

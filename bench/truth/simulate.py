@@ -10,12 +10,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.progress import SILENT, Progress
-from bench.robot import Robot
-from bench.scenario import Scenario, per_joint, resolve_trajectories
-from bench.scenario_tables import RecordingTable
-from bench.trajectory import FourierTrajectory
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.dataset.robot import Robot
+from bench.scenario.scenario import Scenario, per_joint, resolve_trajectories
+from bench.scenario.tables import RecordingTable
+from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.machine import Machine, build_machine
 from bench.truth.motion import Motion, Run, Timing, simulate_motion
 from bench.truth.sensors import Log, sense

@@ -10,7 +10,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden import Clock, Signals
 from bench.truth.indices import live_columns
 from bench.truth.laws import joint_laws

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bench.effects import Effect
-from bench.effects.current_delay import CurrentDelay
-from bench.effects.current_loop_lag import CurrentLoopLag
-from bench.effects.gain_saturation import GainSaturation
-from bench.effects.load_dependent_friction import LoadDependentFriction
+from bench.effects.laws.current_delay import CurrentDelay
+from bench.effects.laws.current_loop_lag import CurrentLoopLag
+from bench.effects.laws.gain_saturation import GainSaturation
+from bench.effects.laws.load_dependent_friction import LoadDependentFriction
+from bench.effects.laws.torque_ripple import TorqueRipple
 from bench.effects.periods import wave
-from bench.effects.torque_ripple import TorqueRipple
 from bench.twin.laws import Instant
 
 

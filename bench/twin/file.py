@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from bench.basics.errors import BenchError
 from bench.effects import Effect, EffectInstance, catalogue_for
-from bench.errors import BenchError
 
 FORMAT = 1
 

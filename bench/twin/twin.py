@@ -7,8 +7,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from bench.effects.platform_force import PlatformForce
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
+from bench.effects.laws.platform_force import PlatformForce
 from bench.twin.drive import ORDER, DriveLaw, drive_law_of
 from bench.twin.file import Motor, TwinFile, load_twin_file
 from bench.twin.friction import STEPS_TO_STICK, STIFF

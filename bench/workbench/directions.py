@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.effects import EffectInstance, RobotSignals
-from bench.estimate.effect_columns import PresentModel, robot_signals
-from bench.estimate.measured import Measured
-from bench.workbench.found import FoundModel
+from bench.identification.effect_columns import PresentModel, robot_signals
+from bench.identification.filtered import Measured
+from bench.workbench.found_model import FoundModel
 
 NEGLIGIBLE = 3e-5  # of the torque: smaller changes are left out
 MOST_RIGID, FEW_RIGID = 6, 1

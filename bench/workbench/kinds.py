@@ -14,13 +14,13 @@ from bench.effects import (
     RobotSignals,
     places_in,
 )
-from bench.estimate.effect_columns import robot_signals
-from bench.estimate.joint_samples import joint_samples
-from bench.estimate.partial import PartialRegression, partial_regression
-from bench.estimate.prepare import Prepared, with_effects
-from bench.estimate.quick import candidate_columns, solved_quickly
-from bench.workbench.found import FoundModel
-from bench.workbench.small_changes import small_changes
+from bench.identification.effect_columns import robot_signals
+from bench.identification.joint_samples import joint_samples
+from bench.identification.partial_regression import PartialRegression, partial_regression
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.solve_only import candidate_columns, solved_quickly
+from bench.workbench.found_model import FoundModel
+from bench.workbench.small_perturbations import small_changes
 from bench.workbench.variants import (
     FEW_NODES,
     NODES,

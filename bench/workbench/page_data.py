@@ -5,14 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from bench.dataset import Dataset
-from bench.diagnose.result import Diagnosis
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.result import Diagnosis
 from bench.effects import catalogue_for
+from bench.effects.display_names import spoken
 from bench.effects.effect import Effect
-from bench.effects.names import spoken
-from bench.threads import on_one_thread
 from bench.workbench.encode import doubles, floats, short_triangle, triangle
-from bench.workbench.found import FoundModel, found_models
+from bench.workbench.found_model import FoundModel, found_models
 from bench.workbench.reduce import Reduced
 from bench.workbench.sample import thinned
 from bench.workbench.system import System, build, coordinates_of

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import ActuatorEffect, EffectInstance, JointSignals
-from bench.estimate.effect_columns import robot_signals
-from bench.estimate.effect_rows import effect_rows
-from bench.estimate.standstill import bridged_part
+from bench.identification.effect_columns import robot_signals
+from bench.identification.effect_rows import effect_rows
+from bench.identification.standstill import bridged_part
 from bench.signals.decimation import decimate
 from bench.workbench.directions import Directions
 from bench.workbench.kinds import Kinds
-from bench.workbench.small_changes import small_changes
+from bench.workbench.small_perturbations import small_changes
 from bench.workbench.variants import Variants
 
 

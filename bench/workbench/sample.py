@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from bench.workbench.encode import floats, quantised
-from bench.workbench.found import FoundModel
+from bench.workbench.found_model import FoundModel
 from bench.workbench.system import System
 
 BYTES, FEW_BYTES = 560_000, 300_000  # of all quantised columns together, in two bytes or in one

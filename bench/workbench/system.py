@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects import Effect, EffectInstance
-from bench.estimate.layout import known_rows, regressor_rows
-from bench.estimate.quick import candidate_columns
-from bench.workbench.apart import set_apart
+from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.solve_only import candidate_columns
+from bench.workbench.decorrelated import set_apart
 from bench.workbench.directions import (
     Directions,
     Terms,
@@ -16,7 +16,7 @@ from bench.workbench.directions import (
     needed_coordinates,
     rigid_coordinates,
 )
-from bench.workbench.found import FoundModel
+from bench.workbench.found_model import FoundModel
 from bench.workbench.kinds import Kinds
 from bench.workbench.reduce import Reduced, coefficients_at, many, reduced, within_reach
 from bench.workbench.rows import Rows

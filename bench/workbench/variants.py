@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 
 from bench.effects import ActuatorEffect, Bracket, Effect, EffectInstance, RobotSignals, ShapeParameter
-from bench.estimate.newton import NEARBY
-from bench.estimate.settle import MOST_ROUNDS
+from bench.identification.newton import NEARBY
+from bench.identification.nonlinear import MOST_ROUNDS
 
 NODES, FEW_NODES = (
     26,

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
 from bench.truth.hidden.signals import Law, Parameters, Signals
 

@@ -10,9 +10,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.payload import Payload
-from bench.robot import Robot
+from bench.basics.errors import BenchError
+from bench.dataset.payload import Payload
+from bench.dataset.robot import Robot
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden.base import Draft, JointEffect
 from bench.truth.hidden.signals import Law, Parameters, Signals
 

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden.base import MOTOR_SIDE, Draft, JointEffect, refuse_fast_swing
 
 NO_MASS = 1e-12  # kg and kg·m²: a body must have some; the rotor's inertia is its joint's armature

@@ -8,8 +8,8 @@ from dataclasses import MISSING, fields
 import mujoco
 import numpy as np
 
-from bench.errors import BenchError
-from bench.scenario_tables import Hidden
+from bench.basics.errors import BenchError
+from bench.scenario.tables import Hidden
 from bench.truth.hidden import HIDDEN_EFFECTS, HiddenEffect, JointEffect
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from scipy.signal import lfilter
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden.reference import JointMovement, rms
 
 Sizes = dict[str, float]

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.scenario import Scenario
-from bench.scenario_tables import Hidden
+from bench.basics.errors import BenchError
+from bench.scenario.scenario import Scenario
+from bench.scenario.tables import Hidden
 from bench.truth.hidden.reference import JointMovement, Reference, rms
 from bench.truth.inverse import motor_torque
 from bench.truth.machine import build_machine

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from bench.errors import BenchError
-from bench.payload import Payload
+from bench.basics.errors import BenchError
+from bench.dataset.payload import Payload
 from bench.truth.hidden.base import Draft, HiddenEffect
 
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden.base import Draft, HiddenEffect, free_name
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.hidden.law_sizes import LAW_SIZES
 from bench.truth.hidden.machine_sizes import MACHINE_SIZES

@@ -1,6 +1,6 @@
 "use strict";
 /*
-The model with any effects: shapes found, columns linearised about the present model, as bench/estimate/settle.py and
+The model with any effects: shapes found, columns linearised about the present model, as bench/identification/nonlinear.py and
 newton.py do.
 */
 const WorkbenchFit = (() => {
@@ -148,7 +148,7 @@ const WorkbenchFit = (() => {
     const alike = (now, before, share) => now.every((value, i) => Math.abs(value - before[i]) <= share * Math.abs(value));
 
     /*
-    Shapes found and columns linearised, in a few rounds, as bench/estimate/settle.py does it: the present model. It
+    Shapes found and columns linearised, in a few rounds, as bench/identification/nonlinear.py does it: the present model. It
     pauses after every part of the work, so that the page can stay awake.
     */
     function* settled(terms) {

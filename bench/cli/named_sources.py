@@ -1,0 +1,197 @@
+"""From what a user names (a dataset, a model, a folder of results or of a sweep) to what the viewer shows."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.basics.errors import BenchError
+from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of, truth_values
+from bench.dataset.dataset import DATASET_FILE, Dataset, load_dataset
+from bench.diagnosis.result import Diagnosis, LadderStep
+from bench.document.diagnosis import step_labels
+from bench.document.markdown.diagnosis import diagnosis_markdown
+from bench.effects import catalogue_for
+from bench.identification.effect_torques import effect_torques
+from bench.identification.identify import fit, identify, prepare
+from bench.identification.model_file import load_model, read_identification
+from bench.identification.result import Identification
+from bench.page.folder import RUN_FILE, Kept, read_run
+from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
+from bench.truth.dataset import as_dataset
+from bench.viewer.context import Known, Step, Story
+from bench.viewer.recording import Told
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says.
+
+    data: the dataset beside which a model file is shown; runs: of a sweep, by number; truth: whether what a
+    simulation knows may be shown.
+    """
+
+    effects: tuple[str, ...] = ()
+    effect_files: tuple[Path, ...] = ()
+    filters: Mapping[str, Any] | None = None
+    data: Path | None = None
+    runs: tuple[int, ...] = ()
+    truth: bool = True
+
+
+def told_of(source: Path, asked: Asked) -> list[Told]:
+    """One identification, or several of a sweep, with all that there is to tell of them.
+
+    Raises BenchError that says what is missing.
+    """
+    if source.is_file():
+        return [_of_model(source, asked)]
+    if not source.is_dir():
+        raise BenchError(f"{source}: no such folder or model file")
+    if (source / DATASET_FILE).is_file():
+        return [_of_dataset(source, asked)]
+    if is_sweep_folder(source):
+        return _of_sweep(source, asked)
+    if not (source / RUN_FILE).is_file():
+        raise BenchError(
+            f"{source}: neither a dataset ({DATASET_FILE}), nor a result ({RUN_FILE}), nor a sweep (sweep.toml)"
+        )
+    return [_of_result(_read(source), asked)]
+
+
+def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diagnosis | None]:
+    """The dataset, the model and, of a diagnosis, all that it says; without what a simulation knows.
+
+    Raises BenchError that says what is missing.
+    """
+    if source.is_dir() and (source / RUN_FILE).is_file():
+        kept = _read(source)
+        return kept.judged, kept.after, kept.diagnosis
+    if source.is_dir() and is_sweep_folder(source):
+        raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
+    if source.is_file():
+        dataset, result = _applied(source, asked)
+        return dataset, result, None
+    if not (source / DATASET_FILE).is_file():
+        raise BenchError(f"{source}: neither a dataset ({DATASET_FILE}) nor a result ({RUN_FILE})")
+    dataset = load_dataset(source)
+    catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
+    return dataset, identify(dataset, asked.effects, filters=asked.filters, catalogue=catalogue), None
+
+
+def _read(folder: Path) -> Kept:
+    """A result folder; says on standard error what was not taken from it as it was."""
+    kept = read_run(folder)
+    if kept.said:
+        click.echo(kept.said, err=True)
+    return kept
+
+
+def _of_dataset(folder: Path, asked: Asked) -> Told:
+    dataset = load_dataset(folder)
+    catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
+    rungs = [asked.effects[:count] for count in range(len(asked.effects) + 1)]
+    models = [identify(dataset, rung, filters=asked.filters, catalogue=catalogue) for rung in rungs]
+    steps = tuple(
+        Step(word, model.recordings) for word, model in zip(step_labels(rungs), models[:-1], strict=False)
+    )
+    story = _story(dataset, models[-1], steps, "", truth=asked.truth)
+    story = replace(story, label=step_labels(rungs)[-1])
+    return Told(models[-1].robot, models[-1], dataset, story)
+
+
+def _of_model(path: Path, asked: Asked) -> Told:
+    dataset, result = _applied(path, asked)
+    return Told(result.robot, result, dataset, _story(dataset, result, (), "", truth=asked.truth))
+
+
+def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification]:
+    """A model file beside its dataset, or another one."""
+    saved = load_model(path)
+    folder = asked.data or saved.dataset
+    if folder is None:
+        raise BenchError(f"{path}: a model file without the path of its recordings: name them with --data")
+    dataset = load_dataset(folder)
+    catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
+    return dataset, read_identification(path, dataset, catalogue)
+
+
+def _of_result(kept: Kept, asked: Asked) -> Told:
+    """The model that was found, and the errors of the models that the ladder leads over."""
+    dataset, after, diagnosis = kept.dataset, kept.after, kept.diagnosis
+    if diagnosis is None:
+        return Told(after.robot, after, dataset, _story(dataset, after, (), "", truth=asked.truth))
+    judged = kept.judged
+    rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
+    words = step_labels(rungs)
+    steps = []
+    for word, rung, step in zip(words[:-1], rungs[:-1], diagnosis.ladder[:-1], strict=True):
+        recordings = step.recordings
+        if not recordings:
+            recordings = identify(
+                judged, rung, filters=after.settings, fit_gains=after.gains_fitted, catalogue=kept.catalogue
+            ).recordings
+        steps.append(Step(word, recordings))
+    text = diagnosis_markdown(diagnosis)
+    story = _story(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)
+    return Told(after.robot, after, judged, replace(story, label=words[-1]))
+
+
+def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
+    """The effects of a rung's model where the found model has them, beside those that were there before."""
+    own = diagnosis.before.effects
+    added = [one for one in diagnosis.after.effects if one not in own]
+    return (*own, *(one for one in added if one.partition(":")[0] in rung.effects))
+
+
+def _of_sweep(folder: Path, asked: Asked) -> list[Told]:
+    """Runs of a sweep, simulated and identified once more: its folder keeps no recordings."""
+    plan = plan_of(folder)
+    found = []
+    for number in asked.runs or telling_runs(folder, plan):
+        again = run_again(folder, plan, number)
+        dataset, run = as_dataset(again.simulation), again.run
+        filters = again.simulation.scenario.settings.filter.model_dump(exclude_none=True)
+        options = {key: run.identify[key] for key in ("deviations", "essential", "fit_gains")}
+        prepared = prepare(dataset, run.identify["effects"], filters)
+        result = fit(prepared, run.identify["method"], **options)
+        story = _story(dataset, result, (), f"**{again.title}**", truth=False)
+        if asked.truth:
+            known, content = known_of(again.simulation), truth_of(again.simulation)
+            story = replace(story, known=known, truth=truth_values(dataset, content))
+        found.append(Told(again.title, result, dataset, story))
+    return found
+
+
+def _story(
+    dataset: Dataset,
+    result: Identification,
+    steps: tuple[Step, ...],
+    text: str,
+    *,
+    truth: bool,
+    logged: Dataset | None = None,
+) -> Story:
+    """All that is told beside an answer. logged: the dataset as it was written, where its recordings were parted."""
+    torques = {one.name: one for one in effect_torques(result.recordings)} if result.effects else {}
+    known: Mapping[str, Known] = {}
+    values = None
+    logged = logged or dataset
+    content = truth_beside(logged) if truth else None
+    if content is not None:
+        simulation = simulated_again(logged, content)
+        if simulation is not None:
+            known, values = _by_part(known_of(simulation), dataset), truth_values(dataset, content)
+    return Story(steps, torques, known, values, text)
+
+
+def _by_part(known: Mapping[str, Known], dataset: Dataset) -> dict[str, Known]:
+    """What is known, by the names of recordings or of parts of them: that of the longest name they begin with."""
+    found = {}
+    for one in dataset.recordings:
+        names = [name for name in known if one.name.startswith(name)]
+        if names:
+            found[one.name] = known[max(names, key=len)].within(one.time[0], one.time[-1])
+    return found

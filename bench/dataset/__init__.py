@@ -1,0 +1,1 @@
+"""What comes in: robots, payloads, recordings and datasets, read and checked."""

@@ -1,0 +1,90 @@
+"""A dataset: a robot, its payloads and the recordings of its movements, as a folder with dataset.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset_toml import DATASET_FILE as DATASET_FILE
+from bench.dataset.dataset_toml import DatasetSpec, payload_of
+from bench.dataset.dataset_toml import RecordingEntry as RecordingEntry
+from bench.dataset.dataset_toml import write_dataset_toml as write_dataset_toml
+from bench.dataset.joint_facts import joint_facts
+from bench.dataset.payload import Payload
+from bench.dataset.recording import Recording
+from bench.dataset.recording_file import load_recordings
+from bench.dataset.recording_window import Window
+from bench.dataset.robot import Robot, load_robot
+from bench.files.toml_input import read_toml
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """Everything that an identification reads.
+
+    effect_files are the user's own effects, from the optional key `effects`.
+    """
+
+    folder: Path
+    robot: Robot
+    payloads: Mapping[str, Payload]
+    recordings: tuple[Recording, ...]
+    effect_files: tuple[Path, ...] = field(default=())
+
+
+def load_dataset(folder: str | Path) -> Dataset:
+    """Read and check the dataset in `folder` (or the dataset.toml itself).
+
+    Errors: BenchError in one line that names the file and the key, or the file, the column and the row.
+    """
+    path = Path(folder)
+    if path.is_dir():
+        path = path / DATASET_FILE
+    elif path.suffix != ".toml":
+        if path.is_file():
+            raise BenchError(f"{path}: is a file: give its folder, the one with the {DATASET_FILE}")
+        raise BenchError(f"{path}: no such dataset folder")
+    spec = read_toml(path, DatasetSpec)
+    folder = path.parent
+    robot = load_robot(spec.robot, relative_to=folder)
+    payloads = {name: payload_of(path, name, entry) for name, entry in spec.payloads.items()}
+    _check_references(path, spec, robot)
+    effect_files = tuple(folder / name for name in spec.effects)
+    for name, file in zip(spec.effects, effect_files, strict=True):
+        if not file.is_file():
+            raise BenchError(f"{path}: effects: no such file {name!r}")
+    joints = joint_facts(robot)
+    recordings = [
+        one
+        for entry in spec.recordings
+        for one in load_recordings(
+            folder / entry.file,
+            entry.file,
+            entry.use,
+            entry.payload,
+            joints,
+            entry.accept,
+            Window(entry.window, entry.exclude),
+        )
+    ]
+    return Dataset(folder, robot, payloads, tuple(recordings), effect_files)
+
+
+def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:
+    seen: set[str] = set()
+    for i, entry in enumerate(spec.recordings):
+        key = f"{path}: recordings[{i}]"
+        if entry.file in seen:
+            raise BenchError(f"{key}.file: {entry.file!r} is listed twice")
+        seen.add(entry.file)
+        if not (path.parent / entry.file).is_file():
+            raise BenchError(f"{key}.file: no such file {entry.file!r}")
+        if entry.payload is None:
+            continue
+        if entry.payload not in spec.payloads:
+            known = ", ".join(sorted(spec.payloads)) or "none"
+            raise BenchError(f"{key}.payload: {entry.payload!r} is not defined under [payloads] ({known})")
+        if robot.tool_site is None:
+            raise BenchError(f"{key}.payload: the robot {robot.name!r} has no [tool] site to fix it at")

@@ -1,0 +1,56 @@
+"""What the MJCF says about the driven joints: kind, range and home."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import mujoco
+
+from bench.dataset.robot import TORQUE_LOGS, Robot
+
+
+@dataclass(frozen=True)
+class JointFacts:
+    """One driven joint. `lower`, `upper` (rad or m) are None where the MJCF sets no range.
+
+    `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop` says whether the robot
+    has closed loops, `geared` whether this is a motor's own position, which runs through many turns, and
+    `logs_effort` whether its logged currents are torques or forces.
+    """
+
+    name: str
+    kind: Literal["hinge", "slide"]
+    lower: float | None
+    upper: float | None
+    home: float
+    in_loop: bool
+    geared: bool = False
+    logs_effort: bool = False
+
+
+def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
+    """The facts of each driven joint, in the order of the robot's actuators."""
+    model = robot.mjcf_model()
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    home = model.qpos0 if key < 0 else model.key_qpos[key]
+    loops = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+    in_loop = any(int(kind) in map(int, loops) for kind in model.eq_type)
+    facts = []
+    for actuator in robot.actuators:
+        name = actuator.joint
+        joint = model.joint(name)
+        limited = bool(joint.limited[0])
+        facts.append(
+            JointFacts(
+                name,
+                "hinge" if joint.type[0] == mujoco.mjtJoint.mjJNT_HINGE else "slide",
+                float(joint.range[0]) if limited else None,
+                float(joint.range[1]) if limited else None,
+                float(home[joint.qposadr[0]]),
+                in_loop,
+                actuator.drives != "joint",
+                actuator.gain_unit in TORQUE_LOGS.values(),
+            )
+        )
+    return tuple(facts)

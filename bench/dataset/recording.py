@@ -1,0 +1,107 @@
+"""A recording: what a robot's controller logged during one movement."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from bench.basics.errors import BenchError
+from bench.files.atomic import atomic_path
+
+Use = Literal["identify", "validate"]
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Joint positions and current references on a uniform time grid.
+
+    name      the file name as dataset.toml gives it
+    use       "identify": fitted; "validate": only compared
+    payload   name of the payload on the tool, or None
+    time      (N,) s, uniform
+    position  (N, n) rad or m, in the order of the robot's actuators
+    current   (N, n) current reference in the drive's unit (A or V), same order
+    extra     other columns of numbers, each (N,), for plots
+    part_of   the log that this is a part of, by name; empty: a log by itself
+    started   when that log begins, s; None: with the first sample
+    """
+
+    name: str
+    use: Use
+    payload: str | None
+    time: Array
+    position: Array
+    current: Array
+    extra: Mapping[str, Array] = field(default_factory=dict)
+    part_of: str = ""
+    started: float | None = None
+
+    @property
+    def log(self) -> str:
+        """The log, by name, to which it belongs: what is a log's own is that of all its parts."""
+        return self.part_of or self.name
+
+    @property
+    def began(self) -> float:
+        """When the log begins, s: what warms up or wears does so from then on."""
+        return float(self.time[0]) if self.started is None else self.started
+
+    @property
+    def rate(self) -> float:
+        """Samples per second, Hz, to twelve digits."""
+        return float(f"{(self.time.size - 1) / (self.time[-1] - self.time[0]):.12g}")
+
+
+def write_recording(
+    path: str | Path,
+    time: npt.ArrayLike,
+    position: npt.ArrayLike,
+    current: npt.ArrayLike,
+    joints: Sequence[str],
+    extra: Mapping[str, npt.ArrayLike] | None = None,
+) -> None:
+    """Write a recording as CSV or Parquet, by the suffix of `path`, whole or not at all.
+
+    time (N,) s; position (N, n) rad or m; current (N, n) drive unit; n joint names; extra columns (N,).
+    Reading gives back every number bit for bit.
+
+    Errors: BenchError for an unknown suffix, ValueError for shapes that do not agree.
+    """
+    path = Path(path)
+    columns = {"time": np.asarray(time, dtype=np.float64)}
+    count = columns["time"].size
+    for kind, values in (("position", position), ("current", current)):
+        block = np.asarray(values, dtype=np.float64)
+        if block.shape != (count, len(joints)):
+            raise ValueError(f"{kind} has shape {block.shape}, expected {(count, len(joints))}")
+        columns |= {f"{kind}.{joint}": block[:, i] for i, joint in enumerate(joints)}
+    columns |= {name: np.asarray(values, dtype=np.float64) for name, values in (extra or {}).items()}
+    write_table(path, columns)
+
+
+def write_table(path: Path, columns: Mapping[str, Array]) -> None:
+    """Write columns of equal length as CSV or Parquet, by suffix, whole or not at all."""
+    writer = {".csv": _write_csv, ".parquet": _write_parquet}.get(path.suffix.lower())
+    if writer is None:
+        raise BenchError(f"{path}: a recording is a .csv or a .parquet file")
+    with atomic_path(path) as temporary:
+        writer(temporary, columns)
+
+
+def _write_csv(path: Path, columns: Mapping[str, Array]) -> None:
+    # repr of a float is the shortest text that reads back as the same float
+    rows = zip(*(map(repr, values.tolist()) for values in columns.values()), strict=True)
+    header = ",".join(f'"{name}"' if "," in name else name for name in columns)
+    path.write_text(header + "\n" + "\n".join(map(",".join, rows)) + "\n", encoding="utf-8")
+
+
+def _write_parquet(path: Path, columns: Mapping[str, Array]) -> None:
+    pq.write_table(pa.table({name: pa.array(values) for name, values in columns.items()}), path)

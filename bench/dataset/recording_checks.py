@@ -1,0 +1,297 @@
+"""What a log's signals say about themselves: wrong units, limits, constant, stuck, spiked, clipped.
+
+Each check looks at one column and returns the first finding or None. They are made to stay silent on clean,
+noisy, quantised and slow data: a signal is compared with itself, and its own resolution (the smallest step
+that it makes) is allowed for. What a check takes for a fault can still be right once in a while, so a
+recording may list checks that its user has looked at: accept = ["saturated"].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from bench.dataset.joint_facts import JointFacts
+
+Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated"]
+CHECKS: tuple[Check, ...] = get_args(Check)
+
+DEGREES = 180.0 / np.pi
+MILLI = 1000.0
+FULL_TURN = 2.0 * np.pi
+LIMIT_SLACK = 0.05  # of a joint's range: stops give way, and an encoder's zero may be a little off
+FASTEST = {"hinge": 30.0, "slide": 20.0}  # rad/s, m/s: more is suspicious for a joint without a range
+LARGEST_CURRENT = 500.0  # A or V
+LARGEST_EFFORT = 1e5  # N·m or N, in a log of torques or forces
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A fault of one column; `row` (0 is the first) is None where it is all of the column."""
+
+    check: Check
+    row: int | None
+    what: str
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One column: `values` (N,), `step` s between samples, and the joint when it holds its position.
+
+    effort: a column of currents holds torques or forces.
+    """
+
+    values: Array
+    step: float
+    joint: JointFacts | None = None
+    effort: bool = False
+
+
+def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Finding]:
+    """What all checks find in a channel, the accepted ones aside; at most one finding each."""
+    catalogue = CURRENT_CHECKS if channel.joint is None else POSITION_CHECKS
+    findings = (check(channel) for name, check in catalogue.items() if name not in accepted)
+    return [finding for finding in findings if finding is not None]
+
+
+def constant(channel: Channel) -> Finding | None:
+    """A signal that never changes; a position that shows nothing but noise."""
+    values = channel.values
+    span = np.ptp(values)
+    if span == 0.0:
+        return Finding("constant", None, f"is constant ({values[0]:g} throughout)")
+    # White noise changes by √2 of its deviation from sample to sample, a movement by far less.
+    noise = np.sqrt(np.mean(np.diff(values) ** 2)) > 0.5 * values.std()
+    if channel.joint is not None and span < 1e-3 and noise:
+        return Finding("constant", None, f"does not move: only noise within {span:.2g}")
+    return None
+
+
+def position_units(channel: Channel) -> Finding | None:
+    """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided.
+
+    A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's own
+    position before a gear, which turns as often and as fast as the gear lets it, is not.
+    """
+    joint, values = _joint(channel), channel.values
+    factor, wrong, right = (
+        (DEGREES, "degrees", "radians") if joint.kind == "hinge" else (MILLI, "millimetres", "metres")
+    )
+    if joint.lower is not None and joint.upper is not None:
+        span = joint.upper - joint.lower
+        outside = np.maximum(joint.lower - values, values - joint.upper)
+        scaled = values / factor
+        fits = joint.lower - 0.1 * span <= scaled.min() and scaled.max() <= joint.upper + 0.1 * span
+        suspicious = fits and outside.max() > span
+        why = f"up to {outside.max():.4g} outside of [{joint.lower:g}, {joint.upper:g}]"
+    elif joint.geared:
+        return None
+    else:
+        suspicious, why = _far_without_range(joint, values, channel.step, factor)
+    if not suspicious:
+        return None
+    return Finding("units", None, f"looks like {wrong}, {right} are expected: {why}")
+
+
+def _far_without_range(joint: JointFacts, values: Array, step: float, factor: float) -> tuple[bool, str]:
+    lag = max(1, round(0.005 / step))
+    speed = float(np.quantile(np.abs(values[lag:] - values[:-lag]), 0.99)) / (lag * step)
+    distance = np.abs(values - joint.home)
+    fast = speed > FASTEST[joint.kind]
+    hint = "give the joint a range in the MJCF if it is right"
+    if joint.kind == "slide":
+        why = f"up to {distance.max():.4g} from home, {speed:.4g} per second ({hint})"
+        return bool(fast or distance.max() > FASTEST["slide"]), why
+    one_turn = bool(np.abs(values / factor).max() < 1.1 * FULL_TURN)
+    far = distance.max() > 2 * FULL_TURN and (joint.in_loop or fast)
+    why = f"up to {distance.max() / FULL_TURN:.3g} turns from home, {speed:.4g} rad/s ({hint})"
+    return bool(one_turn and (far or distance.min() > FULL_TURN)), why
+
+
+def limits(channel: Channel) -> Finding | None:
+    """A position beyond the joint's range in the MJCF, by more than 5 % of that range."""
+    joint, values = _joint(channel), channel.values
+    if joint.lower is None or joint.upper is None:
+        return None
+    slack = LIMIT_SLACK * (joint.upper - joint.lower)
+    outside = np.flatnonzero((values < joint.lower - slack) | (values > joint.upper + slack))
+    if not outside.size:
+        return None
+    row = int(outside[0])
+    unit = "rad" if joint.kind == "hinge" else "m"
+    return Finding(
+        "limits",
+        row,
+        f"{values[row]:g} {unit} is outside of the joint's range [{joint.lower:g}, {joint.upper:g}]"
+        f"{_more(outside.size)}",
+    )
+
+
+def current_units(channel: Channel) -> Finding | None:
+    """Milliamperes or counts for amperes: no drive of a robot commands so much. Torques and forces may be larger."""
+    large = np.quantile(np.abs(channel.values), 0.99)
+    most, units = (LARGEST_EFFORT, "N·m or N") if channel.effort else (LARGEST_CURRENT, "A or V")
+    if large <= most:
+        return None
+    return Finding("units", None, f"reaches {large:.4g}: {units} are expected, it looks like thousandths")
+
+
+def position_spikes(channel: Channel) -> Finding | None:
+    """Steps that stand alone: a glitch (there and back), a lost count, or an angle wrapped at a full turn.
+
+    A step counts when it exceeds eight times the 95th percentile of all steps and eight times every
+    other step within six samples, one step back aside.
+    """
+    values = channel.values
+    steps = np.abs(np.diff(values))
+    floor = 8.0 * np.quantile(steps, 0.95) + 4.0 * resolution(values)
+    large = np.flatnonzero(steps > floor)
+    alone = [k for k in large.tolist() if _stands_alone(steps, k)]
+    if not alone:
+        return None
+    row, k = alone[0] + 1, alone[0]
+    jump = values[row] - values[k]
+    back = k + 1 in large and abs(values[row + 1] - values[k]) < 0.5 * abs(jump)
+    turns = jump / FULL_TURN
+    wraps = _joint(channel).kind == "hinge" and round(turns) != 0 and abs(turns - round(turns)) < 0.05
+    count = len(alone) // 2 if back else len(alone)
+    what = "spikes" if back else "jumps"
+    hint = ": an angle wrapped at a full turn? unwrap it" if wraps and not back else ""
+    return Finding("spikes", row, f"{what} by {jump:.4g} from one sample to the next{hint}{_more(count)}")
+
+
+def _stands_alone(steps: Array, k: int, reach: int = 6) -> bool:
+    around = np.sort(np.delete(steps[max(0, k - reach) : k + reach + 1], min(k, reach)))
+    return bool(around[-2] < steps[k] / 8.0)
+
+
+def current_spikes(channel: Channel) -> Finding | None:
+    """A single sample at more than five times the range of all others: a corrupt number."""
+    values = channel.values
+    low, middle, high = np.quantile(values, (0.0025, 0.5, 0.9975))
+    distance = np.abs(values - middle)
+    far = np.flatnonzero(distance > 5.0 * (high - low))
+    if not 0 < far.size <= max(2, values.size // 500):
+        return None
+    alone = [k for k in far.tolist() if _excursion_alone(distance, k)]
+    if not alone:
+        return None
+    return Finding("spikes", alone[0], f"spikes to {values[alone[0]]:.4g} for one sample{_more(len(alone))}")
+
+
+def _excursion_alone(distance: Array, k: int) -> bool:
+    beside = [distance[i] for i in (k - 1, k + 1) if 0 <= i < distance.size]
+    return bool(max(beside) < distance[k] / 5.0)
+
+
+def frozen(channel: Channel) -> Finding | None:
+    """A position that stops dead within a sample, or restarts so, and repeats one value in between.
+
+    Resting is no fault: a joint brakes before it rests. The change of speed where the value sticks must
+    exceed six times what the rest of the recording shows.
+    """
+    values = channel.values
+    lag = max(1, round(0.004 / channel.step))
+    starts, lengths = runs(values)
+    long = lengths >= max(10, 3 * lag)
+    if not long.any():
+        return None
+    bend = np.zeros_like(values)
+    bend[lag:-lag] = np.abs(values[2 * lag :] - 2.0 * values[lag:-lag] + values[: -2 * lag])
+    edges = np.concatenate([starts[long], (starts + lengths - 1)[long]])
+    elsewhere = np.ones(values.size, dtype=bool)
+    for shift in range(-lag, lag + 1):
+        elsewhere[np.clip(edges + shift, 0, values.size - 1)] = False
+    usual = np.quantile(bend[elsewhere], 0.995) if elsewhere.any() else 0.0
+    limit = 6.0 * usual + 6.0 * resolution(values)
+    first, last = starts[long], (starts + lengths - 1)[long]
+    stuck = np.flatnonzero((bend[first] > limit) | (bend[last] > limit))
+    if not stuck.size:
+        return None
+    row, count = int(first[stuck[0]]), int(lengths[long][stuck[0]])
+    return Finding(
+        "frozen",
+        row,
+        f"is stuck at {values[row]:g} for {count} samples though the joint is moving{_more(stuck.size)}",
+    )
+
+
+def saturated(channel: Channel) -> Finding | None:
+    """A current clipped at its largest or smallest value.
+
+    The extreme value is held for five samples or more on end, twice as long as other values are, and taken
+    at least five times as often as any of the four levels next to it. (A smooth peak of a quantised signal
+    is taken at most 2.4 times as often.) A signal of fewer than 200 levels is too coarse to tell: friction
+    alone holds it at one level.
+    """
+    values = channel.values
+    level = resolution(values)
+    if np.ptp(values) < 200 * level or level == 0.0:
+        return None
+    starts, lengths = runs(values)
+    inside = (values[starts] != values.max()) & (values[starts] != values.min())
+    usual = float(np.quantile(lengths[inside], 0.995)) if inside.any() else 1.0
+    shortest = max(5.0, 2.0 * usual)
+    for extreme, sign in ((values.max(), -1.0), (values.min(), 1.0)):
+        held = (values[starts] == extreme) & (lengths >= shortest)
+        if not held.any():
+            continue
+        depth = np.round(sign * (values - extreme) / level)
+        counts = np.bincount(depth[depth < 5].astype(np.int64), minlength=5)
+        if counts[0] >= 10 and counts[0] >= 5 * counts[1:5].max():
+            row = int(starts[held][0])
+            count = int(counts[0])
+            return Finding(
+                "saturated", row, f"is held at its extreme, {extreme:g}: {count} samples are clipped"
+            )
+    return None
+
+
+def runs(values: Array) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Start and length of each run of equal samples in (N,) values, both (number of runs,)."""
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1])
+    return starts, np.diff(np.concatenate([starts, [values.size]]))
+
+
+def resolution(values: Array) -> float:
+    """The smallest step between samples of (N,) values: the quantum of a quantised signal, else tiny."""
+    steps = np.abs(np.diff(values))
+    large = steps[steps > 1e-9 * np.ptp(values)]
+    return float(large.min()) if large.size else 0.0
+
+
+def _joint(channel: Channel) -> JointFacts:
+    if channel.joint is None:
+        raise TypeError("this check is for positions")
+    return channel.joint
+
+
+def _more(count: int) -> str:
+    return f" (and {count - 1} more)" if count > 1 else ""
+
+
+_Function = Callable[[Channel], Finding | None]
+POSITION_CHECKS: Mapping[str, _Function] = MappingProxyType(
+    {
+        "constant": constant,
+        "frozen": frozen,
+        "spikes": position_spikes,
+        "units": position_units,
+        "limits": limits,
+    }
+)
+CURRENT_CHECKS: Mapping[str, _Function] = MappingProxyType(
+    {
+        "constant": constant,
+        "spikes": current_spikes,
+        "units": current_units,
+        "saturated": saturated,
+    }
+)

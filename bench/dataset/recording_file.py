@@ -1,0 +1,121 @@
+"""From a file to a recording that has been checked: everything found is named by file, column and row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.joint_facts import JointFacts
+from bench.dataset.recording import Recording, Use
+from bench.dataset.recording_checks import Channel, Finding, find
+from bench.dataset.recording_window import WHOLE, Window
+from bench.dataset.sampling import on_uniform_grid, time_fault
+from bench.files.table import Table, read_table, release_tables
+
+
+def load_recordings(
+    path: Path,
+    name: str,
+    use: Use,
+    payload: str | None,
+    joints: Sequence[JointFacts],
+    accept: Sequence[str] = (),
+    window: Window = WHOLE,
+) -> list[Recording]:
+    """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table.
+
+    What is used of it in several stretches is as many recordings, since no filter may run across a cut. Only what is
+    used is checked.
+    """
+    table = read_table(path)
+    _check_columns(table, ["time"])
+    parts = window.parts(table)
+    recordings = [recording_from_table(one, name, use, payload, joints, accept) for one in parts]
+    release_tables()
+    if window == WHOLE:
+        return recordings
+    started = window.began(table)
+    if len(recordings) == 1:
+        return [replace(recordings[0], started=started)]
+    return [
+        replace(
+            one, name=f"{name} ({one.time[0]:.4g} to {one.time[-1]:.4g} s)", part_of=name, started=started
+        )
+        for one in recordings
+    ]
+
+
+def recording_from_table(
+    table: Table,
+    name: str,
+    use: Use,
+    payload: str | None,
+    joints: Sequence[JointFacts],
+    accept: Sequence[str] = (),
+) -> Recording:
+    """The columns of a table as a recording of the driven `joints`, on a uniform time grid.
+
+    Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, but for the accepted ones.
+
+    Errors: BenchError "FILE: column COLUMN, line N: ..." for the first fault, and how many more there are.
+    """
+    columns = [f"{kind}.{joint.name}" for kind in ("position", "current") for joint in joints]
+    _check_columns(table, ["time", *columns])
+    time = table.finite("time")
+    signals = np.column_stack([table.finite(column) for column in columns])
+    if (fault := time_fault(time)) is not None:
+        raise BenchError(f"{table.place('time', fault.row)}: {fault.what}")
+    _check_signals(table, columns, time, signals, joints, frozenset(accept))
+    extra = {
+        c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
+    }
+    n = len(joints)
+    gridded = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra)
+    return Recording(name, use, payload, *gridded)
+
+
+def _check_columns(table: Table, needed: Sequence[str]) -> None:
+    there = [column for column in table.columns if column]
+    missing = [column for column in needed if column not in there]
+    if not missing:
+        return
+    close = get_close_matches(missing[0].lower(), [column.lower() for column in there], n=1, cutoff=0.8)
+    hint = f"; is {next(c for c in there if c.lower() == close[0])!r} meant?" if close else ""
+    raise BenchError(f"{table.path}: no column {', '.join(missing)} (it has {_listed(there)}){hint}")
+
+
+def _listed(names: Sequence[str], most: int = 12) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
+def _check_signals(
+    table: Table,
+    columns: Sequence[str],
+    time: np.ndarray,
+    signals: np.ndarray,
+    joints: Sequence[JointFacts],
+    accepted: frozenset[str],
+) -> None:
+    step = float(np.median(np.diff(time)))
+    found: list[tuple[str, Finding]] = []
+    for i, column in enumerate(columns):
+        joint = joints[i % len(joints)]
+        values = np.ascontiguousarray(signals[:, i])
+        position = i < len(joints)
+        channel = Channel(
+            values, step, joint if position else None, effort=joint.logs_effort and not position
+        )
+        found += [(column, finding) for finding in find(channel, accepted)]
+    if not found:
+        return
+    column, finding = found[0]
+    others = sorted({other for other, _ in found[1:] if other != column})
+    more = f"; more in {', '.join(others)}" if others else ""
+    accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
+    raise BenchError(f"{table.place(column, finding.row)}: {finding.what}{more}{accept}")

@@ -1,0 +1,103 @@
+"""Which parts of a recording are used: what dataset.toml says as `window` and `exclude`, in the log's own time."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Annotated, Any
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BeforeValidator
+
+from bench.basics.errors import BenchError
+from bench.dataset.sampling import FEWEST
+from bench.files.table import Table
+
+
+def _spans(value: Any) -> tuple[tuple[float, float], ...]:
+    """[start, end] or several of them, in order. Raises ValueError for anything else."""
+    several = value if isinstance(value, list | tuple) and value and _is_list(value[0]) else [value]
+    spans = []
+    for one in several:
+        numbers = _is_list(one) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in one)
+        if not numbers or len(one) != 2 or not np.isfinite(one).all():
+            raise ValueError("should be [start, end] in seconds, or several of them")
+        if not one[0] < one[1]:
+            raise ValueError(f"[{one[0]:g}, {one[1]:g}] does not start before it ends")
+        spans.append((float(one[0]), float(one[1])))
+    spans.sort()
+    for one, other in pairwise(spans):
+        if other[0] < one[1]:
+            raise ValueError(f"[{one[0]:g}, {one[1]:g}] and [{other[0]:g}, {other[1]:g}] overlap")
+    return tuple(spans)
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(value, list | tuple)
+
+
+Spans = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_spans)]
+"""Times from when to when, s, in rising order and apart from each other."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """The parts that are used, all where none is named, and those that are left out of them, both ends included."""
+
+    used: tuple[tuple[float, float], ...] = ()
+    left_out: tuple[tuple[float, float], ...] = ()
+
+    def parts(self, table: Table) -> list[Table]:
+        """The rows that are used, each stretch without a cut by itself; the whole table where nothing is cut.
+
+        Raises BenchError where a stretch has too few samples, or no sample is where one is named.
+        """
+        if not self.used and not self.left_out:
+            return [table]
+        time = table.stamps()
+        if not np.isfinite(time).any():
+            return [table]  # the check of the time column says what is wrong with it
+        first, last = float(np.nanmin(time)), float(np.nanmax(time))
+        for name, spans in (("window", self.used), ("exclude", self.left_out)):
+            for start, end in spans:
+                if not ((time >= start) & (time <= end)).any():
+                    raise BenchError(
+                        f"{table.path}: {name} [{start:g}, {end:g}]: no sample is there; time runs from {first:g} to "
+                        f"{last:g} s"
+                    )
+        return [_part(table, *one) for one in self._stretches(time, first, last)]
+
+    def began(self, table: Table) -> float:
+        """When the log begins, s, whatever part of it is used."""
+        return float(np.nanmin(table.stamps()))
+
+    def _stretches(
+        self, time: npt.NDArray[np.float64], first: float, last: float
+    ) -> list[tuple[float, float, npt.NDArray[np.bool_]]]:
+        """From when to when each stretch lasts, and which stamps (N,) are in it."""
+        stretches = []
+        for start, end in self.used or ((first, last),):
+            inside = (time >= start) & (time <= end)
+            cuts = [one for one in self.left_out if one[1] >= start and one[0] <= end]
+            edges = [start, *(x for one in cuts for x in one), end]
+            for i in range(0, len(edges), 2):
+                chosen = inside & (time >= edges[i]) & (time <= edges[i + 1])
+                for a, b in cuts:
+                    chosen &= ~((time >= a) & (time <= b))
+                if chosen.any():
+                    stretches.append((edges[i], edges[i + 1], chosen))
+        return stretches
+
+
+WHOLE = Window()
+
+
+def _part(table: Table, start: float, end: float, chosen: npt.NDArray[np.bool_]) -> Table:
+    """The rows from the first to the last that is chosen (N,): what stands between them is checked, not left out."""
+    rows = np.flatnonzero(chosen)
+    if len(rows) < FEWEST:
+        raise BenchError(
+            f"{table.path}: only {len(rows)} samples are used between {start:g} and {end:g} s, at least {FEWEST} are "
+            "needed: use more of it, or exclude it, too"
+        )
+    begin, stop = int(rows[0]), int(rows[-1]) + 1
+    return replace(table, data=table.data.slice(begin, stop - begin), first_row=table.first_row + begin)

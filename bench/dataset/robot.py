@@ -1,0 +1,223 @@
+"""A robot: the folder that describes it, its actuators with their nominal drive gains, its tool."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from bench.basics.errors import BenchError, meant
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.robot_mjcf import Transmission, robot_model, robot_spec
+from bench.dataset.robot_redundancy import redundant_motors
+from bench.files.toml_input import UserTable, one_line, read_toml
+
+if TYPE_CHECKING:
+    import mujoco
+
+GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V", "N*m/(N*m)", "N/N", "1"]
+TORQUE_LOGS = {"N*m": "N*m/(N*m)", "N": "N/N"}  # units of a gain where torques or forces are logged
+Text = Annotated[str, Field(min_length=1)]
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """A motor: torque (hinge) or force (slide) = gain * current reference, at what it drives.
+
+    drives: a joint of the MJCF; or a fixed tendon, or an actuator of the file with its gear, for which `robot_model`
+    has a joint of the motor's own.
+    """
+
+    joint: str
+    """Name of the joint, tendon or actuator."""
+    gain: float
+    """Nominal drive gain, as a maker's sheet gives it, in `gain_unit`."""
+    gain_unit: str
+    drives: Literal["joint", "tendon", "motor"] = "joint"
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot folder that has been read and checked; the MJCF itself is not kept in memory."""
+
+    name: str
+    folder: Path
+    model_path: Path
+    """The MJCF file."""
+    actuators: tuple[Actuator, ...]
+    """Their order is the order of every per-actuator array and column."""
+    tool_site: str | None
+    """The MJCF site at which a payload is fixed."""
+
+    def mjcf_model(self) -> "mujoco.MjModel":
+        """The compiled MJCF, with a joint for every motor."""
+        return robot_model(self.model_path, _transmissions(self.actuators))
+
+    def mjcf_spec(self) -> "mujoco.MjSpec":
+        """The same, to be changed before it is compiled."""
+        return robot_spec(self.model_path, _transmissions(self.actuators))
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the driven joints, (n,)."""
+        return tuple(actuator.joint for actuator in self.actuators)
+
+    @property
+    def nominal_gains(self) -> np.ndarray:
+        """Nominal drive gains, (n,), each in its actuator's `gain_unit`."""
+        return np.array([actuator.gain for actuator in self.actuators])
+
+
+def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
+    """Read and check a robot.
+
+    `robot` is a built-in name, or the path of a robot folder or of its robot.toml; a relative
+    path is taken from `relative_to` (the working folder if None). A `Path` is never taken for
+    a built-in name, nor is a text with a separator, so "./delta" is a folder of one's own.
+
+    Raises BenchError, one line, if the robot is not found, robot.toml has a wrong or unknown key,
+    the MJCF does not compile, or the two do not fit each other.
+    """
+    description = _find_description(robot, relative_to)
+    table = read_toml(description, _RobotTable)
+    model_path = description.parent / table.model
+    if not model_path.is_file():
+        raise BenchError(f"{description}: model: there is no file {model_path}")
+    actuators = tuple(
+        Actuator(motor.name, motor.gain, motor.gain_unit, motor.drives) for motor in table.actuators
+    )
+    actuators = _checked(description, actuators, table.tool, model_path)
+    return Robot(
+        name=table.name,
+        folder=description.parent,
+        model_path=model_path,
+        actuators=actuators,
+        tool_site=table.tool.site if table.tool else None,
+    )
+
+
+class _ActuatorTable(UserTable):
+    joint: Text | None = None
+    tendon: Text | None = None
+    motor: Text | None = None
+    gain: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
+    gain_unit: GainUnit
+
+    @model_validator(mode="after")
+    def _one_part(self) -> Self:
+        if sum(part is not None for part in (self.joint, self.tendon, self.motor)) != 1:
+            raise ValueError("should name what the motor drives by one of joint, tendon, motor")
+        return self
+
+    @property
+    def drives(self) -> Literal["joint", "tendon", "motor"]:
+        return "joint" if self.joint else "tendon" if self.tendon else "motor"
+
+    @property
+    def name(self) -> str:
+        return str(self.joint or self.tendon or self.motor)
+
+
+class _ToolTable(UserTable):
+    site: Text
+
+
+class _RobotTable(UserTable):
+    name: Text
+    model: Text
+    actuators: tuple[_ActuatorTable, ...]
+    tool: _ToolTable | None = None
+
+    @field_validator("actuators")
+    @classmethod
+    def _some_actuator(cls, actuators: tuple[_ActuatorTable, ...]) -> tuple[_ActuatorTable, ...]:
+        if not actuators:
+            raise ValueError("should name at least one actuator")
+        return actuators
+
+
+def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
+    built_in = built_in_robots()
+    if isinstance(robot, str) and robot in built_in:
+        return built_in[robot] / "robot.toml"
+    path = (relative_to or Path.cwd()) / Path(robot).expanduser()
+    description = path if path.suffix == ".toml" else path / "robot.toml"
+    if description.is_file():
+        return description.resolve()
+    if path.is_dir():
+        raise BenchError(f"robot {str(robot)!r}: there is no robot.toml in {path}")
+    hint = meant(str(robot), built_in, f"there is no {path}, and built-in are")
+    raise BenchError(f"robot {str(robot)!r}: neither a built-in robot nor a folder: {hint}")
+
+
+def _compiler_message(path: Path, text: str) -> str:
+    """MuJoCo's message in one line that starts with file and line, without the parser's own bookkeeping."""
+    text = one_line(text).removeprefix("XML Error: ").removeprefix("Error: ")
+    line = re.search(r",? ?[Ll]ine(?: number)? ?[=:]? ?(\d+)", text)
+    where = f"{path}, line {line.group(1)}" if line else str(path)
+    if parser := re.match(r"XML parse error \d+: ?Error=XML_(?:ERROR_)?(\w+)(?:.*name=(\w+))?", text):
+        said, element = parser.group(1).lower().replace("_", " "), parser.group(2)
+        return f"{where}: not valid XML: {said}{f' <{element}>' if element else ''}"
+    if line:
+        text = text[: line.start()] + text[line.end() :]
+    return f"{where}: MuJoCo cannot compile it: {text.strip(' ,:')}"
+
+
+def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
+    return tuple(
+        Transmission(one.joint, one.drives, one.gain_unit.startswith("N/"))
+        for one in actuators
+        if one.drives != "joint"
+    )
+
+
+def _checked(
+    description: Path, actuators: Sequence[Actuator], tool: _ToolTable | None, model_path: Path
+) -> tuple[Actuator, ...]:
+    """The actuators, held against the MJCF; a gain of unit 1 has that of a torque for a torque, or force for force."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    try:
+        model = robot_model(model_path, _transmissions(actuators))
+        joint_names = [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
+    except (ValueError, mujoco.FatalError) as error:
+        raise BenchError(_compiler_message(model_path, str(error))) from error
+    except BenchError as error:
+        raise BenchError(f"{description}: actuators: {error}") from None
+
+    units = {int(mujoco.mjtJoint.mjJNT_HINGE): "N*m", int(mujoco.mjtJoint.mjJNT_SLIDE): "N"}
+    checked: list[Actuator] = []
+    seen: dict[str, int] = {}
+    for i, actuator in enumerate(actuators):
+        key = f"{description}: actuators[{i}]"
+        if actuator.joint in seen:
+            raise BenchError(
+                f"{key}.joint: {actuator.joint!r} is already driven by actuators[{seen[actuator.joint]}]"
+            )
+        seen[actuator.joint] = i
+        if actuator.joint not in joint_names:
+            known = ", ".join(name for name in joint_names if name) or "none with a name"
+            raise BenchError(
+                f"{key}.joint: {model_path.name} has no joint {actuator.joint!r} (it has: {known})"
+            )
+        kind = int(model.joint(actuator.joint).type[0])
+        if kind not in units:
+            raise BenchError(
+                f"{key}.joint: {actuator.joint!r} is a ball or free joint; a motor drives a hinge or slide"
+            )
+        unit = TORQUE_LOGS[units[kind]] if actuator.gain_unit == "1" else actuator.gain_unit
+        checked.append(replace(actuator, gain_unit=unit))
+        if unit.split("/")[0] != units[kind]:
+            noun = "slide" if units[kind] == "N" else "hinge"
+            allowed = f'"{units[kind]}/A" or "{units[kind]}/V", or "1" for a log of torques'
+            raise BenchError(
+                f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
+            )
+    if model.neq and (why := redundant_motors(model, list(seen))):
+        raise BenchError(f"{description}: actuators: {why}")
+    if tool and mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, tool.site) < 0:
+        raise BenchError(f"{description}: tool.site: {model_path.name} has no site {tool.site!r}")
+    return tuple(checked)

@@ -1,0 +1,146 @@
+"""The MJCF of a robot, with a joint for every motor that no single joint of the file stands for.
+
+A motor may drive a fixed tendon (a sum of joint positions: a belt, a differential, a coupled wrist), or the actuator
+of the file that has a gear. What it logs is then its own position. The robot gets a rotor for it: a body on the base
+with a joint of the tendon's or actuator's name, and an equality that holds its position to the sum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from bench.basics.errors import BenchError
+
+if TYPE_CHECKING:
+    import mujoco
+
+ROTOR = "rotor:"  # what the names of the bodies and tendons of such motors begin with
+MASS = 1e-6  # kg: MuJoCo wants some; what turns with the motor is the armature of the tendon
+INERTIA = 1e-9  # kg m2
+ARMATURE = 1e-6  # kg m2 or kg: of a rotor for which the file has none
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """A motor on a fixed tendon, or on what an actuator of the file drives, gear included."""
+
+    name: str
+    kind: Literal["tendon", "motor"]
+    slides: bool
+    """Whether the motor's position is a length [m], so that its joint is a slide."""
+
+
+def robot_model(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco.MjModel:
+    """The compiled file with the rotors. Raises ValueError where MuJoCo refuses the file, BenchError for a motor."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    if not transmissions:
+        return mujoco.MjModel.from_xml_path(str(path))
+    return robot_spec(path, transmissions).compile()
+
+
+def robot_spec(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco.MjSpec:
+    """The same, not compiled yet."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    spec = mujoco.MjSpec.from_file(str(path))
+    if not transmissions:
+        return spec
+    plain = mujoco.MjModel.from_xml_path(str(path))
+    added = [[_length(_factors(plain, one), qpos) for one in transmissions] for qpos in plain.key_qpos]
+    for one in transmissions:
+        _add_rotor(spec, plain, one)
+    for key, qpos, lengths in zip(spec.keys, plain.key_qpos, added, strict=True):
+        key.qpos = [*qpos.tolist(), *lengths]
+        if len(key.qvel):
+            key.qvel = [*key.qvel, *(0.0 for _ in lengths)]
+    return spec
+
+
+def _add_rotor(spec: mujoco.MjSpec, plain: mujoco.MjModel, one: Transmission) -> None:
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    if mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_JOINT, one.name) >= 0:
+        raise BenchError(f"{one.kind} {one.name!r}: there is a joint of this name too, give it another")
+    factors = _factors(plain, one)
+    body = spec.worldbody.add_body(name=ROTOR + one.name, mass=MASS, inertia=[INERTIA] * 3)
+    body.explicitinertial = True
+    kind = mujoco.mjtJoint.mjJNT_SLIDE if one.slides else mujoco.mjtJoint.mjJNT_HINGE
+    joint = body.add_joint(name=one.name, type=kind, axis=_axis(plain, one.slides))
+    joint.ref = _length(factors, plain.qpos0)
+    joint.armature = ARMATURE
+    sums = spec.tendon(one.name) if one.kind == "tendon" else None
+    if sums is None:
+        sums = spec.add_tendon(name=f"{ROTOR}{one.name}:sum")
+        for name, _, factor in factors:
+            sums.wrap_joint(name, factor)
+    else:
+        tendon = plain.tendon(one.name).id
+        joint.armature = float(plain.tendon_armature[tendon]) or ARMATURE
+        if plain.tendon_limited[tendon]:
+            joint.limited, joint.range = True, plain.tendon_range[tendon].tolist()
+        sums.armature, sums.limited = 0.0, False
+    own = spec.add_tendon(name=ROTOR + one.name)
+    own.wrap_joint(one.name, 1.0)
+    held = spec.add_equality(
+        name=ROTOR + one.name, type=mujoco.mjtEq.mjEQ_TENDON, name1=own.name, name2=sums.name
+    )
+    held.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
+
+
+def _factors(plain: mujoco.MjModel, one: Transmission) -> list[tuple[str, int, float]]:
+    """(joint, place in qpos, factor) of every joint that the motor's position is a sum of."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    gear = 1.0
+    if one.kind == "tendon":
+        tendon = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_TENDON, one.name)
+        if tendon < 0:
+            raise BenchError(
+                f"no tendon {one.name!r}; {_known(plain, mujoco.mjtObj.mjOBJ_TENDON, plain.ntendon)}"
+            )
+    else:
+        motor = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
+        if motor < 0:
+            known = _known(plain, mujoco.mjtObj.mjOBJ_ACTUATOR, plain.nu)
+            raise BenchError(f"no actuator {one.name!r}; {known}")
+        gear, kind = float(plain.actuator_gear[motor, 0]), int(plain.actuator_trntype[motor])
+        tendon = int(plain.actuator_trnid[motor, 0])
+        if kind == int(mujoco.mjtTrn.mjTRN_JOINT):
+            return [_factor(plain, tendon, gear)]
+        if kind != int(mujoco.mjtTrn.mjTRN_TENDON):
+            raise BenchError(f"actuator {one.name!r} drives neither a joint nor a tendon")
+    first = int(plain.tendon_adr[tendon])
+    wraps = range(first, first + int(plain.tendon_num[tendon]))
+    if any(int(plain.wrap_type[wrap]) != int(mujoco.mjtWrap.mjWRAP_JOINT) for wrap in wraps):
+        raise BenchError(f"{one.kind} {one.name!r} is a cable in space: cables are not supported")
+    return [_factor(plain, int(plain.wrap_objid[wrap]), gear * float(plain.wrap_prm[wrap])) for wrap in wraps]
+
+
+def _factor(plain: mujoco.MjModel, joint: int, factor: float) -> tuple[str, int, float]:
+    return plain.joint(joint).name, int(plain.jnt_qposadr[joint]), factor
+
+
+def _length(factors: Sequence[tuple[str, int, float]], qpos: Sequence[float]) -> float:
+    return float(sum(factor * qpos[place] for _, place, factor in factors))
+
+
+def _axis(plain: mujoco.MjModel, slides: bool) -> list[float]:
+    """Along gravity for a hinge, across it for a slide: a rotor on the base feels no weight."""
+    x, y, z = plain.opt.gravity.tolist()
+    size = (x * x + y * y + z * z) ** 0.5
+    along = [x / size, y / size, z / size] if size else [0.0, 0.0, 1.0]
+    if not slides:
+        return along
+    least = min(range(3), key=lambda i: abs(along[i]))
+    return [float(i == least) - along[least] * along[i] for i in range(3)]
+
+
+def _known(plain: mujoco.MjModel, kind: mujoco.mjtObj, count: int) -> str:
+    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
+
+    names = [name for i in range(count) if (name := mujoco.mj_id2name(plain, kind, i))]
+    return f"the MJCF has {', '.join(names) or 'none with a name'}"

@@ -1,0 +1,134 @@
+"""The time column: what is wrong with it, and how samples that are not quite uniform become uniform.
+
+Positions are differentiated twice, so a recording must lie on a uniform grid. Real logs nearly do:
+
+- stamps within a thousandth of a step of a uniform grid are on it (rounded stamps);
+- stamps that jitter more may tell when the samples were really taken, or only when they were written down.
+  The positions decide: a joint moves smoothly. When a cubic spline through the stamps, read off at the grid,
+  is smoother than the samples as they stand, the stamps were right and every signal is read off so (other
+  columns: the nearest sample); else the samples stand and only the time column becomes uniform;
+- stamps half a step or more away from the grid (a clock that drifts, a late sample) are always believed;
+- a sample that was lost is a gap and an error: nothing is invented between two samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from bench.basics.interpolation import cubic_spline
+
+FEWEST = 100  # samples: filters and decimation need some to settle
+SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
+FASTEST_STEP = 5e-6  # s: and slower than 200 kHz
+UNIFORM = 1e-3  # of a step: stamps this near to a uniform grid are on it
+SMOOTHER = 0.9  # a spline smooths a little noise by itself; less than this is the stamps' merit
+TINY = 1e-300
+GAP = 1.5  # steps: a longer one is a gap, unless a neighbouring step makes good for it
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TimeFault:
+    """What is wrong with a time column; `row` is None where it is all of it."""
+
+    row: int | None
+    what: str
+
+
+def time_fault(time: Array) -> TimeFault | None:
+    """The first fault of the time stamps (N,) in s: order, count, unit, gaps. None when there is none."""
+    if time.size < FEWEST:
+        return TimeFault(None, f"has only {time.size} samples, at least {FEWEST} are needed")
+    steps = np.diff(time)
+    return _order_fault(time, steps) or _unit_fault(steps) or _gap_fault(time, steps)
+
+
+def _order_fault(time: Array, steps: Array) -> TimeFault | None:
+    wrong = np.flatnonzero(steps <= 0.0)
+    if not wrong.size:
+        return None
+    row = int(wrong[0]) + 1
+    what = "repeats" if steps[row - 1] == 0.0 else "goes back: it follows"
+    text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{_more(wrong.size)}"
+    if wrong.size > 0.1 * time.size and not (steps < 0.0).any():
+        text += ": are the stamps rounded more coarsely than a step?"
+    return TimeFault(row, text)
+
+
+def _unit_fault(steps: Array) -> TimeFault | None:
+    step = float(np.median(steps))
+    if step >= SLOWEST_STEP * (1 - 1e-9):
+        factors = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}
+        fitting = [unit for factor, unit in factors.items() if 20e-6 < step / factor < 0.05]
+        unit = f"it looks like {fitting[0]}" if fitting else "too slow for a robot's controller"
+        return TimeFault(None, f"steps by {step:g}, which is not seconds: {unit}")
+    if step <= FASTEST_STEP:
+        return TimeFault(None, f"steps by {step:g} s, {1 / step:.3g} Hz: is it in minutes or hours?")
+    return None
+
+
+def gap_rows(time: Array) -> npt.NDArray[np.intp]:
+    """The rows of time stamps (N,) in s that a gap stands before; none where there are too few stamps to tell."""
+    if time.size < FEWEST:
+        return np.empty(0, dtype=np.intp)
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    # A late sample makes one step long and the next short; a lost one makes each pair of steps long.
+    pairs = steps[:-1] + steps[1:]
+    before = np.concatenate([pairs[:1], pairs])
+    after = np.concatenate([pairs, pairs[-1:]])
+    return np.flatnonzero((steps > GAP * step) & (np.minimum(before, after) > (1 + GAP) * step)) + 1
+
+
+def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
+    rows = gap_rows(time)
+    if not rows.size:
+        return None
+    row, step = int(rows[0]), float(np.median(steps))
+    return TimeFault(
+        row,
+        f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"
+        f"{_more(rows.size)}",
+    )
+
+
+def _stamp(value: float) -> str:
+    """A time stamp as it was written, without what binary fractions add."""
+    return f"{float(value):.12g}"
+
+
+def _more(count: int) -> str:
+    return f" (and {count - 1} more)" if count > 1 else ""
+
+
+def on_uniform_grid(
+    time: Array, position: Array, current: Array, extra: Mapping[str, Array]
+) -> tuple[Array, Array, Array, dict[str, Array]]:
+    """A recording's time (N,), position (N, n), current (N, n) and other columns (N,) on a uniform grid."""
+    grid = np.linspace(time[0], time[-1], time.size)
+    away = np.abs(time - grid).max() / (grid[1] - grid[0])
+    if away <= UNIFORM:
+        return time, position, current, dict(extra)
+    read = cubic_spline(time, np.hstack([position, current]))(grid)
+    n = position.shape[1]
+    if away < 0.5 and _roughness(read[:, :n]) > SMOOTHER * _roughness(position):
+        return grid, position, current, dict(extra)
+    chosen = nearest(time, grid)
+    return grid, read[:, :n], read[:, n:], {name: values[chosen] for name, values in extra.items()}
+
+
+def _roughness(signals: Array) -> float:
+    """Geometric mean over the columns of the RMS of their fourth differences, relative to their range."""
+    rough = np.sqrt(np.mean(np.diff(signals, 4, axis=0) ** 2, axis=0))
+    return float(np.exp(np.mean(np.log(rough / np.maximum(np.ptp(signals, axis=0), TINY) + TINY))))
+
+
+def nearest(time: Array, grid: Array) -> npt.NDArray[np.intp]:
+    """For each instant of `grid` (M,) the index of the nearest of the stamps `time` (N,): (M,)."""
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    return np.where(grid - time[after - 1] <= time[after] - grid, after - 1, after)

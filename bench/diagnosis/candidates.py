@@ -1,0 +1,120 @@
+"""The effects that a model might lack, each with the shape that suits the data best."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.progress import SILENT, Progress
+from bench.effects import Effect, EffectInstance, RobotSignals, places_in
+from bench.identification.partial_regression import PartialRegression, partial_regression
+from bench.identification.prepare import Prepared
+from bench.identification.shapes import best_shape
+from bench.identification.solve_only import candidate_columns, linearised, solved_quickly
+
+INVISIBLE = 1e-4  # of a column's length: less left beside the model's own columns cannot be told from them
+LINEARISATIONS = 3
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """An effect at the places where it shows, and what keeps it from showing elsewhere.
+
+    absorbed: no data of this robot can show it; taken_up_by: the parameter that takes up most of it. prior: nats that
+    it must bring beyond what every effect must, as one of so many that were tried.
+    """
+
+    name: str
+    instances: tuple[EffectInstance, ...]
+    absorbed: bool
+    taken_up_by: str
+    prior: float = 0.0
+
+
+@dataclass(frozen=True)
+class Context:
+    """A model beside which effects are given their shape: its equations, with what such effects see of the recordings,
+    and what it leaves.
+    """
+
+    prepared: Prepared
+    left: PartialRegression
+
+
+def context_of(prepared: Prepared, near: tuple[RobotSignals, ...], fit_gains: bool) -> Context:
+    """Solve the prepared equations and keep what they leave; near: what effects see that are searched for."""
+    left = partial_regression(*solved_quickly(prepared, fit_gains))
+    return Context(replace(prepared, signals=near), left)
+
+
+def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> list[Proposal]:
+    """Every effect of the catalogue that the starting model does not have, wherever it can sit."""
+    prepared = start.prepared
+    weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
+    places = places_in(prepared.model.geometry, weighed)
+    present = {(one.effect.name, one.joint) for one in prepared.effects}
+    every = {
+        name: [
+            EffectInstance(effect, joint, f"{name}:{joint}" if joint else name)
+            for joint in places.of(effect.place)
+            if (name, joint) not in present
+        ]
+        for name, effect in catalogue.items()
+    }
+    # Filtered together, and kept: each is asked for by itself below.
+    candidate_columns(prepared, [one for found in every.values() for one in found if not one.effect.shape])
+    proposals = []
+    for name, found in every.items():
+        progress.advance()
+        if not found:
+            continue
+        effect = catalogue[name]
+        visible = [one for one in found if effect.shape or _visible(start, one)]
+        if not visible:
+            proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
+            continue
+        proposals.append(Proposal(name, shaped(start, visible), False, ""))
+    return proposals
+
+
+def shaped(context: Context, instances: Sequence[EffectInstance]) -> tuple[EffectInstance, ...]:
+    """The instances of one effect with the shape, and about the values, that explain most of what is left."""
+    found = tuple(instances)
+    if found[0].effect.shape:
+        found = tuple(best_shape(context.prepared, one, context.left) for one in found)
+    for _ in range(LINEARISATIONS):
+        about = _about_their_values(context, found)
+        if about == found:
+            break
+        found = about
+    return found
+
+
+def _about_their_values(
+    context: Context, instances: tuple[EffectInstance, ...]
+) -> tuple[EffectInstance, ...]:
+    first = instances[0].effect
+    if first.about({parameter.name: 0.0 for parameter in first.parameters}) is first:
+        return instances  # linear: there is nothing to be linearised about
+    values, _ = context.left.explained(candidate_columns(context.prepared, instances))
+    return linearised(instances, values)
+
+
+def _visible(context: Context, instance: EffectInstance) -> bool:
+    """Whether anything of an effect's columns is left beside those that the model has."""
+    found = context.left.products(candidate_columns(context.prepared, [instance]))
+    return bool(np.any(found.left > INVISIBLE))
+
+
+def _taken_up_by(context: Context, instance: EffectInstance) -> str:
+    """The base parameter whose column is most like an effect's first; empty where the effect does nothing."""
+    prepared, left = context.prepared, context.left
+    column = (candidate_columns(prepared, [instance])[:, :, 0] * left.moving * left.weights).reshape(-1)
+    if not np.any(column):
+        return ""
+    rigid = np.concatenate([one.rigid for one in prepared.fitted]) * (left.moving * left.weights)[:, :, None]
+    rows = rigid.reshape(-1, rigid.shape[2])
+    norms = np.linalg.norm(rows, axis=0)
+    norms[norms == 0.0] = 1.0
+    values = np.linalg.lstsq(rows / norms, column)[0]
+    return prepared.model.base.names[int(np.argmax(np.abs(values)))]

@@ -1,0 +1,282 @@
+"""Which effects a model lacks, judged on recordings that were not fitted."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.differs import differing
+from bench.diagnosis.encoder_noise import encoder_error
+from bench.diagnosis.mounting import mounted_otherwise
+from bench.diagnosis.normal_equations import System
+from bench.diagnosis.pruning import SHOWS, impossible_effects, refused, superfluous_effect
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Superfluous
+from bench.diagnosis.rounds import Problem, Round, first_round, problem_of, searched
+from bench.diagnosis.search import Found
+from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
+from bench.diagnosis.unexplained import unexplained
+from bench.diagnosis.verdicts import checked_error, verdicts
+from bench.effects import CATALOGUE, Effect, EffectInstance
+from bench.identification.identify import fit, gains_can_be_fitted
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import Prepared, prepare
+from bench.identification.result import Identification, relative_error
+from bench.signals.settings import FilterSettings
+
+Fits = Callable[[frozenset[str]], Identification]
+
+NONE_BARRED: Mapping[str, str] = {}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A dataset that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit."""
+
+    dataset: Dataset
+    split: str
+    catalogue: Mapping[str, Effect]
+    start: Prepared
+    before: Identification
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `_fits`; barred:
+    effects that may not be found, and why.
+    """
+
+    problem: Problem
+    last: Round
+    model: Prepared
+    after: Identification
+    new: tuple[EffectInstance, ...]
+    names: tuple[str, ...]
+    fits: Fits
+    ladder: tuple[LadderStep, ...]
+    superfluous: tuple[Superfluous, ...]
+    barred: Mapping[str, str]
+
+
+@on_one_thread
+def diagnose(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    *,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+    progress: Progress = SILENT,
+) -> Diagnosis:
+    """Compare the model that has these effects with the data, and find the effects that it lacks.
+
+    Evidence is a likelihood ratio on recordings that were not fitted (or, where there are none, on the last
+    part of each), with as many samples as are independent of each other. All sets of up to three effects
+    compete; each must earn its place.
+    """
+    case = opened(dataset, effects, filters, catalogue, progress)
+    return answered(case, found(case, progress), progress)
+
+
+def opened(
+    dataset: Dataset,
+    effects: Sequence[str],
+    filters: FilterSettings | Mapping[str, Any] | None,
+    catalogue: Mapping[str, Effect],
+    progress: Progress = SILENT,
+) -> Case:
+    """Prepare a dataset and fit the model as it is."""
+    progress.phase("preparing the recordings")
+    dataset, split = with_judged_parts(dataset)
+    start = prepare(dataset, effects, filters, catalogue=catalogue)
+    fit_gains = gains_can_be_fitted(start, None)
+    progress.phase("fitting the model as it is")
+    start = settled(start, fit_gains)
+    return Case(dataset, split, catalogue, start, fit(start, fit_gains=fit_gains))
+
+
+def found(case: Case, progress: Progress = SILENT) -> Finding:
+    """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
+    for origin in origins_of(case.start, case.before.gains_fitted):
+        problem = problem_of(origin, case.before.gains_fitted)
+        finding = found_from(case, problem, first_round(problem, case.catalogue, progress), progress)
+        if origin is case.start or not worse(finding.after, case.before):
+            break
+    return finding
+
+
+def found_from(
+    case: Case,
+    problem: Problem,
+    first: Round,
+    progress: Progress = SILENT,
+    barred: Mapping[str, str] = NONE_BARRED,
+) -> Finding:
+    """Search from a first round on until every found effect is possible and needed.
+
+    barred: effects that may not be found, and why.
+    """
+    known, given = dict(barred), case.start.effects
+    own = len(problem.start.effects)
+    while True:
+        last = searched(problem, first, known, progress)
+        progress.phase("fitting what was found")
+        model, after = _where_it_shows(problem, last.model, given)
+        out = impossible_effects(after, model.effects[own:])
+        if not out:
+            model, after, superfluous = leaving(problem, model, after, given)
+            kept, new = kept_and_new(model.effects[own:], given)
+            names = tuple(dict.fromkeys(one.effect.name for one in new))
+            fits = _fits(problem, kept, new, case.before, after)
+            ladder = _ladder(names, fits)
+            out = superfluous_effect(ladder)
+        if not out:
+            return Finding(problem, last, model, after, new, names, fits, ladder, superfluous, known)
+        known |= out
+
+
+def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagnosis:
+    """What a search found, with a verdict on every effect."""
+    progress.phase("judging every effect")
+    dataset, start, fit_gains = case.dataset, case.start, case.before.gains_fitted
+    model, after = finding.model, finding.after
+    proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
+    places: dict[str, tuple[str, ...]] = {}
+    for one in finding.new:
+        at = (one.joint,) if one.joint else dataset.robot.joints
+        places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
+    scale = _relative(after, system, best)
+    without = _errors_without(finding.names, finding.fits)
+    left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
+    ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
+    known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
+    ranking = tuple(
+        refused(one, finding.barred.get(one.effect)) for one in ranking if one.effect not in known
+    )
+    ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
+    missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
+    return Diagnosis(
+        robot=dataset.robot.name,
+        split=case.split,
+        missing=missing,
+        ladder=finding.ladder,
+        ranking=ranking,
+        unexplained=left,
+        before=case.before,
+        after=replace(after, findings=(*mounted_otherwise(model, fit_gains=fit_gains), *after.findings)),
+        differs=differing(model, fit_gains, case.catalogue),
+        superfluous=finding.superfluous,
+    )
+
+
+def _where_it_shows(
+    problem: Problem, model: Prepared, given: Sequence[EffectInstance]
+) -> tuple[Prepared, Identification]:
+    """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
+    starting model has there, which stay.
+    """
+    fit_gains = problem.fit_gains
+    result = fit(model, fit_gains=fit_gains)
+    added = model.effects[len(problem.start.effects) :]
+    there = {(one.effect.name, one.joint) for one in given}
+    kept = [one for one in added if (one.effect.name, one.joint) in there or _shows(result, one)]
+    for one in added:
+        if not any(other.effect.name == one.effect.name for other in kept):
+            kept.append(one)
+    if len(kept) == len(added):
+        return model, result
+    model = problem.with_instances([one for one in added if one in kept])
+    return model, fit(model, fit_gains=fit_gains)
+
+
+def _shows(result: Identification, instance: EffectInstance) -> bool:
+    values = result.effect_parameters[instance.effect.name][instance.place]
+    linear = [(values[parameter.name], parameter.positive) for parameter in instance.effect.parameters]
+    if any(positive and value.value < -SHOWS * value.std for value, positive in linear):
+        return False
+    return any(abs(value.value) > SHOWS * value.std for value, _ in linear)
+
+
+def _relative(after: Identification, system: System, found: Found) -> float:
+    """Error of the settled model over that of its set in the system, so that the errors of sets end where it does."""
+    judged = relative_error([one for one in after.recordings if one.use == "validate"]) or 0.0
+    here = checked_error(system, found.best.fit)
+    return judged / here if here > 0 else 0.0
+
+
+def _shown_places(
+    proposals: Sequence[Proposal], found: Found, places: Mapping[str, tuple[str, ...]]
+) -> dict[str, tuple[str, ...]]:
+    return {proposals[i].name: places.get(proposals[i].name, ()) for i in found.best.fit.chosen}
+
+
+def _by_strength(ranking: Sequence[EffectVerdict]) -> list[EffectVerdict]:
+    return sorted(ranking, key=lambda one: -one.evidence)
+
+
+def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, float]:
+    """RMS torque of an effect at each motor over the fitted recordings, N*m or N; nothing where it is not there."""
+    at = 0
+    joints = list(model.dataset.robot.joints)
+    total = None
+    for one in model.effects:
+        size = len(one.effect.parameters)
+        if one.effect.name == effect:
+            found = result.effect_parameters[effect][one.place]
+            values = np.array([found[parameter.name].value for parameter in one.effect.parameters])
+            torque = np.concatenate([seen.effects[:, :, at : at + size] @ values for seen in model.fitted])
+            total = torque if total is None else total + torque
+        at += size
+    if total is None:
+        return {}
+    rms = np.sqrt((total**2).mean(axis=0))
+    return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}
+
+
+def _fits(
+    problem: Problem,
+    kept: Sequence[EffectInstance],
+    new: Sequence[EffectInstance],
+    before: Identification,
+    after: Identification,
+) -> Fits:
+    """What is kept of the starting model with some of the new effects, by name, each such set fitted once; the starting
+    model as it is without any.
+    """
+
+    @cache
+    def fitted(names: frozenset[str]) -> Identification:
+        if not names:
+            return before
+        chosen = [one for one in new if one.effect.name in names]
+        if len(chosen) == len(new):
+            return after
+        return fit(problem.with_instances([*kept, *chosen]), fit_gains=problem.fit_gains)
+
+    return fitted
+
+
+def _errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:
+    """Relative error on recordings that were not fitted, by effect, of the found model without it, fitted anew."""
+    return {name: fits(frozenset(names) - {name}).error.validate or 0.0 for name in names}
+
+
+def _ladder(names: Sequence[str], fits: Fits) -> tuple[LadderStep, ...]:
+    """Errors after each added effect, the one that helps most first."""
+    before = fits(frozenset())
+    steps = [LadderStep((), before.error.identify, before.error.validate, before.recordings)]
+    left = list(names)
+    taken: list[str] = []
+    while left:
+        tried = [(fits(frozenset((*taken, name))), name) for name in left]
+        result, name = min(tried, key=lambda pair: pair[0].error.validate or pair[0].error.identify or 0.0)
+        taken.append(name)
+        left.remove(name)
+        error = result.error
+        steps.append(LadderStep(tuple(taken), error.identify, error.validate, result.recordings))
+    return tuple(steps)

@@ -1,0 +1,129 @@
+"""Offsets and frictions that differ from run to run: a value for each recording, judged on parts of each."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnosis.halves import halves_of
+from bench.diagnosis.pruning import SHOWS
+from bench.diagnosis.result import Differing
+from bench.diagnosis.search import NEEDED
+from bench.effects import Effect, EffectInstance
+from bench.effects.select import TAG
+from bench.identification.identify import fit
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.result import Quantity
+from bench.identification.solve_only import candidate_columns, solved_quickly
+
+MAY_DIFFER = ("constant_offset", "coulomb_friction", "viscous_friction")
+MATERIAL = (
+    0.1  # share of a motor's error that values for each recording must take away: less may be another effect
+)
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """An effect at a motor: the columns of its common value and of its values in all recordings but one."""
+
+    effect: Effect
+    joint: str
+    common: tuple[int, ...]
+    own: tuple[int, ...]
+
+
+def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect]) -> tuple[Differing, ...]:
+    """Which effects of a settled model have another value in each fitted recording, or would have one, strongest first.
+
+    One value for all recordings competes with one for each. A recording that is not fitted has no value of its own, so
+    that every other part of each is kept apart to judge on.
+    """
+    logs = model.logs
+    if len(logs) < 2:
+        return ()
+    candidates, instances = _candidates(model, catalogue)
+    if not candidates:
+        return ()
+    halves = halves_of(*solved_quickly(model, fit_gains), candidate_columns(model, instances))
+    motors = list(model.dataset.robot.joints)
+    chosen: list[tuple[_Candidate, float, float, float]] = []
+    while len(chosen) < len(candidates):
+        taken = [i for one, *_ in chosen for i in (*one.common, *one.own)]
+        tried = []
+        for one in candidates:
+            if any(one is other for other, *_ in chosen):
+                continue
+            before = halves.judged([*taken, *one.common])
+            after = halves.judged([*taken, *one.common, *one.own])
+            evidence = halves.evidence(before, after)
+            j = motors.index(one.joint)
+            errors = np.sqrt(before[j] / halves.measured[j]), np.sqrt(after[j] / halves.measured[j])
+            if evidence > NEEDED and errors[1] < (1.0 - MATERIAL) * errors[0]:
+                tried.append((one, evidence, float(errors[0]), float(errors[1])))
+        if not tried:
+            break
+        chosen.append(max(tried, key=lambda one: one[1]))
+    return _that_show(model, fit_gains, chosen) if chosen else ()
+
+
+def _candidates(
+    model: Prepared, catalogue: Mapping[str, Effect]
+) -> tuple[list[_Candidate], list[EffectInstance]]:
+    """What may differ, and the instances of all their columns, one each."""
+    present = {(one.effect.name, one.joint): one for one in model.effects}
+    logs = model.logs
+    candidates: list[_Candidate] = []
+    instances: list[EffectInstance] = []
+    for name in MAY_DIFFER:
+        for joint in model.dataset.robot.joints if name in catalogue else ():
+            there = present.get((name, joint))
+            if there is not None and there.recording:
+                continue
+            added = [] if there is not None else [EffectInstance(catalogue[name], joint, f"{name}:{joint}")]
+            start = len(instances)
+            instances += added + [
+                EffectInstance(catalogue[name], joint, f"{name}:{joint}{TAG}", log, logs) for log in logs[:-1]
+            ]
+            at = start + len(added)
+            candidates.append(
+                _Candidate(catalogue[name], joint, tuple(range(start, at)), tuple(range(at, len(instances))))
+            )
+    return candidates, instances
+
+
+def _that_show(
+    model: Prepared, fit_gains: bool, chosen: Sequence[tuple[_Candidate, float, float, float]]
+) -> tuple[Differing, ...]:
+    """Those whose values, all fitted together, differ clearly and are possible."""
+    places = {(one.effect.name, one.joint) for one, *_ in chosen}
+    kept = [one for one in model.effects if (one.effect.name, one.joint) not in places]
+    logs = model.logs
+    added = [
+        EffectInstance(one.effect, one.joint, f"{one.effect.name}:{one.joint}{TAG}", log, logs)
+        for one, *_ in chosen
+        for log in logs
+    ]
+    wider = settled(with_effects(model, (*kept, *added)), fit_gains)
+    result = fit(wider, fit_gains=fit_gains)
+    first = wider.layout.size - len(added)
+    found = []
+    for i, (one, evidence, before, after) in enumerate(chosen):
+        own = slice(first + i * len(logs), first + (i + 1) * len(logs))
+        (parameter,) = one.effect.parameters
+        told = result.effect_parameters[one.effect.name]
+        values = {log: told[f"{one.joint}@{log}"][parameter.name] for log in logs}
+        impossible = parameter.positive and any(x.value < -SHOWS * x.std for x in values.values())
+        if not impossible and _apart(list(values.values()), result.covariance[own, own]):
+            found.append(Differing(one.effect.name, one.joint, values, evidence, before, after))
+    return tuple(sorted(found, key=lambda one: -one.evidence))
+
+
+def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:
+    """Whether two of the values (k,) differ by more than chance makes of them; covariance (k, k)."""
+    return any(
+        abs(values[a].value - values[b].value)
+        > SHOWS * np.sqrt(covariance[a, a] + covariance[b, b] - 2.0 * covariance[a, b])
+        for a, b in combinations(range(len(values)), 2)
+    )

@@ -1,0 +1,82 @@
+"""Recordings cut into blocks of which every other one is fitted, to judge what belongs to a recording alone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnosis.normal_equations import memory_in_rows
+from bench.identification.compressed import Stack
+from bench.identification.solution import Solution
+
+BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
+DEPENDENT = 1e-12  # share of the largest eigenvalue of scaled normal equations
+
+
+@dataclass(frozen=True)
+class Halves:
+    """Normal equations of the linearised model: for either half of the blocks and every motor the inner products
+    (2, n, S, S) of all columns, weighted, the error last. own: how many are the model's; samples (n,): independent ones
+    of each motor; measured (n,): weighted squares of the currents.
+    """
+
+    inner: np.ndarray
+    own: int
+    samples: np.ndarray
+    measured: np.ndarray
+
+    def judged(self, columns: Sequence[int]) -> np.ndarray:
+        """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
+        used = np.array([*range(self.own), *(self.own + i for i in columns)])
+        left = np.zeros(self.inner.shape[1])
+        for fitted, checked in ((0, 1), (1, 0)):
+            values = _solution(self.inner[fitted].sum(axis=0), used)
+            left += np.einsum("i,nij,j->n", values, self.inner[checked], values)
+        return np.maximum(left, np.finfo(float).tiny)
+
+    def evidence(self, before: np.ndarray, after: np.ndarray) -> float:
+        """Log-likelihood ratio, nats, of what two models leave (n,), each motor with a noise of its own."""
+        return 0.5 * float(self.samples @ np.log(before / after))
+
+
+def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
+    """The equations about a model's solution, with further columns (M, n, k) of torque."""
+    modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains * stack.moving
+    error = stack.current - modelled
+    count = np.maximum(stack.moving.sum(axis=0), 1)
+    weights = 1.0 / np.sqrt((error**2).sum(axis=0) / count)
+    samples, n, p = stack.phi.shape
+    own = p + (n if solution.gains_fitted else 0)
+    further = further * stack.moving[:, :, None]
+    rows = np.zeros((n, samples, own + further.shape[2] + 1))
+    for j in range(n):
+        rows[j, :, :p] = stack.phi[:, j] / solution.gains[j]
+        if solution.gains_fitted:
+            rows[j, :, p + j] = -modelled[:, j] / solution.gains[j]
+        rows[j, :, own:-1] = further[:, j] / solution.gains[j]
+        rows[j, :, -1] = error[:, j]
+    rows *= weights[:, None, None]
+    ends = [*stack.starts[1:], samples]
+    half = np.concatenate(
+        [
+            (BLOCKS * np.arange(end - start) // (end - start)) % 2
+            for start, end in zip(stack.starts, ends, strict=True)
+        ]
+    )
+    inner = np.array([[one[half == k].T @ one[half == k] for one in rows] for k in (0, 1)])
+    left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
+    parts = [np.split(one[:, None], stack.starts[1:]) for one in left]
+    memory = np.array([memory_in_rows(one) for one in parts])
+    return Halves(inner, own, count / memory, ((stack.current * weights) ** 2).sum(axis=0))
+
+
+def _solution(inner: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """How columns (S,) are combined to the error that is left: the used ones by least squares."""
+    normal, right = inner[np.ix_(used, used)], inner[used, -1]
+    lengths = np.sqrt(np.diag(normal))
+    lengths[lengths == 0.0] = 1.0
+    values = np.zeros(len(inner))
+    scaled = normal / np.outer(lengths, lengths)
+    values[used] = -np.linalg.lstsq(scaled, right / lengths, rcond=DEPENDENT)[0] / lengths
+    values[-1] = 1.0
+    return values

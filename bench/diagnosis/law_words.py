@@ -1,0 +1,105 @@
+"""Laws that were discovered, in a mechanical engineer's words."""
+
+import re
+from collections.abc import Sequence
+
+from bench.diagnosis.result import Discovered, LawTerm, LooksAt
+from bench.effects.display_names import spoken
+
+WHAT = {
+    "position": "position",
+    "velocity": "speed",
+    "acceleration": "acceleration",
+    "load": "load",
+    "time": "time",
+    "tool_speed": "speed of the tool",
+}
+
+
+def law_sentences(discovered: Sequence[Discovered]) -> tuple[str, ...]:
+    """A sentence or two for each law, with its values at every motor."""
+    laws: dict[str, list[Discovered]] = {}
+    for one in discovered:
+        laws.setdefault(one.law, []).append(one)
+    return tuple(_told(some) for some in laws.values())
+
+
+def _told(some: Sequence[Discovered]) -> str:
+    first = some[0]
+    place = " and ".join(one.place for one in some) if len(some) < 3 else f"{len(some)} motors"
+    kinds = list(dict.fromkeys(_kind(one) for one in first.terms))
+    values = "; ".join(_valued(one, with_place=len(some) > 1) for one in some)
+    falls = ""
+    if first.without is not None and first.validate is not None:
+        falls = f"; the error falls from {_percent(first.without)} to {_percent(first.validate)}"
+    near = ""
+    if first.named is not None:
+        near = f" That is {spoken(first.named)}."
+    elif first.nearest is not None:
+        effect, error = first.nearest
+        near = f" Of the catalogue {spoken(effect)} comes closest, and leaves {_percent(error)}."
+    return f"At {place} there is {', and '.join(kinds)}, which no effect of the catalogue is: {values}{falls}.{near}"
+
+
+def _kind(term: LawTerm) -> str:
+    """What a term does: "a torque that opposes the motion and grows with the size of the acceleration"."""
+    own = [one for one in term.looks_at if one.what == "velocity" and not one.motor]
+    against = [one for one in own if one.role in ("direction", "signed")]
+    wave = any(one.role == "wave" for one in term.looks_at)
+    does: list[str] = []
+    if against:
+        does.append("goes with the direction of motion" if wave else _opposes(term))
+    does += dict.fromkeys(
+        _goes_by(one) for one in term.looks_at if one.role != "direction" or one.motor or not against
+    )
+    return f"a torque that {' and '.join(does)}" if does else "a constant torque"
+
+
+def _opposes(term: LawTerm) -> str:
+    return "opposes the motion" if term.value > 0.0 else "drives the motion"
+
+
+def _goes_by(one: LooksAt) -> str:
+    of = f" of {one.motor}" if one.motor else ""
+    what = f"{WHAT[one.what]}{of}"
+    sized = one.what not in ("velocity", "tool_speed", "time")
+    return {
+        "wave": f"swings with the {what}",
+        "decay": "fades with time",
+        "step": f"sets in at a certain {what}",
+        "memory": f"follows the {what} with a delay",
+        "direction": f"changes its sign with the {what}",
+        "signed": f"grows with the {what}",
+        "size": f"grows with the {'size of the ' if sized else ''}{what}",
+    }[one.role]
+
+
+def _valued(one: Discovered, *, with_place: bool) -> str:
+    parts = " + ".join(
+        f"({_number(term.value, term.std)}) {symbols(term.unit)}"
+        + ("" if term.term == "1" else f" · {symbols(term.term)}")
+        for term in one.terms
+    )
+    return f"{parts} at {one.place}" if with_place else parts
+
+
+def _number(value: float, std: float) -> str:
+    """Such as "0.0150 ± 0.0002"."""
+    if not 0.0 < std < float("inf"):
+        return f"{value:.4g}"
+    digits = max(0, -int(f"{std:.0e}".split("e")[1]))
+    return f"{value:.{digits}f} ± {std:.{digits}f}" if digits < 7 else f"{value:.4g} ± {std:.1g}"
+
+
+def symbols(text: str) -> str:
+    """A formula or a unit as one writes it: v as q̇, abs(a) as |q̈|, N*m as N·m, s^2 as s²."""
+    text = re.sub(r"\bv(?=_|\b)", "q̇", text)
+    text = re.sub(r"\ba(?=_|\b)(?!bs)", "q̈", text)
+    text = re.sub(r"abs\(([^()]*)\)", r"|\1|", text)
+    text = re.sub(r"(?:\*\*|\^)2(?![\d.])", "²", text)
+    text = re.sub(r"(?:\*\*|\^)3(?![\d.])", "³", text)
+    return text.replace("**", "^").replace("*", "·")
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"

@@ -1,0 +1,100 @@
+"""Whether a payload is mounted the same way in all recordings that name it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from bench.basics.threads import on_one_thread
+from bench.dataset.payload import Payload
+from bench.diagnosis.halves import halves_of
+from bench.diagnosis.search import NEEDED
+from bench.identification.finding import Code, Finding
+from bench.identification.layout import parameter_layout
+from bench.identification.observation import Observation
+from bench.identification.prepare import Prepared
+from bench.identification.solve_only import solved_quickly
+from bench.identification.standard_errors import uncertainty
+from bench.model.regressor import PARAMETERS, UNITS
+
+BETTER = 0.7  # of a motor's error, that it must fall to with a mounting for each recording: less is the model's error
+APART = 5.0  # deviations by which a parameter must differ
+
+
+@on_one_thread
+def mounted_otherwise(prepared: Prepared, *, fit_gains: bool) -> list[Finding]:
+    """Payloads whose centre and inertia differ between the recordings that name them, the parameter that does most.
+
+    Recordings that are not fitted count as well. Estimates for each recording are judged, beside one for all, on every
+    other part of the recordings.
+    """
+    logs = {one.name: log for one, log in zip(prepared.observations, _logs(prepared), strict=True)}
+    carried: dict[str, list[str]] = {}
+    for one in prepared.observations:
+        if one.payload_name is not None and logs[one.name] not in carried.setdefault(one.payload_name, []):
+            carried[one.payload_name].append(logs[one.name])
+    found = [_differing(prepared, fit_gains, name, logs) for name, of in carried.items() if len(of) > 1]
+    return [one for one in found if one is not None]
+
+
+def _differing(prepared: Prepared, fit_gains: bool, payload: str, logs: Mapping[str, str]) -> Finding | None:
+    common = _mounted(prepared, payload, dict.fromkeys(logs, payload))
+    each = _mounted(prepared, payload, {name: f"{payload}@{log}" for name, log in logs.items()})
+    names = [name for name in each.layout.payloads if name.startswith(f"{payload}@")]
+    index = each.layout.payloads[names[0]]
+    if not len(index):
+        return None
+    stack, solution = solved_quickly(each, fit_gains)
+    own = [each.layout.payload_slice(name) for name in names]
+    further = np.concatenate([stack.phi[:, :, one] for one in own[:-1]], axis=2)
+    halves = halves_of(*solved_quickly(common, fit_gains), further)
+    before, after = halves.judged([]), halves.judged(range(further.shape[2]))
+    if halves.evidence(before, after) < NEEDED or not np.any(np.sqrt(after / before) < BETTER):
+        return None
+    covariance = uncertainty(stack, solution, "autocorrelated").covariance
+    values = np.array([solution.theta[one] for one in own])
+    variances = np.array([np.diag(covariance)[one] for one in own])
+    low, high = values.argmin(axis=0), values.argmax(axis=0)
+    k = np.arange(len(index))
+    apart = (values[high, k] - values[low, k]) / np.sqrt(variances[high, k] + variances[low, k])
+    most = int(np.nanargmax(apart))
+    if not apart[most] > APART:
+        return None
+    first, second = int(high[most]), int(low[most])
+    told = [name.removeprefix(f"{payload}@") for name in (names[first], names[second])]
+    std = np.sqrt(variances[:, most])
+    return Finding(
+        Code.MOUNTED_OTHERWISE,
+        (payload, PARAMETERS[index[most]], *told),
+        numbers={
+            "first": float(values[first, most]),
+            "first_std": float(std[first]),
+            "second": float(values[second, most]),
+            "second_std": float(std[second]),
+        },
+        unit=UNITS[index[most]],
+    )
+
+
+def _mounted(prepared: Prepared, payload: str, named: Mapping[str, str]) -> Prepared:
+    """All recordings, as if fitted, with a payload of which the mass alone is known; named: what each one carries."""
+    own = prepared.dataset.payloads[payload]
+
+    def renamed(one: Observation) -> Observation:
+        name = named[one.name] if one.payload_name == payload else one.payload_name
+        return replace(one, use="identify", payload_name=name)
+
+    observations = tuple(renamed(one) for one in prepared.observations)
+    new = [one.payload_name for one in observations if one.payload_name not in prepared.dataset.payloads]
+    payloads = dict(prepared.dataset.payloads) | {
+        name: Payload(name, own.mass, None, None) for name in [payload, *new] if name is not None
+    }
+    layout = parameter_layout(
+        prepared.model, payloads, [one.payload_name for one in observations], prepared.layout.effects
+    )
+    dataset = replace(prepared.dataset, payloads=payloads)
+    return replace(prepared, dataset=dataset, observations=observations, layout=layout)
+
+
+def _logs(prepared: Prepared) -> list[str]:
+    return [one.recording.log for one in prepared.measured]

@@ -1,0 +1,331 @@
+"""All candidate columns in one system of inner products, so that any set of effects is solved at once.
+
+The system is worked out once: relative to the present model's own solution, so that nothing is lost by forming
+squares, in columns of its own that are orthonormal, with every candidate's column free of them and of unit length,
+so that squares do not spoil the conditioning. A set then costs a Cholesky factorisation of as many rows as it has
+unknowns, whatever the number of samples.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from bench.effects import EffectInstance, RobotSignals
+from bench.identification.effect_rows import effect_rows
+from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.observation import Observation
+from bench.identification.prepare import Prepared
+from bench.identification.solution import Solution
+
+LONGEST_MEMORY = 60  # rows over which errors may be alike
+CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
+MOST_STEPS = 50
+DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
+NOTHING = 1e-10  # share of a candidate's column that the model's own must leave
+COLLINEAR = 1e-6  # least pivot of the scaled unknowns of a set that Cholesky's factors are trusted with
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect at all the places where it can sit; columns: its
+    places among the system's. lengths (k,): of its own
+    columns, weighted, where the system's has the length one; zero where the model's own leave nothing of it.
+    """
+
+    instances: tuple[EffectInstance, ...]
+    columns: np.ndarray
+    lengths: np.ndarray
+
+
+@dataclass(frozen=True)
+class Products:
+    """Inner products (n, C + 2, C + 2) of every motor's [columns, torque, error] over so many rows.
+
+    torque and error: what the present model's solution needs, and leaves of the current. measured: sum of squares of
+    all currents.
+    """
+
+    inner: np.ndarray
+    rows: int
+    measured: float
+
+
+@dataclass(frozen=True)
+class SetFit:
+    """A set of candidates, solved on the fitted recordings; weighted squares left there and on the checked ones.
+
+    values (k,): coefficients of the system's columns, base first, beside the present solution; gains (n,).
+    """
+
+    chosen: tuple[int, ...]
+    columns: np.ndarray
+    values: np.ndarray
+    gains: np.ndarray
+    fitted: float
+    checked: float
+
+
+@dataclass(frozen=True)
+class System:
+    """The equations of the fitted and of the checked recordings, with the columns of all candidates.
+
+    base: how many independent columns the present model has. start: its solution, whose weights are one over each
+    motor's current error. memory: rows that count as one, since neighbouring errors are alike. priors: nats that each
+    candidate must bring beyond what every one must, none where empty. solved: sets that were asked for already.
+    """
+
+    candidates: tuple[Candidate, ...]
+    base: int
+    start: Solution
+    fitted: Products
+    checked: Products
+    memory: float
+    priors: tuple[float, ...] = ()
+    solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
+
+    def prior_of(self, chosen: Sequence[int]) -> float:
+        """Nats that the chosen candidates together must bring beyond what every one must."""
+        return sum(self.priors[i] for i in chosen) if self.priors else 0.0
+
+    def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
+        """Indices of the base columns and those of the chosen candidates."""
+        return np.concatenate([np.arange(self.base), *(self.candidates[i].columns for i in chosen)])
+
+
+def build_system(
+    prepared: Prepared,
+    near: Sequence[RobotSignals],
+    candidates: Sequence[Sequence[EffectInstance]],
+    exact: Sequence[EffectInstance],
+    start: Solution,
+) -> System:
+    """The system of a prepared model with its solution `start`; candidates: an effect at its places each, or nothing.
+
+    exact: instances whose columns are as the fit has them; those of the others are of the recordings seen `near`.
+    """
+    every = [one for instances in candidates for one in instances]
+    as_fitted = np.concatenate(
+        [np.zeros(0, dtype=bool), *(np.full(len(one.effect.parameters), one in exact) for one in every)]
+    )
+    decimation = prepared.settings.decimation
+    blocks: dict[str, list[np.ndarray]] = {"identify": [], "validate": []}
+    for signals, nearly, observation in zip(prepared.signals, near, prepared.observations, strict=True):
+        added = effect_rows(nearly, decimation, every)
+        added[:, :, as_fitted] = effect_rows(signals, decimation, [one for one in every if one in exact])
+        blocks[observation.use].append(_rows(prepared, observation, added, start))
+    change, lengths = _orthonormal(_triangle(blocks["identify"], start), prepared.layout.size)
+    base = change.shape[1] - len(lengths)
+    listed = []
+    at = 0
+    for instances in candidates:
+        some = np.arange(at, at + sum(len(one.effect.parameters) for one in instances))
+        listed.append(Candidate(tuple(instances), base + some, lengths[some]))
+        at += len(some)
+    fitted, checked = (_products(prepared, blocks[use], change, use) for use in ("identify", "validate"))
+    system = System(tuple(listed), base, start, fitted, checked, 1.0)
+    plain = [i for i, one in enumerate(listed) if one.instances and not one.instances[0].effect.shape]
+    largest = solve_set(system, plain)
+    memory = memory_in_rows([_errors(one, change, largest, start) for one in blocks["identify"]])
+    return System(system.candidates, base, start, fitted, checked, memory)
+
+
+def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
+    """Least squares of the current's error with the base columns and the chosen candidates."""
+    key = tuple(sorted(chosen))
+    if key not in system.solved:
+        system.solved[key] = _solved(system, key)
+    return system.solved[key]
+
+
+def squared_errors(products: Products, fit: SetFit, start: Solution) -> np.ndarray:
+    """Sum of squares (n,) of every motor's current error with a set's solution."""
+    size = products.inner.shape[1]
+    picked = np.append(fit.columns, [size - 2, size - 1])
+    inner = products.inner[:, picked[:, None], picked]
+    return squares_of(inner, errors_by(fit.values, fit.gains, start.gains))
+
+
+def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
+    """Gauss-Newton with step halving, from the best solution that is known of a smaller set."""
+    start, fit_gains = system.start, system.start.gains_fitted
+    columns, values, gains = start_of(system, chosen)
+    size = system.fitted.inner.shape[1]
+    picked = np.append(columns, [size - 2, size - 1])
+    inner = system.fitted.inner[:, picked[:, None], picked]
+    squares = start.weights**2
+    cost = float(squares_of(inner, errors_by(values, gains, start.gains)) @ squares)
+    for _ in range(MOST_STEPS):
+        both = _least(*normal_equations(inner, values, gains, start))
+        step, by_gain = both[: len(values)], both[len(values) :] if fit_gains else np.zeros(len(gains))
+        share = 1.0 / max(1.0, 2.0 * float(np.abs(by_gain / gains).max()))
+        while share > 1e-6:
+            new_values, new_gains = values + share * step, gains + share * by_gain
+            new = float(squares_of(inner, errors_by(new_values, new_gains, start.gains)) @ squares)
+            if new <= cost * (1 + 1e-12):
+                break
+            share /= 2.0
+        else:
+            break
+        settled = cost - new <= CONVERGED * cost and share == 1.0
+        values, gains, cost = new_values, new_gains, new
+        if settled:
+            break
+    return with_checked(system, SetFit(chosen, columns, values, gains, cost, 0.0))
+
+
+def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A set's columns (k,), and values (k,) and gains (n,) to start from: the best that are known of a smaller set."""
+    columns = system.columns_of(chosen)
+    values, gains = np.zeros(len(columns)), system.start.gains
+    smaller = (system.solved.get(chosen[:i] + chosen[i + 1 :]) for i in range(len(chosen)))
+    near = min((one for one in smaller if one is not None), key=lambda one: one.fitted, default=None)
+    if near is not None:
+        values[np.searchsorted(columns, near.columns)], gains = near.values, near.gains
+    return columns, values, gains
+
+
+def with_checked(system: System, fit: SetFit) -> SetFit:
+    """The set with the squares that it leaves on the checked recordings."""
+    left = squared_errors(system.checked, fit, system.start)
+    return replace(fit, checked=float(left @ system.start.weights**2))
+
+
+def normal_equations(
+    inner: np.ndarray, values: np.ndarray, gains: np.ndarray, start: Solution
+) -> tuple[np.ndarray, np.ndarray]:
+    """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where they are fitted.
+
+    inner: (..., n, k + 2, k + 2) inner products; what stands before the last axes is of many sets.
+    """
+    k, n = values.shape[-1], gains.shape[-1]
+    share = start.weights**2 / gains  # of torque in the weighted squares, with another of the gains to come
+    by_error = (inner @ errors_by(values, gains, start.gains)[..., None])[..., 0]
+    right = (share[..., None, :] @ by_error[..., :k])[..., 0, :]
+    normal = np.einsum("...j,...jrc->...rc", share / gains, inner[..., :k, :k])
+    if not start.gains_fitted:
+        return normal, right
+    torque = np.zeros((*gains.shape, k + 2))
+    torque[..., :k], torque[..., k] = values[..., None, :], 1.0
+    torque /= gains[..., None]
+    by_torque = (inner @ torque[..., None])[..., 0]
+    across = -(share / gains)[..., None] * by_torque[..., :k]
+    own = (share / gains * (torque * by_torque).sum(axis=-1))[..., None] * np.eye(n)
+    normal = np.block([[normal, across.swapaxes(-1, -2)], [across, own]])
+    return normal, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
+
+
+def _least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solution of normal equations, scaled to a unit diagonal; the smallest where they do not determine it."""
+    diagonal = np.diag(normal)
+    lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scaled = normal / np.outer(lengths, lengths)
+    try:
+        factor = cho_factor(scaled, lower=True, check_finite=False)
+    except LinAlgError:
+        factor = None
+    if factor is not None and np.diag(factor[0]).min() > COLLINEAR:
+        return np.asarray(cho_solve(factor, right / lengths, check_finite=False)) / lengths
+    values, vectors = np.linalg.eigh(scaled)
+    kept = values > COLLINEAR**2 * values[-1]
+    along = vectors[:, kept]
+    return np.asarray(along @ ((along.T @ (right / lengths)) / values[kept])) / lengths
+
+
+def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """By what every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
+    errors = np.ones((*gains.shape, values.shape[-1] + 2))
+    errors[..., :-2] = -values[..., None, :] / gains[..., None]
+    errors[..., -2] = 1.0 / start - 1.0 / gains
+    return errors
+
+
+def squares_of(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Sum of squares (..., n) of what errors (..., n, k) combine, never below what rounding leaves of nothing."""
+    combined = (inner @ errors[..., None])[..., 0]
+    return np.asarray(np.maximum((errors * combined).sum(axis=-1), TINY))
+
+
+def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution) -> np.ndarray:
+    """[phi, candidates, torque, error] of one recording, (M, n, C + 2), zero where a joint stands still."""
+    phi = regressor_rows(observation, prepared.layout)
+    torque = phi @ start.theta + known_rows(observation, prepared.dataset.payloads)
+    error = observation.current - torque / start.gains
+    parts = (phi, added, torque[:, :, None], error[:, :, None])
+    return np.concatenate(parts, axis=2) * observation.moving[:, :, None]
+
+
+def _triangle(blocks: Sequence[np.ndarray], start: Solution) -> np.ndarray:
+    """Triangular factor of all columns but torque and error, every motor's rows weighted."""
+    triangle = np.zeros((0, blocks[0].shape[2] - 2))
+    for rows in blocks:
+        weighted = rows[:, :, :-2] * (start.weights / start.gains)[:, None]
+        together = np.concatenate((triangle, weighted.reshape(-1, triangle.shape[1])))
+        triangle = np.asarray(np.linalg.qr(together, mode="r"))
+    return triangle
+
+
+def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
+    """How columns are combined to columns apart, from their triangular factor: (p + k, b + k), of which the first b
+    are orthonormal and span the first p, and the others have the length one and nothing of these.
+
+    Also the lengths (k,) of the last k columns over those of what the first leave of them.
+    """
+    k = triangle.shape[1] - p
+    norms = np.linalg.norm(triangle[:, :p], axis=0)
+    norms[norms == 0.0] = 1.0
+    _, singular, vectors = np.linalg.svd(triangle[:p, :p] / norms)
+    kept = singular > DEPENDENT * singular[0]
+    basis = vectors[kept].T / singular[kept] / norms[:, None]
+    lengths = np.linalg.norm(triangle[:, p:], axis=0)
+    within = basis.T @ triangle[:p, :p].T @ triangle[:p, p:]
+    left = np.linalg.norm(triangle[:, p:] - triangle[:, :p] @ (basis @ within), axis=0)
+    left = np.where(left > NOTHING * lengths, left, 0.0)
+    scales = np.divide(1.0, left, out=np.zeros(k), where=left > 0.0)
+    change = np.zeros((p + k, basis.shape[1] + k))
+    change[:p, : basis.shape[1]] = basis
+    change[:p, basis.shape[1] :] = -basis @ within * scales
+    change[p + np.arange(k), basis.shape[1] + np.arange(k)] = scales
+    return change, lengths * scales
+
+
+def _products(prepared: Prepared, blocks: Sequence[np.ndarray], change: np.ndarray, use: str) -> Products:
+    """Of all recordings of a use, their columns combined by `change`."""
+    size = change.shape[1] + 2
+    inner = np.zeros((len(prepared.present.gains), size, size))
+    for rows in blocks:
+        for j, motor in enumerate(rows.transpose(1, 0, 2)):
+            changed = np.concatenate((motor[:, :-2] @ change, motor[:, -2:]), axis=1)
+            inner[j] += changed.T @ changed
+    seen = [one for one in prepared.observations if one.use == use]
+    measured = sum(float(((one.current * one.moving) ** 2).sum()) for one in seen)
+    return Products(inner, sum(int(one.moving.sum()) for one in seen), measured)
+
+
+def _errors(rows: np.ndarray, change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
+    """Weighted current errors (M, n) of one recording."""
+    errors = errors_by(fit.values, fit.gains, start.gains)
+    combined = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
+    return np.asarray(np.einsum("mjc,jc->mj", rows, combined) * start.weights)
+
+
+def memory_in_rows(errors: Sequence[np.ndarray]) -> float:
+    """Integrated autocorrelation time of the errors (M, n) of all recordings, in rows, at least one.
+
+    Lags are summed until the correlation is lost in its own noise (Geyer 1992, initial positive pairs).
+    """
+    length = min(len(one) for one in errors)
+    lags = min(LONGEST_MEMORY, length // 4)
+    values = np.array(
+        [sum(float((one[: len(one) - lag] * one[lag:]).sum()) for one in errors) for lag in range(lags + 1)]
+    )
+    correlation = values / values[0]
+    total = 1.0
+    for lag in range(1, lags, 2):
+        pair = correlation[lag] + correlation[lag + 1]
+        if pair <= 0.0:
+            break
+        total += 2.0 * pair
+    return max(float(total), 1.0)

@@ -1,0 +1,26 @@
+"""Drive gains from which a better model can be reached, where a model that lacks much has run away."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.identification.compressed import Stack
+from bench.identification.solution import Solution, scaled_lstsq, torque_system, weighted
+
+FAR = 5.0  # times the nominal gain, or that part of it
+
+
+def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution:
+    """The solution, with nominal gains for those that are negative or far from them, and theta (p,) solved anew.
+
+    A model that lacks strong friction may fit best with a gain without bounds, or below zero; steps of the
+    current's error never lead back from there. nominal (n,): nominal drive gains. Columns that are zero or
+    absorbed get the least values.
+    """
+    ratio = solution.gains / nominal
+    away = (ratio < 1.0 / FAR) | (ratio > FAR)
+    if not (solution.gains_fitted and away.any()):
+        return solution
+    gains = np.where(away, nominal, solution.gains)
+    rows, right = torque_system(weighted(stack.factors, solution.weights / gains), gains)
+    return replace(solution, theta=scaled_lstsq(rows, right), gains=gains)

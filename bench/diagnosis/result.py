@@ -1,0 +1,157 @@
+"""What a diagnosis says."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from bench.effects.select import TAG
+from bench.identification.result import CurrentSeries, Identification, Quantity
+
+Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", "absorbed"]
+
+
+@dataclass(frozen=True)
+class LadderStep:
+    """Errors of the model with these effects, as in `ErrorSummary`, and the currents that it gives."""
+
+    effects: tuple[str, ...]
+    identify: float | None
+    validate: float | None
+    recordings: tuple[CurrentSeries, ...] = field(default=(), compare=False, repr=False)
+
+
+@dataclass(frozen=True)
+class EffectVerdict:
+    """What the data say of one effect.
+
+    verdict: indistinguishable always has alternatives; an effect that resembles what is missing fits, and leaves much
+    that no effect explains.
+    error_before, error_after: relative error on recordings that were not fitted, without and with it. evidence:
+    log-likelihood ratio on those recordings, nats. actuators: where it shows. alternatives: effects that the data
+    cannot tell from it. size: RMS of its torque at each actuator, N*m or N.
+    """
+
+    effect: str
+    verdict: Verdict
+    error_before: float
+    error_after: float
+    evidence: float
+    actuators: tuple[str, ...]
+    alternatives: tuple[str, ...]
+    size: Mapping[str, float]
+    why: str
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """What no effect of the catalogue accounts for. error and noise_floor: relative, on recordings not fitted."""
+
+    significant: bool
+    error: float
+    noise_floor: float
+    depends_on: tuple[str, ...]
+    why: str
+
+
+@dataclass(frozen=True)
+class Differing:
+    """An effect at a motor whose value differs from recording to recording.
+
+    values: by recording, of its one parameter. evidence: log-likelihood ratio on parts of the recordings that were not
+    fitted, nats; error_before, error_after: of that motor's current there, relative, with one value for all recordings
+    and with one for each.
+    """
+
+    effect: str
+    joint: str
+    values: Mapping[str, Quantity]
+    evidence: float
+    error_before: float
+    error_after: float
+
+    @property
+    def request(self) -> str:
+        """How it is added to a model."""
+        return f"{self.effect}:{self.joint}{TAG}"
+
+
+Role = Literal["direction", "signed", "size", "wave", "decay", "step", "memory"]
+"""How a term of a law goes by something: by its sign alone, in proportion or a power of it, by its size, ..."""
+
+
+@dataclass(frozen=True)
+class LooksAt:
+    """What a term of a law goes by; what: such as acceleration; motor: whose, empty for the law's own or no motor's."""
+
+    what: str
+    motor: str
+    role: Role
+
+
+@dataclass(frozen=True)
+class LawTerm:
+    """One term of a law: a formula in SI units, the value of its coefficient, and what the term goes by."""
+
+    term: str
+    value: float
+    std: float
+    unit: str
+    looks_at: tuple[LooksAt, ...] = ()
+
+
+@dataclass(frozen=True)
+class Discovered:
+    """A law at one motor that is in no catalogue.
+
+    law: the name of its effect. terms: what it is the sum of; numbers: what was adapted to the data within them, by
+    letter. identify, validate: relative errors of the model with it; without: on recordings that were not fitted,
+    without it. named: the effect of the catalogue that it is a case of. nearest: the effect that does best in its place
+    and the error with that, None where none helps. source: the file of its effect; file: where it was written.
+    """
+
+    place: str
+    law: str
+    terms: tuple[LawTerm, ...]
+    numbers: Mapping[str, Quantity]
+    identify: float | None
+    validate: float | None
+    without: float | None
+    named: str | None
+    nearest: tuple[str, float] | None
+    source: str = field(repr=False)
+    file: str | None = None
+
+    @property
+    def formula(self) -> str:
+        """Of the whole law, in SI units."""
+        parts = [f"{one.value:.4g}" + ("" if one.term == "1" else f"*{one.term}") for one in self.terms]
+        return " + ".join(parts).replace("+ -", "- ")
+
+
+@dataclass(frozen=True)
+class Superfluous:
+    """An effect of the starting model that what was found does without; replaced_by: one of these that contains it."""
+
+    effect: str
+    replaced_by: str | None
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with
+    them. differs: what has another value in each recording, whether the model has it or not; `after` has one for all.
+    superfluous: effects of the starting model that `after` does without.
+    discovered: laws that are in no catalogue, motor by motor; `after` and the ladder have them, too.
+    """
+
+    robot: str
+    split: str
+    missing: tuple[str, ...]
+    ladder: tuple[LadderStep, ...]
+    ranking: tuple[EffectVerdict, ...]
+    unexplained: Unexplained
+    before: Identification
+    after: Identification
+    differs: tuple[Differing, ...] = ()
+    superfluous: tuple[Superfluous, ...] = ()
+    discovered: tuple[Discovered, ...] = ()

@@ -1,0 +1,214 @@
+"""Rounds of a search: about the model that the last one found, until the same is found."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.candidates import Context, Proposal, context_of, propose, shaped
+from bench.diagnosis.normal_equations import System, build_system, solve_set
+from bench.diagnosis.restart import restarted
+from bench.diagnosis.revealed import beside, partners
+from bench.diagnosis.search import NEEDED, Found, search
+from bench.effects import ActuatorEffect, Effect, EffectInstance
+from bench.identification.nonlinear import present_model, settled
+from bench.identification.perturbations import Nearby
+from bench.identification.prepare import Prepared, seen_nearby, with_effects
+from bench.identification.solve_only import solved_quickly
+
+ROUNDS = 6
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is searched: the starting model at its own solution, whether drive gains are unknowns, and what is worked
+    out once for all models beside it.
+    """
+
+    start: Prepared
+    fit_gains: bool
+    nearby: Nearby
+
+    def context(self, model: Prepared) -> Context:
+        """What a model leaves, for effects to be given their shape beside it."""
+        return context_of(model, self.nearby.signals(model.present, model.signals), self.fit_gains)
+
+    def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
+        """The starting model with some of the proposals, settled."""
+        return self.with_instances([one for i in chosen for one in proposals[i].instances])
+
+    def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
+        """The same as it is known nearby, for a first look."""
+        instances = [one for i in chosen for one in proposals[i].instances]
+        near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
+        return at_its_solution(settled(near, self.fit_gains), self.fit_gains)
+
+    def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
+        """The starting model with these effects, settled; first as it is known nearby, if that is less work."""
+        if not any(
+            one.effect.depends_on_model and not isinstance(one.effect, ActuatorEffect) for one in instances
+        ):
+            model = with_effects(self.start, (*self.start.effects, *instances))
+            return at_its_solution(settled(model, self.fit_gains), self.fit_gains)
+        near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
+        near = settled(near, self.fit_gains)
+        model = with_effects(self.start, near.effects, near.present)
+        return at_its_solution(settled(model, self.fit_gains, nearly=near.settled), self.fit_gains)
+
+
+@dataclass(frozen=True)
+class Round:
+    """A settled model, every effect in the shape that suits it, their system about it, and the best set there."""
+
+    model: Prepared
+    proposals: Sequence[Proposal]
+    system: System
+    found: Found
+
+    @property
+    def chosen(self) -> tuple[int, ...]:
+        """The best set's proposals (indices)."""
+        return self.found.best.fit.chosen
+
+    @property
+    def names(self) -> set[str]:
+        """The best set's effects."""
+        return {self.proposals[i].name for i in self.chosen}
+
+
+def problem_of(start: Prepared, fit_gains: bool) -> Problem:
+    """The search for what a settled starting model lacks."""
+    start = at_its_solution(start, fit_gains)
+    return Problem(start, fit_gains, Nearby(start.model, start.measured))
+
+
+def at_its_solution(model: Prepared, fit_gains: bool) -> Prepared:
+    """A settled model, with itself as what effects are linearised about; from nominal gains where it has run away."""
+    if any(one.effect.shape or one.effect.depends_on_model for one in model.effects):
+        return model
+    stack, solution = solved_quickly(model, fit_gains)
+    present = present_model(model, restarted(stack, solution, model.dataset.robot.nominal_gains))
+    return replace(with_effects(model, model.effects, present), settled=model.settled)
+
+
+def first_round(problem: Problem, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
+    """Every effect in the shape that suits the starting model."""
+    progress.phase("searching, round 1", len(catalogue))
+    proposals = propose(problem.context(problem.start), catalogue, progress)
+    return judged(problem, problem.start, proposals, ())
+
+
+def searched(problem: Problem, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
+    """Search, linearise about what was found, and search again until the same is found.
+
+    barred: effects that may not be found: of an impossible sign, or superfluous.
+    """
+    here = replace(first, found=_search(first.system, first.proposals, barred)) if barred else first
+    tried: list[frozenset[int]] = []
+    for _ in range(ROUNDS):
+        here = _again(problem, here, barred, progress)
+        tried.append(frozenset(here.chosen))
+        progress.phase("searching for partners")
+        better = _with_partner(problem, here, barred)
+        if better is None or frozenset(better.chosen) in tried:
+            break
+        here = better
+    return here
+
+
+def _again(problem: Problem, here: Round, barred: Collection[str], progress: Progress) -> Round:
+    """Linearise about what was found, and search again, until the same is found: the settled model with it."""
+    seen: list[set[str]] = []
+    for _ in range(ROUNDS - 1):
+        if not here.chosen or here.names in seen[:-1]:
+            break
+        seen.append(here.names)
+        progress.phase(f"searching, round {len(seen) + 1}", len(here.proposals))
+        model = problem.with_proposals(here.proposals, here.chosen)
+        proposals = reshaped(problem, replace(here, model=model), progress)
+        before = here.names
+        here = judged(problem, model, proposals, barred)
+        if here.names == before:
+            return here
+    return replace(here, model=problem.with_proposals(here.proposals, here.chosen))
+
+
+def _with_partner(problem: Problem, here: Round, barred: Collection[str]) -> Round | None:
+    """What is found when an effect joins the model and all shapes are settled anew; None if nothing better is."""
+    context = problem.context(here.model)
+    for i in partners(here.model, context, here.proposals, here.chosen, problem.fit_gains):
+        if here.proposals[i].name in barred:
+            continue
+        for settle in (problem.nearly, problem.with_proposals):
+            joined = settle(here.proposals, (*here.chosen, i))
+            others = beside(here.proposals, joined, len(problem.start.effects))
+            wider = judged(problem, joined, others, barred)
+            if wider.found.best.total <= here.found.best.total + NEEDED:
+                break
+        else:
+            return wider
+    return None
+
+
+def judged(
+    problem: Problem, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
+) -> Round:
+    """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
+    system = system_about(problem, model, proposals)
+    return Round(model, proposals, system, _search(system, proposals, barred))
+
+
+def system_about(problem: Problem, model: Prepared, proposals: Sequence[Proposal]) -> System:
+    """The starting model's equations with every proposal's columns, linearised about `model`."""
+    start, fit_gains = problem.start, problem.fit_gains
+    _, solution = solved_quickly(model, fit_gains)
+    about = with_effects(model, start.effects)
+    stack, own = solved_quickly(about, fit_gains)
+    own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
+    exact = model.effects[len(start.effects) :]
+    listed = [() if one.absorbed else one.instances for one in proposals]
+    near = problem.nearby.signals(model.present, model.signals)
+    system = build_system(about, near, listed, exact, own)
+    return replace(system, priors=tuple(one.prior for one in proposals))
+
+
+def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Found:
+    usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
+    return search(system, usable)
+
+
+def reshaped(problem: Problem, here: Round, progress: Progress) -> list[Proposal]:
+    """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
+
+    An effect that could stand for a found one is given the shape that it would have without that one; the
+    others the shape that explains most of what the found set leaves.
+    """
+    model, own = here.model, len(problem.start.effects)
+    added = model.effects[own:]
+    contexts: dict[int | None, Context] = {None: problem.context(model)}
+    result = []
+    for i, proposal in enumerate(here.proposals):
+        progress.advance()
+        if i in here.chosen:
+            instances = tuple(one for one in added if one.effect.name == proposal.name)
+            result.append(replace(proposal, instances=instances))
+            continue
+        effect = proposal.instances[0].effect
+        if proposal.absorbed or not (effect.shape or effect.depends_on_model):
+            result.append(proposal)
+            continue
+        rival = _rival(here.system, here.found, i)
+        if rival not in contexts:
+            name = here.proposals[rival].name if rival is not None else ""
+            others = [one for one in added if one.effect.name != name]
+            contexts[rival] = problem.context(with_effects(model, (*problem.start.effects, *others)))
+        result.append(replace(proposal, instances=shaped(contexts[rival], proposal.instances)))
+    return result
+
+
+def _rival(system: System, found: Found, i: int) -> int | None:
+    """The found effect in whose place effect i does best, where that is better than most of what it explains."""
+    best = found.best.fit
+    swaps = {k: solve_set(system, (*(c for c in best.chosen if c != k), i)).fitted for k in best.chosen}
+    rival = min(swaps, key=lambda k: swaps[k])
+    without = solve_set(system, tuple(c for c in best.chosen if c != rival)).fitted
+    return rival if swaps[rival] < 0.5 * (without + best.fitted) else None

@@ -1,0 +1,158 @@
+"""Search all small sets of effects for the one that the data support."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnosis.batched_sets import solve_sets
+from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set
+
+EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
+LARGEST_SET = 6
+ALONE, BESIDE = (
+    9,
+    7,
+)  # how many effects the shortlist has for what they do alone, and beside the best set so far
+NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
+MATERIAL = 0.03  # share of the error on checked recordings that an effect must take away
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A set with its evidence against the present model, in nats: on checked recordings, and in all."""
+
+    fit: SetFit
+    checked: float
+    total: float
+
+
+def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
+    """Log-likelihood ratios against `reference`, with as many samples as are independent.
+
+    On checked recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
+    of their number is taken off for each parameter (Schwarz 1978). So are the priors of the set.
+    """
+    tiny = np.finfo(float).tiny
+    samples = system.checked.rows / system.memory
+    checked = 0.5 * samples * np.log((reference.checked + tiny) / (fit.checked + tiny))
+    samples = system.fitted.rows / system.memory
+    fitted = 0.5 * samples * np.log((reference.fitted + tiny) / (fit.fitted + tiny))
+    extra = len(fit.columns) - len(reference.columns)
+    penalty = 0.5 * extra * np.log(samples) + system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
+    return Scored(fit, float(checked), float(checked + fitted - penalty))
+
+
+@dataclass(frozen=True)
+class Found:
+    """The supported set, every single effect scored alone, and the model without any."""
+
+    best: Scored
+    singles: dict[int, Scored]
+    empty: SetFit
+
+
+def search(system: System, usable: Sequence[int]) -> Found:
+    """The supported set among the usable candidates (indices).
+
+    A larger set wins only if each of its effects earns NEEDED nats and MATERIAL of the error on recordings that
+    were not fitted, and if none of its effects has an impossible sign. All pairs and triples of the shortlist
+    compete, so that a first choice that a better pair makes superfluous does not stay.
+    """
+    empty = solve_set(system, ())
+    alone = solve_sets(system, [(i,) for i in usable])
+    singles = {i: score(system, fit, empty) for i, fit in zip(usable, alone, strict=True)}
+    best = score(system, empty, empty)
+    for size in range(1, LARGEST_SET + 1):
+        order = _shortlist(system, usable, singles, best, empty)
+        if size <= EXHAUSTIVE:
+            sets = list(combinations(order, size))
+        else:
+            sets = [(*best.fit.chosen, i) for i in order if i not in best.fit.chosen]
+        scored = [score(system, fit, empty) for fit in solve_sets(system, sets)]
+        able = [one for one in sorted(scored, key=lambda one: -one.total) if possible(system, one.fit)]
+        before = best
+        for one in able[:20]:
+            if one.total > best.total + NEEDED and earned(system, one, empty):
+                best = simplest(system, one, able)
+                break
+        if size >= EXHAUSTIVE and best is before:
+            break
+    return Found(best, singles, empty)
+
+
+def _shortlist(
+    system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored, empty: SetFit
+) -> list[int]:
+    """Effects that explain most alone, and most beside the best set so far: one may hide the other."""
+    chosen = best.fit.chosen
+    alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
+    others = [i for i in usable if i not in chosen]
+    wider = solve_sets(system, [(*chosen, i) for i in others]) if chosen else []
+    beside = {i: score(system, fit, empty).total for i, fit in zip(others, wider, strict=False)}
+    return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
+
+
+def earned(system: System, one: Scored, empty: SetFit) -> bool:
+    """Whether the set is clearly poorer without any one of its effects, on recordings that were not fitted."""
+    chosen = one.fit.chosen
+    for i in range(len(chosen)):
+        fewer = solve_set(system, chosen[:i] + chosen[i + 1 :])
+        without = score(system, fewer, empty)
+        if one.checked - without.checked < NEEDED or one.total - without.total < NEEDED:
+            return False
+        if not material(fewer, one.fit):
+            return False
+    return True
+
+
+def material(before: SetFit, after: SetFit) -> bool:
+    """Whether the error on recordings that were not fitted falls by more than MATERIAL."""
+    return bool(np.sqrt(after.checked) < (1.0 - MATERIAL) * np.sqrt(before.checked))
+
+
+def close(one: Scored, other: Scored) -> bool:
+    """Whether the data cannot tell two sets apart: the second is hardly worse than the first."""
+    return one.checked - other.checked < NEEDED or not material(other.fit, one.fit)
+
+
+def simplest(system: System, one: Scored, rivals: Sequence[Scored]) -> Scored:
+    """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest columns."""
+    simpler = [
+        rival
+        for rival in rivals
+        if len(rival.fit.columns) < len(one.fit.columns)
+        and _special_case(system, rival.fit.chosen, one.fit.chosen)
+        and close(one, rival)
+    ]
+    return min(simpler, key=lambda rival: (len(rival.fit.columns), -rival.total), default=one)
+
+
+def _special_case(system: System, simple: Sequence[int], general: Sequence[int]) -> bool:
+    """Whether the first set is the second with effects replaced by special cases of theirs."""
+    out = [system.candidates[i] for i in general if i not in simple]
+    into = [system.candidates[i] for i in simple if i not in general]
+    return len(out) == len(into) and all(any(contains(whole, part) for whole in out) for part in into)
+
+
+def contains(whole: Candidate, part: Candidate) -> bool:
+    """Whether the second effect is declared a special case of the first."""
+    return part.instances[0].effect.name in whole.instances[0].effect.contains
+
+
+def possible(system: System, fit: SetFit) -> bool:
+    """Whether the largest share of every effect that has a sign has the right one: no friction that drives."""
+    at = system.base
+    for i in fit.chosen:
+        candidate = system.candidates[i]
+        signs = [parameter.positive for one in candidate.instances for parameter in one.effect.parameters]
+        values = fit.values[at : at + len(signs)]
+        at += len(signs)
+        signed = np.flatnonzero(signs)
+        if not len(signed):
+            continue
+        share = (values * candidate.lengths)[signed]
+        if share[np.argmax(np.abs(share))] < 0:
+            return False
+    return True

@@ -1,0 +1,39 @@
+"""Recordings to judge on, where the user named none."""
+
+from dataclasses import replace
+
+from bench.dataset.dataset import Dataset
+from bench.dataset.recording import Recording
+
+JUDGED = 0.3  # of every recording, at its end
+
+
+def with_judged_parts(dataset: Dataset) -> tuple[Dataset, str]:
+    """The dataset with something that is never fitted, and words for what that is.
+
+    Without any recording for validation the last 30 % of every recording are kept apart.
+    """
+    if any(one.use == "validate" for one in dataset.recordings):
+        return dataset, "recordings that were not fitted"
+    parts = []
+    for one in dataset.recordings:
+        cut = round((1.0 - JUDGED) * len(one.time))
+        parts.append(_part(one, one.name, "identify", slice(0, cut)))
+        parts.append(_part(one, f"{one.name} (end)", "validate", slice(cut, None)))
+    return replace(
+        dataset, recordings=tuple(parts)
+    ), f"the last {100.0 * JUDGED:.0f} % of every recording, not fitted"
+
+
+def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:
+    return Recording(
+        name=name,
+        use="identify" if use == "identify" else "validate",
+        payload=recording.payload,
+        time=recording.time[where],
+        position=recording.position[where],
+        current=recording.current[where],
+        extra={key: values[where] for key, values in recording.extra.items()},
+        part_of=recording.log,
+        started=recording.began,
+    )

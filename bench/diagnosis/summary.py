@@ -1,0 +1,263 @@
+"""A diagnosis in a few sentences."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnosis.differs_words import from_run_to_run
+from bench.diagnosis.law_words import law_sentences
+from bench.diagnosis.motions import telling_motions
+from bench.diagnosis.result import Diagnosis, EffectVerdict
+from bench.effects.display_names import spoken
+from bench.identification.finding import Code
+from bench.identification.finding_words import sentence
+from bench.identification.findings import LOOSE, runaway, unlike
+from bench.identification.result import Identification
+from bench.identification.summary import ROBOT
+from bench.identification.wording import in_percent
+
+TELLING = 0.005  # change of a drive gain that is worth a word
+MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
+HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
+REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a diagnosis says, each kind of sentence by itself.
+
+    verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
+    nominal, "" where they are fitted or do not matter; undecided: what could as well be missing; moved: what became of
+    the gain that moves most, "" where none does; superfluous: what the model had in vain; differs: what has another
+    value in each recording; left: what no effect accounts for; laws: those that are in no catalogue.
+    """
+
+    verdict: str
+    strange: tuple[str, ...]
+    nominal: str
+    undecided: tuple[str, ...]
+    moved: str
+    superfluous: str
+    differs: tuple[str, ...]
+    left: str
+    laws: tuple[str, ...] = ()
+
+    @property
+    def sentences(self) -> list[str]:
+        """All of them in the order in which they are told."""
+        told = [
+            self.verdict,
+            *self.laws,
+            *self.strange,
+            self.nominal,
+            *self.undecided,
+            self.moved,
+            self.superfluous,
+            *self.differs,
+            self.left,
+        ]
+        return [one for one in told if one]
+
+
+def summary_sentences(diagnosis: Diagnosis) -> list[str]:
+    """What is missing, what it changes, how sure that is, and what is left."""
+    return summary_of(diagnosis).sentences
+
+
+def summary_of(diagnosis: Diagnosis) -> Summary:
+    """What is missing, what it changes, how sure that is, and what is left."""
+    found = found_effects(diagnosis)
+    first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
+    before, after = (_first_known(step.validate, step.identify) for step in (first, last))
+    floor = diagnosis.unexplained.noise_floor
+    left = f"{_capital(diagnosis.unexplained.why)}."
+    needless = _superfluous(diagnosis)
+    differs = from_run_to_run(diagnosis.differs, clear=not diagnosis.unexplained.significant)
+    laws = law_sentences(diagnosis.discovered)
+    if not found:
+        what = "No effect with one value for all recordings" if differs else "Nothing"
+        nothing = (
+            f"{what} is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
+            f"error clearly smaller than {in_percent(before)} of the current."
+        )
+        strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
+        return Summary(nothing, tuple(strange), "", (), "", needless, differs, left, laws)
+    sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
+    like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
+    parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
+    names = ", and ".join([and_list(sure), parts[-1]]) if sure and like else and_list(parts)
+    said_of = "is" if len(parts) == 1 else "are"
+    doubt, nominal = _strange(diagnosis), _nominal(diagnosis.after)
+    if doubt or nominal:
+        said_of = "seems to be" if len(parts) == 1 else "seem to be"
+    if laws:
+        names = f"{names}, beside {'a law' if len(laws) == 1 else 'laws'} that no catalogue has,"
+    verdict = (
+        f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {in_percent(before)} "
+        f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
+    )
+    undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
+    moved = _largest_change(diagnosis) or ""
+    return Summary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
+
+
+def doubts(diagnosis: Diagnosis) -> list[str]:
+    """What makes the names of the found effects unsure: gains that are only nominal, recordings that do not fit."""
+    return [one for one in (*_strange(diagnosis), _nominal(diagnosis.after)) if one]
+
+
+def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Recordings that do not fit, or far more left than noise."""
+    result = diagnosis.after
+    causes = [one for one in result.findings if one.code in {Code.COLUMNS_SWAPPED, Code.MOUNTED_OTHERWISE}]
+    strange = causes[0] if causes else runaway(result) or unlike(result)
+    left = diagnosis.unexplained
+    false = "These names may be false"
+    if strange:
+        return (f"{false}. {sentence(strange)}",)
+    if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL):
+        times = left.error / left.noise_floor
+        return (f"{false}: what is left is {times:.0f} times the noise. Check columns, signs and payloads.",)
+    return ()
+
+
+def _nominal(result: Identification) -> str:
+    """Why gains that are only nominal make names unsure; "" where they do not."""
+    if result.gains_fitted or len(result.drive_gains) == 1:
+        return ""
+    return (
+        "The drive gains are nominal, since no fitted recording carries a payload of known mass: gains a tenth off "
+        "look like other effects, and the names may be false. Record with a weighed payload, too, to be sure."
+    )
+
+
+def _superfluous(diagnosis: Diagnosis) -> str:
+    """What the starting model had that is not needed; "" where all of it is."""
+    alone = [spoken(one.effect) for one in diagnosis.superfluous if one.replaced_by is None]
+    parts = [
+        f"{spoken(one.effect)} gives way to {spoken(one.replaced_by)}"
+        for one in diagnosis.superfluous
+        if one.replaced_by is not None
+    ]
+    if alone:
+        parts.insert(0, f"{and_list(alone)} {'is' if len(alone) == 1 else 'are'} superfluous")
+    return (
+        f"Of the effects that the model had, {and_list(parts)}: the error is no larger without."
+        if parts
+        else ""
+    )
+
+
+def _named(diagnosis: Diagnosis, one: EffectVerdict) -> str:
+    """An effect, where it shows, and what it could be instead."""
+    instead = f" (or {or_list([spoken(name) for name in one.alternatives])})" if one.alternatives else ""
+    return f"{spoken(one.effect)}{where(diagnosis, one)}{instead}"
+
+
+def _cannot_tell(one: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
+    """What an effect could be instead, and how to find out."""
+    motions = "; ".join(telling_motions([one.effect, *one.alternatives])[:MOTIONS])
+    beside = "".join(f" --with {other.effect}" for other in found if other is not one)
+    return (
+        f"Instead of {spoken(one.effect)} it could as well be {or_list([spoken(name) for name in one.alternatives])}: "
+        f"these recordings cannot tell. To tell them apart: {motions}. "
+        f"`bench discriminate DATASET {one.effect} {one.alternatives[0]}{beside} -o DIR` designs the motion."
+    )
+
+
+def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
+    """The verdicts on the effects that are missing, strongest first."""
+    by_name = {one.effect: one for one in diagnosis.ranking}
+    return [by_name[name] for name in diagnosis.missing]
+
+
+def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
+    """The sentence on one effect, with its size in N·m (or N) and in percent of the squared error."""
+    if not verdict.size:
+        return verdict.why
+    torque = motor_torques(diagnosis.after)
+    sizes = [
+        f"{size:.3g} {effort_unit(diagnosis.after, joint)} at {joint}" + _share(size, torque.get(joint, 0.0))
+        for joint, size in verdict.size.items()
+    ]
+    share = error_share(verdict)
+    taken = "" if share is None else f" and takes {_most(share)} of the squared error away"
+    return f"{verdict.why.rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
+
+
+def error_share(verdict: EffectVerdict) -> float | None:
+    """The share of the squared error, without an effect, that it takes away; None where there is no error."""
+    if not verdict.error_before > 0.0:
+        return None
+    return 1.0 - (verdict.error_after / verdict.error_before) ** 2
+
+
+def motor_torques(result: Identification) -> dict[str, float]:
+    """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N."""
+    fitted = [one for one in result.recordings if one.use == "identify"]
+    squares = np.concatenate([one.measured**2 for one in fitted]).mean(axis=0)
+    gains = result.drive_gains.items()
+    return {joint: abs(gain.value) * float(np.sqrt(squares[j])) for j, (joint, gain) in enumerate(gains)}
+
+
+def effort_unit(result: Identification, joint: str) -> str:
+    """N·m or N, of one motor."""
+    return result.drive_gains[joint].unit.partition("/")[0].replace("*", "·")
+
+
+def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
+    """At which places an effect shows, as in " at left and right"; nothing where it can show at one place only."""
+    places, motors = list(verdict.actuators), list(diagnosis.after.drive_gains)
+    whole = ROBOT in diagnosis.after.effect_parameters.get(verdict.effect, {})
+    if whole or not places or places == motors[:1] == motors:
+        return ""
+    return " at all motors" if places == motors else f" at {and_list(places)}"
+
+
+def and_list(names: Sequence[str]) -> str:
+    """Names as in "a, b and c"."""
+    return _joined(names, "and")
+
+
+def or_list(names: Sequence[str]) -> str:
+    """Names as in "a, b or c"."""
+    return _joined(names, "or")
+
+
+def _joined(names: Sequence[str], word: str) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"
+
+
+def _largest_change(diagnosis: Diagnosis) -> str | None:
+    """The drive gain that the found effects move most, if the gains were fitted and it moves."""
+    before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
+    if not diagnosis.after.gains_fitted:
+        return None
+    changes = {joint: after[joint].value / before[joint].value - 1.0 for joint in after}
+    joint = max(changes, key=lambda one: abs(changes[one]))
+    if abs(changes[joint]) < TELLING or after[joint].std > LOOSE * abs(after[joint].value):
+        return None
+    them = "it" if len(diagnosis.missing) == 1 else "them"
+    gain = after[joint]
+    return (
+        f"With {them} the drive gain of {joint} is {gain.value:.4f} ± {gain.std:.2g} {gain.unit.replace('*', '·')}, "
+        f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
+        f"came out at {before[joint].value:.4g}."
+    )
+
+
+def _first_known(*values: float | None) -> float | None:
+    return next((value for value in values if value is not None), None)
+
+
+def _share(size: float, torque: float) -> str:
+    return f" ({100.0 * size / torque:.2g} % of its torque)" if torque > 0.0 else ""
+
+
+def _most(share: float) -> str:
+    return "more than 99.9 %" if share > 0.999 else in_percent(share)
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]

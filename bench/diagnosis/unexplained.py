@@ -1,0 +1,173 @@
+"""Is anything left that no known effect explains, and what does it vary with?"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from bench.basics.chi_squared import exceeded_with
+from bench.dataset.recording import Recording
+from bench.diagnosis.result import Unexplained
+from bench.identification.result import CurrentSeries, Identification, relative_error
+from bench.signals.decimation import noise_bandwidth
+from bench.signals.settings import FilterSettings
+from bench.signals.spectrum import noise_floor
+
+BINS = 12
+SURPRISING = 1e-4  # probability of so strong a dependence by chance, all tests together
+MATERIAL = 1.15  # times the noise floor: less is not worth a word
+SHUFFLES = 400
+SEED = 20120606
+FIRST_LAG, LAGS = 6, 12  # rows: beyond the memory of the fit's low-pass
+ALMOST = 1.0  # strength given to time where errors merely follow each other
+BLOCK = 12  # rows that are shuffled together, since neighbouring errors are alike
+FEW = 0.05  # of the blocks: blows, where they hold ...
+MOST = 0.5  # ... that much of the squared error; of noise they hold a sixth
+
+
+def relative_noise_floor(
+    recordings: Sequence[Recording], series: Sequence[CurrentSeries], settings: FilterSettings
+) -> float:
+    """RMS of the currents' noise after the fit's filters over the RMS of the currents, all series together.
+
+    The noise is read off the spectra above the band of the motion and taken as white.
+    """
+    by_name = {recording.name: recording for recording in recordings}
+    noise = measured = 0.0
+    for one in series:
+        recording = by_name[one.name]
+        band = noise_bandwidth(settings.decimation) * recording.rate / 2
+        variance = noise_floor(recording.current, recording.rate, band) ** 2
+        noise += float((variance * one.moving.sum(axis=0)).sum())
+        measured += float(((one.measured * one.moving) ** 2).sum())
+    return float(np.sqrt(noise / measured)) if measured else 0.0
+
+
+def unexplained(
+    result: Identification, recordings: Sequence[Recording], encoders: Callable[[], float] = lambda: 0.0
+) -> Unexplained:
+    """Test the errors of the final model for any dependence, on recordings that were not fitted.
+
+    encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
+    """
+    judged = [one for one in result.recordings if one.use == "validate"] or list(result.recordings)
+    error = relative_error(judged) or 0.0
+    floor = relative_noise_floor(recordings, judged, result.settings)
+    left = f"{100.0 * error:.3g} %"
+    if error <= MATERIAL * floor:
+        why = f"the error left ({left}) is what the noise of the currents leaves ({100.0 * floor:.3g} %)"
+        return Unexplained(False, error, floor, (), why)
+    shaken = encoders()
+    if error <= MATERIAL * np.hypot(floor, shaken):
+        why = (
+            f"the error left ({left}) is what the noise of the currents ({100.0 * floor:.3g} %) and that of the "
+            f"encoders ({100.0 * shaken:.3g} %) leave"
+        )
+        return Unexplained(False, error, floor, (), why)
+    found: dict[str, float] = {}
+    random = np.random.default_rng(SEED)
+    joints = list(result.drive_gains)
+    for j in range(len(joints)):
+        errors = np.concatenate([one.error[:, j][one.moving[:, j]] for one in judged])
+        scale = errors.std() or 1.0
+        if _in_blows(errors):
+            found["time"] = max(found.get("time", 0.0), ALMOST)
+        for name, values in _variables(judged, j).items():
+            ratio = _dependence(errors / scale, values, random)
+            found[name] = max(found.get(name, 0.0), ratio)
+    if _lasting(judged):
+        found["time"] = max(found.get("time", 0.0), ALMOST)
+    depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
+    noise = f"the noise of the currents leaves {100.0 * floor:.3g} %"
+    if shaken > 0.1 * floor:
+        noise += f" and that of the encoders {100.0 * shaken:.3g} %"
+    if not depends:
+        why = f"{left} of the current is left where {noise}; it varies with nothing that was looked at"
+        return Unexplained(False, error, floor, (), why)
+    why = (
+        f"{left} of the current is left where {noise}, and it varies with {', '.join(depends)}: no effect of the "
+        "catalogue accounts for it"
+    )
+    return Unexplained(True, error, floor, depends, why)
+
+
+def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:
+    """What the error of a motor may vary with, one value a row."""
+
+    def stacked(name: str) -> np.ndarray:
+        return np.concatenate([getattr(one, name)[:, j][one.moving[:, j]] for one in series])
+
+    variables = {
+        "position": stacked("position"),
+        "velocity": stacked("velocity"),
+        "acceleration": stacked("acceleration"),
+        "current": stacked("measured"),
+        "time": np.concatenate([(one.time - one.time[0])[one.moving[:, j]] for one in series]),
+    }
+    loads = np.concatenate(
+        [np.full(int(one.moving[:, j].sum()), float(one.payload is not None)) for one in series]
+    )
+    if np.ptp(loads) > 0:
+        variables["payload"] = loads
+    return variables
+
+
+def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Generator) -> float:
+    """How far the variation between bins is beyond chance: over one is beyond SURPRISING.
+
+    Chance is what shuffled blocks of the same errors give, so that their autocorrelation counts.
+    """
+    edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)))
+    if len(edges) < 2:
+        return 0.0
+    index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    count = np.maximum(np.bincount(index, minlength=len(edges) - 1), 1)
+
+    def between(errors: np.ndarray) -> float:
+        sums = np.bincount(index, weights=errors, minlength=len(edges) - 1)
+        return float((sums**2 / count).sum())
+
+    blocks = len(errors) // BLOCK
+    if blocks < 4:
+        return 0.0
+    trimmed = errors[: blocks * BLOCK].reshape(blocks, BLOCK)
+    rest = errors[blocks * BLOCK :]
+    chance = np.array(
+        [
+            between(
+                np.concatenate(((trimmed * random.choice((-1.0, 1.0), size=(blocks, 1))).reshape(-1), rest))
+            )
+            for _ in range(SHUFFLES)
+        ]
+    )
+    # the sum of squares of bin means is close to a scaled chi-squared; its tail is carried on from its moments
+    mean, variance = chance.mean(), chance.var()
+    freedom = 2.0 * mean**2 / max(variance, 1e-300)
+    limit = mean / freedom * exceeded_with(SURPRISING, freedom)
+    return between(errors) / limit
+
+
+def _in_blows(errors: np.ndarray) -> bool:
+    """Whether few short stretches hold most of the squared error, as where play is crossed."""
+    blocks = len(errors) // BLOCK
+    energy = np.sort((errors[: blocks * BLOCK].reshape(blocks, BLOCK) ** 2).sum(axis=1))
+    few = round(FEW * blocks)
+    return few > 0 and float(energy[-few:].sum()) > MOST * float(energy.sum())
+
+
+def _lasting(series: Sequence[CurrentSeries]) -> bool:
+    """Whether errors follow each other for longer than the low-pass of the fit makes white noise do.
+
+    The sum of squared correlations at lags beyond its reach is compared with its chi-squared law (Box and
+    Pierce 1970), over all recordings and motors.
+    """
+    squares = count = 0.0
+    for one in series:
+        errors = one.error * one.moving
+        scale = (errors**2).sum(axis=0)
+        for lag in range(FIRST_LAG, FIRST_LAG + LAGS):
+            if lag >= len(errors) // 2:
+                break
+            correlation = (errors[lag:] * errors[:-lag]).sum(axis=0) / np.where(scale > 0, scale, 1.0)
+            squares += float((correlation**2 * one.moving.sum(axis=0)).sum())
+            count += correlation.size
+    return count > 0 and squares > exceeded_with(SURPRISING, count)

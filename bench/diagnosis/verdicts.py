@@ -1,0 +1,170 @@
+"""A verdict on every effect of the catalogue, with its reason in a mechanical engineer's words."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.normal_equations import SetFit, System, solve_set, squared_errors
+from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
+from bench.diagnosis.search import Found, Scored, close, contains, material, score
+from bench.effects.display_names import begun, spoken
+from bench.identification.wording import in_percent
+
+DOMINANT = 3.0
+MUCH_LEFT = (
+    2.0  # times the noise floor: then something unknown is there, and a known effect may be its shadow
+)
+DOMINANT_BESIDE = 10.0  # so many times what is left, an effect must explain where much is left
+
+
+def verdicts(
+    system: System,
+    proposals: Sequence[Proposal],
+    found: Found,
+    places: dict[str, tuple[str, ...]],
+    scale: float,
+    left: Unexplained,
+    without: Mapping[str, float],
+) -> tuple[EffectVerdict, ...]:
+    """Every effect, the found ones first, then by evidence.
+
+    places: joints at which each found effect shows. scale: error of the settled model over that of its set here.
+    without: error of the found model without each of its effects, fitted anew.
+    left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
+    it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where MUCH_LEFT of the noise floor is left.
+    """
+    best = found.best
+    chosen = set(best.fit.chosen)
+    much = left.error > MUCH_LEFT * left.noise_floor
+    sure = (DOMINANT_BESIDE if much else DOMINANT) if left.significant else 0.0
+    rows: list[EffectVerdict] = []
+    for i, proposal in enumerate(proposals):
+        if proposal.absorbed:
+            rows.append(_absorbed(proposal, _error(system, best, scale)))
+        elif i in chosen:
+            error = without.get(proposal.name, 0.0)
+            rows.append(_found(system, proposals, found, i, places[proposal.name], scale, sure, error))
+        else:
+            rows.append(_other(system, proposals, found, i, scale))
+    order: dict[Verdict, int] = {
+        "missing": 0,
+        "indistinguishable": 1,
+        "resembles": 2,
+        "not supported": 3,
+        "absorbed": 4,
+    }
+    names = {proposals[i].name for i in chosen}
+    return tuple(
+        sorted(rows, key=lambda one: (one.effect not in names, order[one.verdict], -one.evidence, one.effect))
+    )
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names as a list in a sentence."""
+    spoken_names = [spoken(name) for name in names]
+    return spoken_names[0] if len(names) == 1 else f"{', '.join(spoken_names[:-1])} or {spoken_names[-1]}"
+
+
+def checked_error(system: System, fit: SetFit) -> float:
+    """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
+    measured = system.checked.measured
+    error = squared_errors(system.checked, fit, system.start)
+    return float(np.sqrt(error.sum() / measured)) if measured else 0.0
+
+
+def _error(system: System, one: Scored, scale: float) -> float:
+    return scale * checked_error(system, one.fit)
+
+
+def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
+    by = f", above all {proposal.taken_up_by}" if proposal.taken_up_by else ""
+    why = (
+        f"The model's own parameters{by} take {spoken(proposal.name)} up completely: no data of this robot with "
+        "these payloads can show it."
+    )
+    return EffectVerdict(proposal.name, "absorbed", error, error, 0.0, (), (), {}, why)
+
+
+def _found(
+    system: System,
+    proposals: Sequence[Proposal],
+    found: Found,
+    i: int,
+    places: tuple[str, ...],
+    scale: float,
+    sure: float,
+    before: float,
+) -> EffectVerdict:
+    best, chosen = found.best, found.best.fit.chosen
+    others = tuple(k for k in chosen if k != i)
+    without = score(system, solve_set(system, others), found.empty)
+    alternatives = [
+        proposals[k].name
+        for k in found.singles
+        if k not in chosen
+        and not contains(system.candidates[k], system.candidates[i])
+        and close(best, score(system, solve_set(system, (*others, k)), found.empty))
+    ]
+    after = _error(system, best, scale)
+    where = f" at {', '.join(places)}"
+    why = (
+        f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from "
+        f"{in_percent(before)} to {in_percent(after)} of the current"
+    )
+    if alternatives:
+        why += f"; these data cannot tell it from {listed(alternatives)}"
+    unsure = without.fit.checked < sure**2 * best.fit.checked
+    if unsure:
+        why += "; something that no effect of the catalogue explains is left, and may be what this stands for"
+    verdict: Verdict = "indistinguishable" if alternatives else "resembles" if unsure else "missing"
+    return EffectVerdict(
+        proposals[i].name,
+        verdict,
+        before,
+        after,
+        best.checked - without.checked,
+        places,
+        tuple(alternatives),
+        {},
+        f"{why}.",
+    )
+
+
+def _other(
+    system: System, proposals: Sequence[Proposal], found: Found, i: int, scale: float
+) -> EffectVerdict:
+    best, chosen = found.best, found.best.fit.chosen
+    added = score(system, solve_set(system, (*chosen, i)), found.empty)
+    before, after = _error(system, best, scale), _error(system, added, scale)
+    rivals = [
+        proposals[k].name
+        for k in chosen
+        if not contains(system.candidates[i], system.candidates[k])
+        and close(best, score(system, solve_set(system, (*(c for c in chosen if c != k), i)), found.empty))
+    ]
+    name = spoken(proposals[i].name)
+    if rivals:
+        why = (
+            f"{begun(name)} would explain the data as well as {listed(rivals)}: these recordings cannot tell."
+        )
+        return EffectVerdict(
+            proposals[i].name,
+            "indistinguishable",
+            before,
+            after,
+            added.checked - best.checked,
+            (),
+            tuple(rivals),
+            {},
+            why,
+        )
+    gained = (
+        "gains nothing"
+        if after >= before or not material(best.fit, added.fit)
+        else "gains too little to be sure"
+    )
+    why = f"Adding {name} {gained} on recordings that were not fitted ({in_percent(before)} to {in_percent(after)})."
+    return EffectVerdict(
+        proposals[i].name, "not supported", before, after, added.checked - best.checked, (), (), {}, why
+    )

@@ -1,0 +1,65 @@
+"""The set of effects and terms that the data support, reached from many beginnings by changing one member at a time."""
+
+from collections.abc import Iterable, Sequence
+
+from bench.diagnosis.batched_sets import solve_sets
+from bench.diagnosis.normal_equations import SetFit, System, solve_set
+from bench.diagnosis.search import NEEDED, Scored, earned, possible, score, simplest
+
+BEGUN = 4  # sets from which a search sets out
+STEPS = 6
+LARGEST = 6  # members of a set
+
+
+def best_set(system: System, begin: Iterable[Sequence[int]], usable: Sequence[int]) -> Scored:
+    """The best set that is reached, of members that all earn their place.
+
+    begin: sets to set out from, beside the empty one. usable: candidates (indices) that may join or stand in for a
+    member. Evidence, priors and what each member must earn are those of the diagnosis's own search.
+    """
+    empty = solve_set(system, ())
+    starts = _scored(system, begin, empty)[:BEGUN]
+    best = score(system, empty, empty)
+    for start in [best, *starts]:
+        here = _climbed(system, start, usable, empty)
+        if here.total > best.total + NEEDED or (
+            here.total > best.total and len(here.fit.chosen) <= len(best.fit.chosen)
+        ):
+            best = here
+    return best
+
+
+def _climbed(system: System, start: Scored, usable: Sequence[int], empty: SetFit) -> Scored:
+    """One change after the other, as long as evidence grows; members that do not earn their place leave."""
+    here = _all_earned(system, start, empty)
+    for _ in range(STEPS):
+        chosen = here.fit.chosen
+        others = [i for i in usable if i not in chosen]
+        fewer = [tuple(k for k in chosen if k != out) for out in chosen]
+        tried = [(*base, i) for base in fewer for i in others]
+        if len(chosen) < LARGEST:
+            tried += [(*chosen, i) for i in others]
+        better = [one for one in _scored(system, tried, empty) if one.total > here.total + _needed(here, one)]
+        able = [one for one in better if possible(system, one.fit)][:20]
+        found = next((one for one in able if earned(system, one, empty)), None)
+        if found is None:
+            return here
+        here = simplest(system, found, able)
+    return here
+
+
+def _needed(here: Scored, one: Scored) -> float:
+    return NEEDED if len(one.fit.chosen) > len(here.fit.chosen) else 0.0
+
+
+def _all_earned(system: System, one: Scored, empty: SetFit) -> Scored:
+    """Without the members that do not earn their place, the least first."""
+    while one.fit.chosen and not (possible(system, one.fit) and earned(system, one, empty)):
+        chosen = one.fit.chosen
+        one = _scored(system, [tuple(k for k in chosen if k != out) for out in chosen], empty)[0]
+    return one
+
+
+def _scored(system: System, sets: Iterable[Sequence[int]], empty: SetFit) -> list[Scored]:
+    """The best first."""
+    return sorted((score(system, fit, empty) for fit in solve_sets(system, sets)), key=lambda one: -one.total)

@@ -1,0 +1,176 @@
+"""Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.diagnose import Case, Finding, answered, found, found_from, opened
+from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt
+from bench.diagnosis.rounds import judged
+from bench.diagnosis.search import MATERIAL
+from bench.diagnosis.verdicts import checked_error
+from bench.discovery.laws import Law, laws_of
+from bench.discovery.named import name_of
+from bench.discovery.search import Laws, search_laws
+from bench.discovery.seen import places_of
+from bench.discovery.term import Term
+from bench.discovery.variables import Place
+from bench.effects import CATALOGUE, Effect, catalogue_for
+from bench.identification.identify import fit
+from bench.signals.settings import FilterSettings
+
+LEFT = 1.15  # times the noise floor: where more is left, laws are looked for, whatever it varies with
+HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
+
+
+def find_missing_effects(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    *,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    effect_files: Iterable[str | Path] = (),
+    discover: bool | None = None,
+    progress: Progress = SILENT,
+) -> Diagnosis:
+    """Physical effects that the model lacks, and laws that no catalogue has, judged on recordings not fitted.
+
+    effects: those that the model has already, each as EFFECT[:PLACE][@recording]. filters: settings by name, the
+    others chosen from the data. effect_files: Python files with effects of your own, which compete as well as
+    those that the dataset names. discover: whether to look for laws, by default where the effects leave something.
+    progress: told how far the search is. Raises BenchError naming what in dataset, robot or files cannot be used.
+    """
+    catalogue = catalogue_for(dataset.effect_files, [Path(file) for file in effect_files])
+    return diagnose_and_discover(
+        dataset, effects, filters=filters, catalogue=catalogue, discover=discover, progress=progress
+    )
+
+
+@on_one_thread
+def diagnose_and_discover(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    *,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+    discover: bool | None = None,
+    progress: Progress = SILENT,
+) -> Diagnosis:
+    """Compare a model with the data; see `find_missing_effects`."""
+    case = opened(dataset, effects, filters, catalogue, progress)
+    finding = found(case, progress)
+    plain = answered(case, finding, progress)
+    left = plain.unexplained
+    wanted = left.significant or left.error > LEFT * left.noise_floor
+    if not (wanted if discover is None else discover):
+        return plain
+    laws = search_laws(finding.problem, finding.last, finding.barred, progress)
+    return plain if laws is None else _with_laws(case, finding, laws, plain, progress)
+
+
+def _with_laws(
+    case: Case, finding: Finding, searched: Laws, plain: Diagnosis, progress: Progress
+) -> Diagnosis:
+    """The answer with the laws that were found, settled and judged beside all effects; without, if they do not stay."""
+    problem, last = finding.problem, searched.last
+    own = len(problem.start.effects)
+    result = fit(last.model, fit_gains=problem.fit_gains)
+    laws = laws_of(result, last.model.effects[own:], searched.found, places_of(problem.start))
+    named = [one for one in last.model.effects[own:] if one.effect.name not in searched.terms]
+    model = problem.with_instances([*named, *(one for law in laws for one in law.instances)])
+    prior = max(one.prior for one in last.proposals)
+    settled = {law.name: tuple(one for one in model.effects if one.effect.name == law.name) for law in laws}
+    proposals = [one for one in last.proposals if one.name not in searched.terms]
+    proposals += [Proposal(name, instances, False, "", prior) for name, instances in settled.items()]
+    here = judged(problem, model, proposals, finding.barred)
+    with_laws = found_from(case, problem, here, progress, finding.barred)
+    staying = [law for law in laws if law.name in with_laws.names]
+    if not staying or not _better(with_laws, plain):
+        return plain
+    return _told(with_laws, staying, answered(case, with_laws, progress))
+
+
+def _better(finding: Finding, plain: Diagnosis) -> bool:
+    error = finding.after.error.validate
+    return error is not None and error < (1.0 - MATERIAL) * plain.unexplained.error
+
+
+def _told(finding: Finding, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagnosis:
+    """The laws as what was discovered, and the catalogue's names as what is missing."""
+    names = {law.name for law in laws}
+    ranking = tuple(_without(one, names) for one in diagnosis.ranking if one.effect not in names)
+    return replace(
+        diagnosis,
+        missing=tuple(name for name in diagnosis.missing if name not in names),
+        ranking=ranking,
+        discovered=tuple(_discovered(finding, law, i) for law in laws for i in range(len(law.places))),
+    )
+
+
+def _without(one: EffectVerdict, laws: set[str]) -> EffectVerdict:
+    """A verdict that names effects of the catalogue alone."""
+    left = tuple(name for name in one.alternatives if name not in laws)
+    if left == one.alternatives:
+        return one
+    if one.verdict == "indistinguishable" and not left:
+        return replace(one, alternatives=left, verdict="resembles" if one.actuators else "not supported")
+    return replace(one, alternatives=left)
+
+
+def _discovered(finding: Finding, law: Law, i: int) -> Discovered:
+    place = law.places[i]
+    values = finding.after.effect_parameters[law.name][place.name]
+    linear = [one for one in values if one.startswith("c")]
+    numbers = {label: value for label, value in values.items() if label not in linear}
+    terms = law.at({label: value.value for label, value in numbers.items()})
+    formulas = [(formula, _looks_at(term, place)) for term in terms for formula in term.formulas(place)]
+    error = finding.after.error
+    without = finding.fits(frozenset(finding.names) - {law.name}).error
+    single = {name_of(term) for term in law.terms}
+    return Discovered(
+        place=place.name,
+        law=law.name,
+        terms=tuple(
+            LawTerm(formula, values[label].value, values[label].std, values[label].unit, looks_at)
+            for label, (formula, looks_at) in zip(linear, formulas, strict=True)
+        ),
+        numbers=numbers,
+        identify=error.identify,
+        validate=error.validate,
+        without=without.identify if without.validate is None else without.validate,
+        named=single.pop() if len(single) == 1 else None,
+        nearest=_nearest(finding, law.name, without.validate),
+        source=law.source,
+    )
+
+
+def _looks_at(term: Term, place: Place) -> tuple[LooksAt, ...]:
+    return tuple(
+        LooksAt(one.kind, one.motor(place) if one.ahead else "", factor.role)
+        for factor in term.factors
+        for one in factor.variables
+    )
+
+
+def _nearest(finding: Finding, law: str, without: float | None) -> tuple[str, float] | None:
+    """The effect of the catalogue that does best in the place of a law, and the error with it."""
+    system, proposals = finding.last.system, finding.last.proposals
+    chosen = finding.last.found.best.fit.chosen
+    others = tuple(i for i in chosen if proposals[i].name != law)
+    here = checked_error(system, finding.last.found.best.fit)
+    error = finding.after.error.validate
+    if not here or error is None or without is None:
+        return None
+    scale = error / here
+    tried = [
+        (checked_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
+        for i in finding.last.found.singles
+        if i not in chosen
+    ]
+    best = min(tried, default=None)
+    return None if best is None or best[0] > HELPS * without else (best[1], best[0])

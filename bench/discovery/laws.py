@@ -1,0 +1,70 @@
+"""Terms that were found, as laws: one effect for all motors at which the same terms show."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from bench.diagnosis.pruning import SHOWS
+from bench.discovery.source import labelled, law_effect
+from bench.discovery.term import Term
+from bench.discovery.variables import Place
+from bench.effects import EffectInstance
+from bench.identification.result import Identification
+
+
+@dataclass(frozen=True)
+class Law:
+    """Terms that make one effect at some motors; instances: with their numbers there; source: its file."""
+
+    name: str
+    terms: tuple[Term, ...]
+    places: tuple[Place, ...]
+    instances: tuple[EffectInstance, ...]
+    source: str
+
+    def at(self, numbers: Mapping[str, float]) -> list[Term]:
+        """Its terms with these numbers, by label."""
+        return [
+            term.with_numbers([numbers[label] for label in own])
+            for term, own in zip(self.terms, labelled(self.terms)[1], strict=True)
+        ]
+
+
+def laws_of(
+    result: Identification,
+    effects: Sequence[EffectInstance],
+    terms: Mapping[str, Term],
+    places: Sequence[Place],
+) -> list[Law]:
+    """Laws of the terms of a fitted model, each at the motors at which it shows.
+
+    effects: of the model; terms: by the name of their effect.
+    """
+    shown: dict[int, list[Term]] = {}
+    for place in places:
+        for one in effects:
+            if one.effect.name not in terms or one.joint != place.name:
+                continue
+            values = result.effect_parameters[one.effect.name][one.place]
+            linear = [values[parameter.name] for parameter in one.effect.parameters]
+            if any(abs(value.value) > SHOWS * value.std for value in linear):
+                term = terms[one.effect.name].with_numbers(list(one.effect.shape_values().values()))
+                shown.setdefault(place.index, []).append(term)
+    groups: dict[object, list[int]] = {}
+    for index, some in shown.items():
+        alike = tuple((one.structure, one.unit(places[index])) for one in some)
+        groups.setdefault(alike, []).append(index)
+    return [_law(shown, [places[i] for i in at], len(places)) for at in groups.values()]
+
+
+def _law(shown: Mapping[int, Sequence[Term]], at: Sequence[Place], motors: int) -> Law:
+    everywhere = len(at) == motors and motors > 1
+    name = re.sub(r"\W", "_", "law" if everywhere else "_".join(["law", *(one.name for one in at)])).lower()
+    terms = tuple(shown[at[0].index])
+    effect, source = law_effect(name, terms, at[0])
+    instances = []
+    for place in at:
+        numbers, names = labelled(shown[place.index])
+        values = {label: numbers[label].value for own in names for label in own}
+        instances.append(EffectInstance(replace(effect, **values), place.name, f"{name}:{place.name}"))
+    return Law(name, terms, tuple(at), tuple(instances), source)

@@ -1,0 +1,129 @@
+"""From what a diagnosis leaves unexplained to laws: terms of a grammar compete with the effects of the catalogue."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.candidates import Context, Proposal
+from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.rounds import Problem, Round, reshaped, system_about
+from bench.diagnosis.search import NEEDED, Found, score
+from bench.discovery.choose import best_set
+from bench.discovery.grammar import grammar
+from bench.discovery.named import BASICS, name_of
+from bench.discovery.screen import Known, Screened, at_place, few_rows, left_by
+from bench.discovery.seen import places_of, scope_of, seen_at
+from bench.discovery.source import law_effect
+from bench.discovery.states import State, best_states
+from bench.discovery.term import Term, freed
+from bench.discovery.variables import Place
+from bench.effects import EffectInstance
+from bench.identification.prepare import with_effects
+
+ROUNDS = 4
+MOST_TERMS = 16  # that join the effects of the catalogue in a round
+BEGUN = 12  # sets of terms from which the search may set out
+
+
+@dataclass(frozen=True)
+class Laws:
+    """The last round of a search, and the terms of the grammar among its proposals by the name of their effect."""
+
+    last: Round
+    terms: Mapping[str, Term]
+
+    @property
+    def found(self) -> dict[str, Term]:
+        """The terms of the best set."""
+        return {name: one for name, one in self.terms.items() if name in self.last.names}
+
+
+def search_laws(
+    problem: Problem, last: Round, barred: Collection[str], progress: Progress = SILENT
+) -> Laws | None:
+    """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
+
+    last: of a search among the effects of the catalogue, with its settled model; barred: names that may not be found.
+    """
+    laws = Laws(last, {})
+    for number in range(ROUNDS):
+        progress.phase(f"searching for laws, round {number + 1}")
+        states, count = _states(problem, laws.last)
+        if not states:
+            break
+        if number:
+            laws = replace(laws, last=replace(laws.last, proposals=reshaped(problem, laws.last, SILENT)))
+        before = laws.last.names
+        laws = _round(problem, laws, barred, states, count)
+        if laws.last.names == before:
+            break
+        model = problem.with_proposals(laws.last.proposals, laws.last.chosen)
+        laws = replace(laws, last=replace(laws.last, model=model))
+    return laws if laws.found else None
+
+
+def _round(
+    problem: Problem, laws: Laws, barred: Collection[str], states: Sequence[State], count: int
+) -> Laws:
+    """The best set of what was found and new terms, about the model of what was found; of so many that were tried."""
+    here = laws.last
+    places = places_of(problem.start)
+    terms = dict(laws.found)
+    proposals = [one for one in here.proposals if one.name not in laws.terms or one.name in terms]
+    taken = {one.name for one in proposals}
+    own = {one.structure: name for name, one in terms.items()}
+    fresh = [Screened(one, {}, 0.0) for term in terms.values() for one in freed(term)]
+    fresh += [one for state in states for one in state.terms]
+    prior = NEEDED + float(np.log(count))
+    numbers = iter(range(len(fresh) + len(taken)))
+    for one in fresh:
+        if len(terms) >= MOST_TERMS:
+            break
+        if one.term.structure in own or name_of(one.term) is not None:
+            continue
+        name = next(name for i in numbers if (name := f"term_{i}") not in taken)
+        terms[name], own[one.term.structure] = one.term, name
+        proposals.append(Proposal(name, _instances(name, one, places), False, "", prior))
+    index = {one.name: i for i, one in enumerate(proposals)}
+    usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
+    begin = [[index[name] for name in here.names]]
+    for state in states[:BEGUN]:
+        names = {own.get(one.term.structure) or name_of(one.term) or "" for one in state.terms}
+        chosen = {index[name] for name in (*names, *state.beside) if name in index}
+        begin.append(sorted(chosen.intersection(usable)))
+    system = system_about(problem, here.model, proposals)
+    best = best_set(system, begin, usable)
+    empty = solve_set(system, ())
+    singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
+    return Laws(Round(here.model, proposals, system, Found(best, singles, empty)), terms)
+
+
+def _instances(name: str, one: Screened, places: Sequence[Place]) -> tuple[EffectInstance, ...]:
+    """A term at every motor, with its numbers there."""
+    return tuple(
+        EffectInstance(law_effect(name, [at_place(one, place)], place)[0], place.name, f"{name}:{place.name}")
+        for place in places
+    )
+
+
+def _states(problem: Problem, here: Round) -> tuple[list[State], int]:
+    """Sets of terms beside nothing, what was found, and that without each of its effects; and how many were tried."""
+    model, own = here.model, len(problem.start.effects)
+    added = model.effects[own:]
+    found = problem.context(model)
+    kept = [tuple(sorted(here.names)), *(tuple(sorted(here.names - {name})) for name in here.names), ()]
+    contexts: dict[tuple[str, ...], Context] = {}
+    for names in dict.fromkeys(kept):
+        some = [one for one in added if one.effect.name in names]
+        whole = len(some) == len(added)
+        contexts[names] = (
+            found if whole else problem.context(with_effects(model, (*problem.start.effects, *some)))
+        )
+    places = places_of(found.prepared)
+    terms = grammar(scope_of(found.prepared, found.left, places))
+    rows = few_rows(len(found.left.remainder))
+    known = [Known(seen_at(found.prepared, place), rows, terms) for place in places]
+    lefts = {names: left_by(one.left, known, rows) for names, one in contexts.items()}
+    return best_states(lefts, terms, BASICS), len(terms)

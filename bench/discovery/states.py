@@ -1,0 +1,78 @@
+"""Small sets of terms that explain much of what a model leaves, kept side by side (a beam)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+import numpy as np
+
+from bench.diagnosis.search import NEEDED
+from bench.discovery.screen import Left, Screened, screened
+from bench.discovery.term import Term
+
+WIDTH = 6  # sets that are kept
+WIDER = 5  # terms that each of them is tried with
+DEPTH = 3  # terms in a set
+
+
+@dataclass(frozen=True)
+class State:
+    """Terms beside a model with some effects, what they leave, and half the logarithm of the squares that are left,
+    with a charge for each unknown.
+    """
+
+    beside: tuple[str, ...]
+    terms: tuple[Screened, ...]
+    left: Left
+    cost: float
+
+
+def best_states(
+    lefts: Mapping[tuple[str, ...], Left], terms: Sequence[Term], basics: Sequence[Term]
+) -> list[State]:
+    """Sets of up to DEPTH terms beside models with these effects, which leave so much: the best of each size, then the
+    second best, and so on; as long as more terms are worth what they cost.
+
+    basics: terms beside which others may show; each model is tried with them as well.
+    """
+    price = NEEDED + float(np.log(len(terms)))
+    levels: list[list[State]] = []
+    alone = [_state(names, (), left, price) for names, left in lefts.items()]
+    beam = list(alone)
+    least = min(one.cost for one in alone)
+    for basic in basics:
+        beam += [_joined(one, Screened(basic, {}, 0.0), price) for one in beam]
+    for _ in range(DEPTH):
+        wider = [
+            _joined(state, one, price)
+            for state in beam
+            for one in screened(state.left, terms, WIDER, _known(state))
+        ]
+        beam = _distinct(wider)[:WIDTH]
+        if not beam or beam[0].cost >= least:
+            break
+        least = beam[0].cost
+        levels.append(beam)
+    return [one for rank in zip_longest(*levels) for one in rank if one is not None]
+
+
+def _known(state: State) -> set[object]:
+    return {one.term.structure for one in state.terms}
+
+
+def _state(beside: tuple[str, ...], terms: tuple[Screened, ...], left: Left, price: float) -> State:
+    unknowns = sum(one.term.parts + len(one.term.numbers) for one in terms) * left.motors + len(beside)
+    charge = (0.5 * np.log(left.rows) * unknowns + price * len(terms)) / left.rows
+    return State(beside, terms, left, float(0.5 * np.log(left.squares) + charge))
+
+
+def _joined(state: State, one: Screened, price: float) -> State:
+    return _state(state.beside, (*state.terms, one), state.left.beside(one), price)
+
+
+def _distinct(states: Sequence[State]) -> list[State]:
+    """The best of each set of structures, the best first."""
+    found: dict[frozenset[object], State] = {}
+    for one in sorted(states, key=lambda one: one.cost):
+        found.setdefault(frozenset((*_known(one), *one.beside)), one)
+    return list(found.values())

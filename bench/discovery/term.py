@@ -1,0 +1,98 @@
+"""A term of a law: a product of factors, with a coefficient for each of its parts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+
+import numpy as np
+
+from bench.discovery.factors import Factor, Memory, Number, Power, Wave, unit_of
+from bench.discovery.variables import Place, Seen, Variable
+
+
+@dataclass(frozen=True)
+class Term:
+    """A product of factors, of which one at most is a wave; without any, a constant."""
+
+    factors: tuple[Factor, ...]
+
+    @property
+    def parts(self) -> int:
+        """How many coefficients it has: two where a wave's phase is free."""
+        return max((one.parts for one in self.factors), default=1)
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """What it looks at, each once, in order."""
+        return tuple(sorted({each for one in self.factors for each in one.variables}))
+
+    @property
+    def numbers(self) -> tuple[Number, ...]:
+        """What may be adapted to the data, of its factors in order."""
+        return tuple(number for one in self.factors if (number := one.number) is not None)
+
+    @cached_property
+    def structure(self) -> tuple[object, ...]:
+        """The same for terms that differ in the values of their numbers alone."""
+        return tuple(sorted((_structure(one) for one in self.factors), key=repr))
+
+    @cached_property
+    def strangeness(self) -> int:
+        """How far it is from what one expects: one factor that changes its sign with the direction, and few factors.
+
+        Friction opposes the motion, whatever its size follows; an inertia or a gain goes with one variable.
+        """
+        odd = sum(one.odd for one in self.factors if isinstance(one, Power))
+        return 10 * abs(odd - 1) + len(self.factors)
+
+    def with_numbers(self, values: Sequence[float]) -> "Term":
+        """The same with other numbers, in the order of `numbers`."""
+        left = list(values)
+        return Term(
+            tuple(one if one.number is None else one.with_number(left.pop(0)) for one in self.factors)
+        )
+
+    def values(self, seen: Seen) -> np.ndarray:
+        """Its parts (M, parts) at coefficients of one."""
+        return reduce(np.multiply, (one.values(seen) for one in self.factors), np.ones((1, 1)))
+
+    def formulas(self, place: Place) -> tuple[str, ...]:
+        """Its parts, such as "sign(v)*abs(a)"; numbers in SI units."""
+        written = [one.formula(place) for one in self.factors]
+        return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
+
+    def codes(self, place: Place, names: Sequence[str]) -> tuple[str, ...]:
+        """Its parts as Python code; names: what stands for its numbers."""
+        left = list(names)
+        written = [one.code(place, "" if one.number is None else left.pop(0)) for one in self.factors]
+        return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
+
+    def unit(self, place: Place) -> str:
+        """Of its coefficients."""
+        return unit_of(self.factors, place)
+
+
+def _product(factors: Sequence[str]) -> str:
+    return "*".join(factors) or "1"
+
+
+def _structure(factor: Factor) -> tuple[object, ...]:
+    if isinstance(factor, Power):
+        return "power", factor.variable, factor.odd, factor.free or factor.exponent
+    if isinstance(factor, Memory):
+        return "memory", *(_structure(one) for one in factor.powers)
+    return type(factor).__name__, *factor.variables
+
+
+def freed(term: Term) -> tuple[Term, ...]:
+    """The term with one of its fixed exponents or frequencies free to be adapted, for each of them."""
+    variants = []
+    for i, one in enumerate(term.factors):
+        if isinstance(one, Power) and not one.free and one.exponent:
+            changed: Factor = replace(one, free=True)
+        elif isinstance(one, Wave) and not one.free:
+            changed = replace(one, free=True)
+        else:
+            continue
+        variants.append(Term((*term.factors[:i], changed, *term.factors[i + 1 :])))
+    return tuple(variants)

@@ -1,0 +1,15 @@
+"""Laws that were discovered, as files of effects of one's own."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from bench.diagnosis.result import Diagnosis
+from bench.files.atomic import write_text_atomically
+
+
+def write_laws(diagnosis: Diagnosis, folder: Path) -> Diagnosis:
+    """Write the file of every law into a folder; the diagnosis with their names."""
+    for law, source in {one.law: one.source for one in diagnosis.discovered}.items():
+        write_text_atomically(folder / f"{law}.py", source)
+    named = tuple(replace(one, file=f"{one.law}.py") for one in diagnosis.discovered)
+    return replace(diagnosis, discovered=named)

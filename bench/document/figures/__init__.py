@@ -1,0 +1,1 @@
+"""Results as figures, on the screen's page and for papers."""

@@ -1,0 +1,174 @@
+"""Measured and modelled currents as pictures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from bench.basics.errors import BenchError
+from bench.document.colours import ON_WHITE
+from bench.document.numbers import USES, current_unit, error_deviation, judged_error, percent
+from bench.files.atomic import atomic_path
+from bench.identification.result import CurrentSeries, Identification, relative_error
+
+PAGE_WIDTH = 11.0  # inches: text of 10 points can be read where a page is shown as wide as a column of text
+MOTOR_HEIGHT = 1.75  # inches
+LEFT, RIGHT, TITLE, FOOT, LEGEND = 0.92, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
+LABEL_AT = -0.15  # left of the axes, as a share of their width
+BESIDE = 2  # recordings beside each other
+DPI = 120
+# Any: matplotlib types every key of these by name.
+STYLE: Any = {
+    "font.size": 10.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E6E9ED",
+    "grid.linewidth": 0.6,
+    "axes.edgecolor": "#8A929C",
+    "axes.labelcolor": "#3A424C",
+    "xtick.color": "#4A525C",
+    "ytick.color": "#4A525C",
+    "axes.titlesize": 10.5,
+    "axes.titlelocation": "left",
+}
+
+
+def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:
+    """Measured and modelled current of every motor, the error below; one column for each recording.
+
+    recordings: names of those to show, all by default. The band about the error is one standard deviation
+    of the errors on the fitted recordings; the error has gaps where a joint stands still. Raises BenchError
+    for a recording that the result does not have.
+    """
+    chosen = _chosen(result, recordings)
+    joints = list(result.drive_gains)
+    spread = error_deviation(result)
+    with mpl.rc_context(STYLE):
+        blocks = currents_page([one.name for one in chosen], joints)
+        for series in chosen:
+            block = blocks.of[series.name]
+            block[0][0].set_title(_title(series))
+            for j, (upper, lower) in enumerate(block):
+                _draw_currents(upper, series, j)
+                _draw_error(lower, series, j, float(spread[j]))
+        units = [current_unit(gain.unit) for gain in result.drive_gains.values()]
+        blocks.label(joints, units, [f"m{unit}" for unit in units])
+    return blocks.figure
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """A page of currents. of: by recording, a pair of axes (current, error) for every motor."""
+
+    figure: Figure
+    of: dict[str, list[tuple[Axes, Axes]]]
+
+    def label(self, joints: Sequence[str], units: Sequence[str], error_units: Sequence[str]) -> None:
+        """Name axes and draw one legend, once all is drawn."""
+        for place, block in enumerate(self.of.values()):
+            for (upper, lower), joint, unit, error_unit in zip(
+                block, joints, units, error_units, strict=True
+            ):
+                if place % BESIDE == 0:
+                    upper.set_ylabel(f"{joint} [{unit}]")
+                    lower.set_ylabel(f"error [{error_unit}]")
+                upper.tick_params(labelbottom=False)
+                lower.tick_params(labelbottom=lower is block[-1][1])
+            block[-1][1].set_xlabel("time [s]")
+            block[-1][1].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        for block in self.of.values():
+            for panel in (panel for pair in block for panel in pair):
+                panel.yaxis.set_label_coords(LABEL_AT, 0.5)
+        upper, lower = next(iter(self.of.values()))[0]
+        handles = [*upper.get_lines(), *lower.get_lines(), *lower.patches]
+        self.figure.legend(handles=handles, loc="upper center", ncols=len(handles), frameon=False)
+
+
+def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
+    """Empty axes for recordings, BESIDE of them in a row, each with all its motors under each other.
+
+    All recordings have the same scale for one motor. To be called within `STYLE`.
+    """
+    names = list(dict.fromkeys(names))
+    columns = min(BESIDE, len(names))
+    rows = -(-len(names) // columns)
+    # A figure outside pyplot: nothing global is touched, and no window can open.
+    # Margins are given, in inches: working them out takes longer than drawing.
+    block = MOTOR_HEIGHT * len(joints) + TITLE + FOOT
+    height = rows * block + LEGEND
+    figure = Figure(figsize=(PAGE_WIDTH, height), dpi=DPI)
+    width = PAGE_WIDTH / columns
+    of: dict[str, list[tuple[Axes, Axes]]] = {}
+    first: list[Axes] = []
+    for place, name in enumerate(names):
+        row, column = divmod(place, columns)
+        top = height - LEGEND - row * block
+        grid = figure.add_gridspec(
+            2 * len(joints),
+            1,
+            height_ratios=[2.2, 1.0] * len(joints),
+            left=(column * width + LEFT) / PAGE_WIDTH,
+            right=((column + 1) * width - RIGHT) / PAGE_WIDTH,
+            top=(top - TITLE) / height,
+            bottom=(top - block + FOOT) / height,
+            hspace=0.18,
+        )
+        axes: list[Axes] = []
+        for k in range(2 * len(joints)):
+            shared = {"sharex": axes[0] if axes else None, "sharey": first[k] if first else None}
+            axes.append(figure.add_subplot(grid[k], **shared))
+        first = first or axes
+        of[name] = list(zip(axes[::2], axes[1::2], strict=True))
+    return Blocks(figure, of)
+
+
+def write_current_figure(
+    path: str | Path, result: Identification, recordings: Sequence[str] | None = None
+) -> None:
+    """Write `current_figure` as a picture, PNG or SVG by suffix, whole or not at all."""
+    figure = current_figure(result, recordings)
+    with atomic_path(path) as partial:
+        figure.savefig(partial)
+
+
+def _chosen(result: Identification, names: Sequence[str] | None) -> list[CurrentSeries]:
+    by_name = {one.name: one for one in result.recordings}
+    for name in names or ():
+        if name not in by_name:
+            raise BenchError(f"no recording {name!r}; there are: {', '.join(by_name)}")
+    return [by_name[name] for name in (by_name if names is None else names)]
+
+
+def _title(series: CurrentSeries) -> str:
+    load = f", payload {series.payload}" if series.payload else ""
+    return f"{series.name}, {USES[series.use]}{load}: error {percent(relative_error([series]))}"
+
+
+def _draw_currents(axes: Axes, series: CurrentSeries, motor: int) -> None:
+    time = series.time - series.time[0]
+    axes.plot(
+        time, series.measured[:, motor], color=ON_WHITE.measured, linewidth=3.2, alpha=0.45, label="measured"
+    )
+    axes.plot(time, series.modelled[:, motor], color=ON_WHITE.modelled, linewidth=1.1, label="modelled")
+    axes.margins(x=0.01)
+
+
+def _draw_error(axes: Axes, series: CurrentSeries, motor: int, spread: float) -> None:
+    time = series.time - series.time[0]
+    axes.axhspan(
+        -1e3 * spread,
+        1e3 * spread,
+        color=ON_WHITE.band,
+        alpha=0.35,
+        linewidth=0.0,
+        label="± one deviation of the fitted errors",
+    )
+    axes.plot(time, 1e3 * judged_error(series)[:, motor], color=ON_WHITE.error, linewidth=0.8, label="error")
+    axes.margins(x=0.01)

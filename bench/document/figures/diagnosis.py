@@ -1,0 +1,101 @@
+"""A diagnosis as pictures: the ladder, the errors before and after, the gains, and what is left."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.summary import and_list
+from bench.document.figures.comparison import errors_figure
+from bench.document.figures.currents import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
+from bench.document.figures.diagnosis_panels import draw_before_after, draw_ladder, draw_moved, moved, rungs
+from bench.document.numbers import current_unit, effect_name, percent
+from bench.files.atomic import atomic_path
+from bench.identification.result import CurrentSeries, relative_error
+from bench.residuals.motor import compared
+
+
+def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, dataset: Dataset) -> list[Path]:
+    """Write errors.png, ladder.png, gains.png and, for what is left, errors_MOTOR.png, and tell their paths.
+
+    Where nothing is missing there is no ladder and there are no gains before and after. dataset: the one that
+    was diagnosed.
+    """
+    judged, _ = with_judged_parts(dataset)
+    left = compared(dataset.robot, judged.recordings, diagnosis.after.recordings, diagnosis.after.settings)
+    pages = {"errors.png": errors_before_after_figure(diagnosis)}
+    if diagnosis.missing:
+        pages = {"ladder.png": ladder_figure(diagnosis), **pages, "gains.png": gains_figure(diagnosis)}
+    pages |= {f"errors_{joint}.png": errors_figure(left, joint) for joint in left.joints if left.of(joint)}
+    for name, figure in pages.items():
+        with atomic_path(folder / name) as partial:
+            figure.savefig(partial)
+    return [folder / name for name in pages]
+
+
+def ladder_figure(diagnosis: Diagnosis) -> Figure:
+    """Error of the current, fitted and not fitted, after each added effect, and the noise of the currents."""
+    steps = rungs(diagnosis)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 0.62 * len(steps) + 1.5), dpi=DPI, layout="constrained")
+        axes = figure.subplots()
+        draw_ladder(axes, steps, 100.0 * diagnosis.unexplained.noise_floor)
+        axes.set_title(f"{diagnosis.robot}: error after each added effect")
+        axes.legend(frameon=False, loc="lower right")
+    return figure
+
+
+def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
+    """Error of every motor on recordings that were not fitted, by the models without and with what is missing."""
+    chosen = [one for one in diagnosis.after.recordings if one.use == "validate"]
+    chosen = chosen or list(diagnosis.after.recordings)
+    before = {one.name: one for one in diagnosis.before.recordings} if diagnosis.missing else {}
+    gains = diagnosis.after.drive_gains
+    columns = min(BESIDE, len(chosen))
+    rows = -(-len(chosen) // columns)
+    with mpl.rc_context(STYLE):
+        size = (PAGE_WIDTH, rows * (MOTOR_HEIGHT * len(gains) + 0.6) + 0.5)
+        figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+        axes = figure.subplots(rows * len(gains), columns, sharex="col", squeeze=False)
+        for place, after in enumerate(chosen):
+            row, column = divmod(place, columns)
+            for j, (joint, gain) in enumerate(gains.items()):
+                panel = axes[row * len(gains) + j, column]
+                draw_before_after(panel, before.get(after.name), after, j)
+                panel.set_title(_said_errors(after.name, joint, before.get(after.name), after, j))
+                panel.set_ylabel(f"error [{current_unit(gain.unit)}]" if column == 0 else "")
+            axes[(row + 1) * len(gains) - 1, column].set_xlabel("time [s]")
+        for panel in axes.flat:
+            panel.set_visible(bool(panel.get_lines()))
+            panel.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        handles = axes[0, 0].get_lines()
+        figure.legend(handles=handles, loc="outside upper center", ncols=2, frameon=False)
+    return figure
+
+
+def gains_figure(diagnosis: Diagnosis) -> Figure:
+    """Drive gains and parameters before and after with their 95 % intervals, in percent of the value after.
+
+    Gains that were not fitted are left out, and parameters that the data hardly determine.
+    """
+    rows = moved(diagnosis, parameters=True)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 0.32 * len(rows) + 1.7), dpi=DPI, layout="constrained")
+        axes = figure.subplots()
+        draw_moved(axes, rows)
+        axes.set_xlabel("difference to the value after, with 95 % intervals [%]; beyond ±1 % logarithmic")
+        added = and_list([effect_name(one) for one in diagnosis.missing])
+        figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
+        figure.legend(loc="outside upper right", ncols=3, frameon=False)
+    return figure
+
+
+def _said_errors(
+    name: str, joint: str, before: CurrentSeries | None, after: CurrentSeries, motor: int
+) -> str:
+    errors = [percent(relative_error([one], motor)) for one in (before, after) if one is not None]
+    return f"{name}, {joint}: error {', then '.join(errors)}"

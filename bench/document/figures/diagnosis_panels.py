@@ -1,0 +1,186 @@
+"""Panels on a diagnosis: the ladder, the ranking, gains and parameters before and after."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.diagnosis.result import Diagnosis
+from bench.document.diagnosis import step_labels
+from bench.document.figures.comparison_panels import NOISE, PLAIN, ZERO
+from bench.document.numbers import effect_name, is_poor, judged_error, percent, pretty_unit
+from bench.identification.result import CurrentSeries, Quantity
+
+BEFORE, AFTER = "#D55E00", "#0072B2"  # after Okabe and Ito
+BEFORE_PALE = "#F0B58A"
+VERDICT_COLOURS = {
+    "missing": AFTER,
+    "indistinguishable": "#E69F00",
+    "resembles": "#F0E442",
+    "not supported": "#B8BEC6",
+    "absorbed": "#CC79A7",
+}
+BAR = 0.36
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of the ladder; errors in percent of the current, None where there are none."""
+
+    label: str
+    fitted: float | None
+    not_fitted: float | None
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A gain or a parameter of the models before and after, and a gain's nominal value."""
+
+    name: str
+    before: Quantity
+    after: Quantity
+    nominal: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name with its unit."""
+        return f"{self.name} [{pretty_unit(self.after.unit)}]"
+
+
+def rungs(diagnosis: Diagnosis) -> list[Rung]:
+    """The errors after each added effect."""
+    return [
+        Rung(label, _percents(step.identify), _percents(step.validate))
+        for label, step in zip(
+            step_labels([one.effects for one in diagnosis.ladder]), diagnosis.ladder, strict=True
+        )
+    ]
+
+
+def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
+    """Gains, where they were fitted, and (parameters) what the data determine beside them."""
+    before = {one.name: one for one in diagnosis.before.parameters}
+    found = [
+        Moved(
+            f"gain {joint}",
+            diagnosis.before.drive_gains[joint],
+            gain,
+            gain.nominal,
+        )
+        for joint, gain in diagnosis.after.drive_gains.items()
+        if diagnosis.after.gains_fitted
+    ]
+    if not parameters:
+        return found
+    return found + [
+        Moved(one.name, before[one.name], one)
+        for one in diagnosis.after.parameters
+        if one.name in before and not is_poor(one)
+    ]
+
+
+def draw_ladder(axes: Axes, steps: Sequence[Rung], floor: float, scale: float = 1.0) -> None:
+    """A bar for each error from zero on, and the noise of the currents as a line. floor: percent."""
+    at = np.arange(len(steps))
+    for shift, label, colour, values in (
+        (-BAR / 2, "fitted", BEFORE_PALE, [one.fitted for one in steps]),
+        (BAR / 2, "not fitted", AFTER, [one.not_fitted for one in steps]),
+    ):
+        known = [(i, value) for i, value in zip(at, values, strict=True) if value is not None]
+        if not known:
+            continue
+        places, sizes = np.array([i for i, _ in known]), [value for _, value in known]
+        bars = axes.barh(places + shift, sizes, BAR, color=colour, label=label)
+        axes.bar_label(bars, [percent(size / 100.0) for size in sizes], padding=4 * scale, color="#3A424C")
+    axes.axvline(
+        floor, color=NOISE, linewidth=2.4 * scale, label=f"noise of the currents, {percent(floor / 100.0)}"
+    )
+    axes.set_yticks(at, [one.label for one in steps])
+    axes.set_ylim(len(steps) - 0.4, -0.6)
+    axes.set_xlim(0.0, 1.18 * max(value or 0.0 for one in steps for value in (one.fitted, one.not_fitted)))
+    axes.set_xlabel("error of the current [%]")
+    axes.grid(visible=False, axis="y")
+
+
+def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0) -> None:
+    """Evidence for every effect on a scale that is even up to one nat, in the colour of its verdict."""
+    shown = [one for one in diagnosis.ranking if one.verdict != "absorbed"][:most]
+    at = np.arange(len(shown))
+    axes.barh(at, [one.evidence for one in shown], 0.7, color=[VERDICT_COLOURS[one.verdict] for one in shown])
+    axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
+    axes.set_xscale("symlog", linthresh=1.0)
+    axes.xaxis.set_major_formatter(PLAIN)
+    axes.set_yticks(at, [effect_name(one.effect) for one in shown])
+    axes.set_ylim(len(shown) - 0.4, -0.6)
+    axes.set_xlabel("evidence [nats]; beyond ±1 logarithmic")
+    axes.grid(visible=False, axis="y")
+
+
+def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
+    """Values before and after with their 95 % intervals, in percent of the value after; nominal gains as rings."""
+    at = np.arange(len(rows))
+    factor = [100.0 / abs(one.after.value) if one.after.value else 0.0 for one in rows]
+    for shift, colour, marker, label, values in (
+        (-0.17, BEFORE, "s", "before", [one.before for one in rows]),
+        (0.17, AFTER, "o", "after", [one.after for one in rows]),
+    ):
+        axes.errorbar(
+            [(one.value - row.after.value) * f for one, row, f in zip(values, rows, factor, strict=True)],
+            at + shift,
+            xerr=[WITHIN_95 * one.std * f for one, f in zip(values, factor, strict=True)],
+            fmt=marker,
+            color=colour,
+            markersize=4.5 * scale,
+            capsize=2.5 * scale,
+            linewidth=1.3 * scale,
+            label=label,
+        )
+    nominal = [
+        (i, (one.nominal - one.after.value) * f)
+        for i, one, f in zip(at, rows, factor, strict=True)
+        if one.nominal is not None
+    ]
+    if nominal:
+        axes.plot(
+            [value for _, value in nominal],
+            [i for i, _ in nominal],
+            "D",
+            color="#5A6470",
+            fillstyle="none",
+            markersize=5.0 * scale,
+            markeredgewidth=scale,
+            label="nominal",
+        )
+    axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
+    axes.set_xscale("symlog", linthresh=1.0)
+    axes.xaxis.set_major_formatter(PLAIN)
+    axes.set_yticks(at, [one.label for one in rows])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+
+
+def draw_before_after(
+    axes: Axes, before: CurrentSeries | None, after: CurrentSeries, motor: int, scale: float = 1.0
+) -> None:
+    """Errors of one motor by the models without (broad and pale) and with what is missing, or of one model."""
+    if before is not None:
+        axes.plot(
+            before.time - before.time[0],
+            judged_error(before)[:, motor],
+            color=BEFORE_PALE,
+            linewidth=2.2 * scale,
+            label="the model as it is",
+        )
+    axes.plot(
+        after.time - after.time[0],
+        judged_error(after)[:, motor],
+        color=AFTER,
+        linewidth=0.8 * scale,
+        label="the model as it is: nothing is missing" if before is None else "with what is missing",
+    )
+    axes.margins(x=0.01)
+
+
+def _percents(share: float | None) -> float | None:
+    return None if share is None else 100.0 * share

@@ -1,0 +1,279 @@
+"""Figures for papers on currents and errors: against time, motion, frequency, and their distribution."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from bench.document.colours import ON_WHITE
+from bench.document.figures.comparison import with_gaps
+from bench.document.figures.comparison_panels import (
+    NOISE,
+    Cloud,
+    clouds,
+    clouds_at_reversals,
+    draw_clouds,
+    draw_noise_band,
+)
+from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
+from bench.residuals.autocorrelation import autocorrelation
+from bench.residuals.motor import Compared, MotorSeries
+from bench.residuals.periods import Spectrum, position_spectrum, time_spectrum
+from bench.residuals.profile import Variable
+
+CURRENT, ERROR, CLOUD, LINE = 26.0, 14.0, 42.0, 36.0  # heights of panels, mm
+BINS = 41  # of the histogram
+REACH = 5.0  # deviations of the noise that the histogram covers at least
+
+Columns = dict[str, list[float | str | None]]
+
+
+def error_figures(what: Compared) -> list[PaperFigure]:
+    """Currents of every recording, and the errors of all motors against what they may depend on."""
+    joints = [joint for joint in what.joints if what.of(joint)]
+    units = {joint: what.units[joint][1] for joint in joints}
+    variables: list[tuple[str, Variable, Callable[[str], str]]] = [
+        ("error_by_time", "time", lambda _: "time [s]"),
+        ("error_by_position", "position", lambda joint: f"position [{units[joint]}]"),
+        ("error_by_velocity", "velocity", lambda joint: f"velocity [{units[joint]}/s]"),
+        ("error_by_acceleration", "acceleration", lambda joint: f"acceleration [{units[joint]}/s²]"),
+        ("error_by_current", "current", lambda joint: f"modelled current [{what.units[joint][0]}]"),
+    ]
+    found = [_currents(what, name) for name in dict.fromkeys(one.recording for one in what.series)]
+    found += [
+        _against(what, joints, name, {joint: clouds(what.of(joint), variable) for joint in joints}, label)
+        for name, variable, label in variables
+    ]
+    at_reversals = {joint: clouds_at_reversals(what.of(joint)) for joint in joints}
+    if any(at_reversals.values()):
+        found.append(
+            _against(what, joints, "error_at_reversals", at_reversals, lambda _: "time from a reversal [s]")
+        )
+    return [
+        *found,
+        _spectrum(what, joints),
+        _over_position(what, joints),
+        _autocorrelation(joints, what),
+        _histogram(joints, what),
+    ]
+
+
+def _currents(what: Compared, recording: str) -> PaperFigure:
+    series = [one for one in what.series if one.recording == recording]
+    panels, numbers = [], []
+    for one in series:
+        unit = what.units[one.joint][0]
+        panels.append(Panel(partial(_draw_current, one, unit), CURRENT))
+        panels.append(Panel(partial(_draw_error, one, unit, one is series[-1]), ERROR))
+        numbers.append(
+            {
+                "motor": [one.joint] * len(one.time),
+                "time [s]": one.time.tolist(),
+                f"measured [{unit}]": one.measured.tolist(),
+                f"modelled [{unit}]": one.modelled.tolist(),
+                f"error [{unit}]": one.error.tolist(),
+                f"noise [{unit}]": [one.noise] * len(one.time),
+            }
+        )
+    name = f"currents_{file_part(recording)}"
+    return PaperFigure(name, tuple(panels), {"": _joined(numbers)}, stacked=True)
+
+
+def _draw_current(one: MotorSeries, unit: str, axes: Axes) -> None:
+    time = with_gaps(one, one.time)
+    axes.plot(
+        time,
+        with_gaps(one, one.measured),
+        color=ON_WHITE.measured,
+        linewidth=1.8,
+        alpha=0.45,
+        label="measured",
+    )
+    axes.plot(time, with_gaps(one, one.modelled), color=ON_WHITE.modelled, linewidth=0.6, label="modelled")
+    axes.set_ylabel(f"{one.joint} [{unit}]")
+    axes.margins(x=0.01)
+
+
+def _draw_error(one: MotorSeries, unit: str, last: bool, axes: Axes) -> None:
+    axes.axhspan(-one.noise, one.noise, color=NOISE, alpha=0.45, linewidth=0.0, label="± noise")
+    axes.plot(
+        with_gaps(one, one.time),
+        with_gaps(one, one.error),
+        color=ON_WHITE.error,
+        linewidth=0.45,
+        label="error",
+    )
+    axes.set_ylabel(f"error [{unit}]")
+    axes.yaxis.set_major_locator(MaxNLocator(3))
+    axes.margins(x=0.01)
+    if last:
+        axes.set_xlabel("time [s]")
+
+
+def _against(
+    what: Compared,
+    joints: Sequence[str],
+    name: str,
+    found: dict[str, list[Cloud]],
+    label: Callable[[str], str],
+) -> PaperFigure:
+    panels, means, points = [], [], []
+    for joint in joints:
+        current = what.units[joint][0]
+        x, error = label(joint), f"error [{current}]"
+        panels.append(Panel(partial(_draw_against, what.of(joint), found[joint], joint, x, error), CLOUD))
+        for one in found[joint]:
+            rows = len(one.bins.mean)
+            means.append(
+                {
+                    "motor": [joint] * rows,
+                    "direction": [one.direction] * rows,
+                    x: one.bins.center.tolist(),
+                    f"mean {error}": one.bins.mean.tolist(),
+                    f"standard deviation [{current}]": one.bins.spread.tolist(),
+                    "rows": [float(count) for count in one.bins.count],
+                }
+            )
+            points.append(
+                {
+                    "motor": [joint] * len(one.x),
+                    "direction": [one.direction] * len(one.x),
+                    x: one.x.tolist(),
+                    error: one.error.tolist(),
+                }
+            )
+    return PaperFigure(name, tuple(panels), {"": _joined(means), "_points": _joined(points)})
+
+
+def _draw_against(
+    series: Sequence[MotorSeries], found: Sequence[Cloud], joint: str, x: str, y: str, axes: Axes
+) -> None:
+    draw_noise_band(axes, series)
+    draw_clouds(axes, found, SCALE)
+    axes.set(title=joint, xlabel=x, ylabel=y)
+
+
+def _spectrum(what: Compared, joints: Sequence[str]) -> PaperFigure:
+    panels, numbers = [], []
+    for joint in joints:
+        found, unit = time_spectrum(what.of(joint)), what.units[joint][0]
+        panels.append(Panel(partial(_draw_spectrum, found, joint, unit), LINE))
+        numbers.append(
+            {
+                "motor": [joint] * (len(found.frequency) - 1),
+                "frequency [Hz]": found.frequency[1:].tolist(),
+                f"density of the error [{unit}^2/Hz]": found.density[1:].tolist(),
+                f"density of the noise [{unit}^2/Hz]": [found.noise] * (len(found.frequency) - 1),
+            }
+        )
+    return PaperFigure("error_spectrum", tuple(panels), {"": _joined(numbers)})
+
+
+def _draw_spectrum(found: Spectrum, joint: str, unit: str, axes: Axes) -> None:
+    axes.axhline(found.noise, color=NOISE, linewidth=1.6, alpha=0.6, label="noise of the current")
+    axes.semilogy(found.frequency[1:], found.density[1:], color=ON_WHITE.error, linewidth=0.6, label="error")
+    if found.noise > 0:
+        axes.set_ylim(bottom=found.noise / 30.0)
+    axes.set(title=joint, xlabel="frequency [Hz]", ylabel=f"density [{unit}²/Hz]")
+
+
+def _over_position(what: Compared, joints: Sequence[str]) -> PaperFigure:
+    panels, numbers = [], []
+    for joint in joints:
+        found, (current, unit) = position_spectrum(what.of(joint)), what.units[joint]
+        cycles, amplitude = np.asarray(found.cycles), np.asarray(found.amplitude)
+        panels.append(Panel(partial(_draw_cycles, cycles, amplitude, joint, (current, unit)), LINE))
+        numbers.append(
+            {
+                "motor": [joint] * len(cycles),
+                f"cycles per {unit}": cycles.tolist(),
+                f"amplitude of the error [{current}]": amplitude.tolist(),
+            }
+        )
+    return PaperFigure("error_over_position_spectrum", tuple(panels), {"": _joined(numbers)})
+
+
+def _draw_cycles(
+    cycles: np.ndarray, amplitude: np.ndarray, joint: str, units: tuple[str, str], axes: Axes
+) -> None:
+    axes.plot(cycles, amplitude, color=ON_WHITE.error, linewidth=0.5, marker=".", markersize=1.6)
+    axes.set_ylim(bottom=0.0)
+    axes.set(title=joint, xlabel=f"cycles per {units[1]}", ylabel=f"amplitude [{units[0]}]")
+
+
+def _autocorrelation(joints: Sequence[str], what: Compared) -> PaperFigure:
+    panels, numbers = [], []
+    for joint in joints:
+        found = autocorrelation(what.of(joint))
+        lag, value = np.asarray(found.lag), np.asarray(found.value)
+        panels.append(Panel(partial(_draw_autocorrelation, lag, value, found.band, joint), LINE))
+        numbers.append(
+            {
+                "motor": [joint] * len(lag),
+                "lag [s]": lag.tolist(),
+                "autocorrelation": value.tolist(),
+                "95 % band": [found.band] * len(lag),
+            }
+        )
+    return PaperFigure("error_autocorrelation", tuple(panels), {"": _joined(numbers)})
+
+
+def _draw_autocorrelation(lag: np.ndarray, value: np.ndarray, band: float, joint: str, axes: Axes) -> None:
+    axes.axhspan(-band, band, color=NOISE, alpha=0.45, linewidth=0.0, label="95 % of what chance gives")
+    axes.vlines(lag, 0.0, value, color=ON_WHITE.error, linewidth=0.5)
+    axes.plot(lag, value, "o", color=ON_WHITE.error, markersize=1.3, label="error")
+    axes.set_ylim(min(-0.25, float(value.min()) - 0.05), 1.05)
+    axes.set(title=joint, xlabel="lag [s]", ylabel="autocorrelation")
+
+
+def _histogram(joints: Sequence[str], what: Compared) -> PaperFigure:
+    panels, numbers = [], []
+    for joint in joints:
+        series, unit = what.of(joint), what.units[joint][0]
+        errors = np.concatenate([one.error for one in series])
+        noise = float(
+            np.sqrt(np.average([one.noise**2 for one in series], weights=[len(o.time) for o in series]))
+        )
+        reach = max(float(np.abs(errors).max()), REACH * noise)
+        edges = np.linspace(-reach, reach, BINS + 1)
+        share = np.histogram(errors, edges)[0] / len(errors)
+        panels.append(Panel(partial(_draw_histogram, edges, share, noise, joint, unit), LINE))
+        numbers.append(
+            {
+                "motor": [joint] * BINS,
+                f"from [{unit}]": edges[:-1].tolist(),
+                f"to [{unit}]": edges[1:].tolist(),
+                "share of the rows [%]": (100.0 * share).tolist(),
+            }
+        )
+    return PaperFigure("error_histogram", tuple(panels), {"": _joined(numbers)})
+
+
+def _draw_histogram(
+    edges: np.ndarray, share: np.ndarray, noise: float, joint: str, unit: str, axes: Axes
+) -> None:
+    axes.stairs(100.0 * share, edges, fill=True, color=ON_WHITE.error, alpha=0.75, label="error")
+    if noise > 0:
+        x = np.linspace(edges[0], edges[-1], 400)
+        width = edges[1] - edges[0]
+        normal = np.exp(-0.5 * (x / noise) ** 2) / (noise * np.sqrt(2.0 * np.pi))
+        top = 1.25 * 100.0 * float(share.max())
+        axes.plot(
+            x, 100.0 * width * normal, color="#5A6470", linewidth=0.7, label="noise of the current alone"
+        )
+        axes.set_ylim(0.0, top)
+    axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.set(title=joint, xlabel=f"error [{unit}]", ylabel="share of the rows [%]")
+
+
+def _joined(parts: Sequence[Columns | Numbers]) -> Numbers:
+    """Tables under each other; a column that one of them lacks is empty there."""
+    names = list(dict.fromkeys(name for part in parts for name in part))
+    whole: Columns = {name: [] for name in names}
+    for part in parts:
+        rows = len(next(iter(part.values())))
+        for name in names:
+            whole[name] += list(part.get(name, [None] * rows))
+    return whole

@@ -1,0 +1,179 @@
+"""Figures for papers on a model: gains against nominal values, and what a diagnosis found."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import SymmetricalLogLocator
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.diagnosis.result import Diagnosis
+from bench.document.figures.comparison_panels import ZERO
+from bench.document.figures.diagnosis_panels import (
+    AFTER,
+    VERDICT_COLOURS,
+    Moved,
+    Rung,
+    draw_before_after,
+    draw_ladder,
+    draw_moved,
+    draw_ranking,
+    moved,
+    rungs,
+)
+from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
+from bench.document.numbers import current_unit, judged_error, pretty_unit
+from bench.identification.result import CurrentSeries, DriveGain, Identification
+
+FOOT = 16.0  # mm that an axis with its label takes
+BAR, MOVED = 3.8, 4.2  # mm for each bar, each parameter
+ERRORS = 26.0  # mm
+SHOWN = 14  # effects of the ranking
+FEW_TICKS = 30.0  # %, the end of an axis from which every second power of ten is named, for one column
+
+
+def gain_figure(result: Identification) -> PaperFigure:
+    """Drive gains with their 95 % intervals, in percent of the nominal values."""
+    gains = result.drive_gains
+    numbers: Numbers = {
+        "joint": list(gains),
+        "unit": [one.unit for one in gains.values()],
+        "nominal": [one.nominal for one in gains.values()],
+        "value": [one.value for one in gains.values()],
+        "standard deviation": [one.std for one in gains.values()],
+        "change [%]": [100.0 * (one.value / one.nominal - 1.0) for one in gains.values()],
+        "95 % interval [± %]": [100.0 * WITHIN_95 * one.std / abs(one.nominal) for one in gains.values()],
+    }
+    height = FOOT + 6.0 * len(gains)
+    return PaperFigure("drive_gains", (Panel(partial(_draw_gains, gains), height),), {"": numbers})
+
+
+def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
+    """Ladder, ranking, gains and parameters before and after, and the errors before and after.
+
+    Where nothing is missing there is a ranking only.
+    """
+    ranking = _ranking(diagnosis)
+    if not diagnosis.missing:
+        return [ranking]
+    before = {one.name: one for one in diagnosis.before.recordings}
+    judged = [one for one in diagnosis.after.recordings if one.use == "validate"]
+    rows = moved(diagnosis, parameters=True)
+    gains = [one for one in rows if one.nominal is not None]
+    figures = [_ladder(diagnosis), ranking]
+    figures += [_moved("gains_before_after", gains)] if gains else []
+    figures += [_moved("parameters_before_after", [one for one in rows if one.nominal is None])]
+    return figures + [_before_after(diagnosis, before[one.name], one) for one in judged]
+
+
+def _draw_gains(gains: Mapping[str, DriveGain], axes: Axes) -> None:
+    at = np.arange(len(gains))
+    axes.axvline(0.0, color=ZERO, linewidth=0.6, label="nominal")
+    axes.errorbar(
+        [100.0 * (one.value / one.nominal - 1.0) for one in gains.values()],
+        at,
+        xerr=[100.0 * WITHIN_95 * one.std / abs(one.nominal) for one in gains.values()],
+        fmt="o",
+        color=AFTER,
+        markersize=2.6,
+        capsize=1.6,
+        linewidth=0.8,
+        label="identified, 95 % interval",
+    )
+    axes.set_yticks(at, [f"{joint} [{pretty_unit(one.unit)}]" for joint, one in gains.items()])
+    axes.set_ylim(len(gains) - 0.5, -0.5)
+    axes.set_xlabel("drive gain against its nominal value [%]")
+
+
+def _ladder(diagnosis: Diagnosis) -> PaperFigure:
+    steps, floor = rungs(diagnosis), 100.0 * diagnosis.unexplained.noise_floor
+    numbers: Numbers = {
+        "model": [one.label for one in steps],
+        "error, fitted [%]": [one.fitted for one in steps],
+        "error, not fitted [%]": [one.not_fitted for one in steps],
+        "noise of the currents [%]": [floor] * len(steps),
+    }
+    panel = Panel(partial(_draw_ladder, steps, floor), FOOT + 2.2 * BAR * len(steps))
+    return PaperFigure("ladder", (panel,), {"": numbers})
+
+
+def _draw_ladder(steps: Sequence[Rung], floor: float, axes: Axes) -> None:
+    draw_ladder(axes, steps, floor, SCALE)
+
+
+def _ranking(diagnosis: Diagnosis) -> PaperFigure:
+    ranking = diagnosis.ranking
+    numbers: Numbers = {
+        "effect": [one.effect for one in ranking],
+        "verdict": [one.verdict for one in ranking],
+        "evidence [nats]": [one.evidence for one in ranking],
+        "error without [%]": [100.0 * one.error_before for one in ranking],
+        "error with [%]": [100.0 * one.error_after for one in ranking],
+        "at": [" ".join(one.actuators) for one in ranking],
+        "alternatives": [" ".join(one.alternatives) for one in ranking],
+    }
+    rows = min(SHOWN, sum(one.verdict != "absorbed" for one in ranking))
+    panel = Panel(partial(_draw_ranking, diagnosis), FOOT + BAR * rows)
+    return PaperFigure("ranking", (panel,), {"": numbers})
+
+
+def _draw_ranking(diagnosis: Diagnosis, axes: Axes) -> None:
+    draw_ranking(axes, diagnosis, SHOWN, SCALE)
+    axes.xaxis.set_major_locator(SymmetricalLogLocator(base=100.0, linthresh=1.0))  # few, for one column
+    axes.set_xlabel("evidence [nats]")
+    shown = {one.verdict for one in diagnosis.ranking}
+    for verdict, colour in VERDICT_COLOURS.items():
+        if verdict in shown and verdict != "absorbed":
+            axes.bar(0.0, 0.0, color=colour, label=verdict)
+
+
+def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
+    numbers: dict[str, list[float | str | None]] = {
+        "name": [one.name for one in rows],
+        "unit": [one.after.unit for one in rows],
+        "before": [one.before.value for one in rows],
+        "standard deviation before": [one.before.std for one in rows],
+        "after": [one.after.value for one in rows],
+        "standard deviation after": [one.after.std for one in rows],
+    }
+    if any(one.nominal is not None for one in rows):
+        numbers["nominal"] = [one.nominal for one in rows]
+    panel = Panel(partial(_draw_moved, rows), FOOT + MOVED * len(rows))
+    return PaperFigure(name, (panel,), {"": numbers})
+
+
+def _draw_moved(rows: Sequence[Moved], axes: Axes) -> None:
+    draw_moved(axes, rows, SCALE)
+    if max(np.abs(axes.get_xlim())) > FEW_TICKS:
+        axes.xaxis.set_major_locator(SymmetricalLogLocator(base=100.0, linthresh=1.0))
+    axes.set_xlabel("difference to the value after [%]")
+
+
+def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSeries) -> PaperFigure:
+    gains = diagnosis.after.drive_gains
+    time = after.time - after.time[0]
+    numbers: dict[str, list[float | str | None]] = {"time [s]": time.tolist()}
+    panels = []
+    for j, (joint, gain) in enumerate(gains.items()):
+        unit = current_unit(gain.unit)
+        numbers[f"error of {joint} before [{unit}]"] = judged_error(before)[:, j].tolist()
+        numbers[f"error of {joint} after [{unit}]"] = judged_error(after)[:, j].tolist()
+        last = j == len(gains) - 1
+        panels.append(Panel(partial(_draw_before_after, before, after, j, f"{joint} [{unit}]", last), ERRORS))
+    name = f"errors_before_after_{file_part(after.name)}"
+    return PaperFigure(name, tuple(panels), {"": numbers}, stacked=True)
+
+
+def _draw_before_after(
+    before: CurrentSeries,
+    after: CurrentSeries,
+    motor: int,
+    label: str,
+    last: bool,
+    axes: Axes,
+) -> None:
+    draw_before_after(axes, before, after, motor, SCALE)
+    axes.set_ylabel(label)
+    if last:
+        axes.set_xlabel("time [s]")

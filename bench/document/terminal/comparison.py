@@ -1,0 +1,45 @@
+"""Where a model fails, in a terminal."""
+
+from rich.console import Console
+from rich.text import Text
+
+from bench.document.table import Column, Table
+from bench.document.terminal.identification import sentences_list
+from bench.document.terminal.tables import printed
+from bench.residuals.residuals import WhereItFails
+from bench.residuals.words import where_sentences
+
+
+def where_report(where: WhereItFails, console: Console | None = None) -> None:
+    """Print how large every motor's error is beside the noise, and in sentences where it is."""
+    console = console or Console()
+    console.print(Text("Where it fails", "bold"))
+    console.print(printed(motors_table(where), console.width))
+    console.print()
+    console.print(sentences_list(where_sentences(where)))
+    console.print()
+
+
+def motors_table(where: WhereItFails) -> Table:
+    """A row a motor: error, noise of the current, how long errors are alike, warm-up, and payloads."""
+    motors = where.motors
+    loads = [one.part for one in motors[0].by_load] if motors else []
+    columns = [
+        Column("motor", [one.joint for one in motors]),
+        Column("error", [one.error for one in motors], "share"),
+        Column("noise", [one.noise for one in motors], "share"),
+        Column("× noise", [_ratio(one.error, one.noise) for one in motors], "number", format="s"),
+        Column("alike over", [one.memory for one in motors], "number", 3, ".2g", "s"),
+        Column("first third", [one.warm_up[0].error for one in motors], "share", 1),
+        Column("last third", [one.warm_up[1].error for one in motors], "share", 1),
+    ]
+    if len(loads) > 1:
+        columns += [
+            Column(load, [one.by_load[k].error for one in motors], "share", 2) for k, load in enumerate(loads)
+        ]
+    return Table(tuple(columns))
+
+
+def _ratio(error: float, noise: float) -> str:
+    ratio = error / noise if noise > 0 else float("inf")
+    return f"{ratio:.2f}" if ratio < 10.0 else f"{ratio:.0f}" if ratio < float("inf") else "–"

@@ -1,0 +1,74 @@
+"""A diagnosis in a terminal: the verdict in a few sentences, then what stands behind it."""
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.text import Text
+
+from bench.diagnosis.result import Diagnosis, EffectVerdict
+from bench.diagnosis.summary import reason, summary_sentences
+from bench.document.diagnosis import (
+    gains_before_after,
+    ladder_table,
+    parameters_before_after,
+    ranking_table,
+)
+from bench.document.identification import effects_table
+from bench.document.numbers import effect_name
+from bench.document.terminal.identification import section, sentences_list
+from bench.document.terminal.tables import printed
+from bench.effects.display_names import named_after
+
+SHOWN = 4  # effects that the data do not support, shown beside those that they do
+MOST_PARAMETERS = 12  # of those that move most
+
+
+def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, verbose: bool = False) -> None:
+    """Print verdict, ladder, ranking, reasons, and what moves, to fit the console's width.
+
+    verbose: every effect of the catalogue and every parameter.
+    """
+    console = console or Console()
+    width = console.width
+    console.print()
+    have = ", ".join(diagnosis.before.effects) or "rigid bodies only"
+    facts = f"model with {have} · judged on {diagnosis.split}"
+    console.print(Text.assemble((diagnosis.robot, "bold"), "  ", (facts, "dim")))
+    console.print()
+    for sentence in map(named_after, summary_sentences(diagnosis)):
+        console.print(Text(sentence))
+    section(console, "Ladder: error after each added effect", printed(ladder_table(diagnosis), width))
+    shown, left_out = _shown(diagnosis.ranking, verbose)
+    section(console, "Ranking", printed(ranking_table(diagnosis, shown), width))
+    console.print(
+        Text("evidence: nats on recordings that were not fitted; 10, odds of 20,000 to 1, are strong", "dim")
+    )
+    if diagnosis.missing:
+        console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
+    if left_out:
+        names = ", ".join(effect_name(one.effect) for one in left_out)
+        console.print(Text(f"not supported, too: {names}", "dim"))
+    told = [one for one in shown if verbose or not diagnosis.missing or one.verdict != "not supported"]
+    section(console, "Why", sentences_list([named_after(reason(diagnosis, one)) for one in told]))
+    if diagnosis.missing:
+        if diagnosis.after.gains_fitted:
+            gains = gains_before_after(diagnosis.before, diagnosis.after)
+            section(console, "Drive gains, before and after", printed(gains, width))
+        moved, still = parameters_before_after(diagnosis, None if verbose else MOST_PARAMETERS)
+        section(console, "Dynamic parameters, before and after", printed(moved, width))
+        if still:
+            console.print(Text(f"{still} more move less", "dim"))
+        section(console, "Effects of the model", printed(effects_table(diagnosis.after), width))
+    notes = list(dict.fromkeys(diagnosis.after.notes))
+    if notes:
+        section(console, "Notes", sentences_list(notes))
+    console.print()
+
+
+def _shown(
+    ranking: Sequence[EffectVerdict], verbose: bool
+) -> tuple[list[EffectVerdict], list[EffectVerdict]]:
+    """Which verdicts are shown, and which are only named: those not supported but for the first few."""
+    unsupported = [one for one in ranking if one.verdict == "not supported"]
+    left_out = [] if verbose else unsupported[SHOWN:]
+    return [one for one in ranking if one not in left_out], left_out

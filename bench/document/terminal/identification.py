@@ -1,0 +1,118 @@
+"""An identification, and a comparison with recordings, in a terminal."""
+
+from collections.abc import Sequence
+
+from rich.console import Console, Group, RenderableType
+from rich.table import Table as Grid
+from rich.text import Text
+
+from bench.document.identification import (
+    effects_table,
+    errors_table,
+    gains_table,
+    motor_errors_table,
+    parameters_table,
+)
+from bench.document.numbers import POOR, Truth, is_poor, settings_lines
+from bench.document.terminal.tables import POOR_STYLE, printed
+from bench.identification.model_file import Comparison
+from bench.identification.result import CurrentSeries, Identification, Quantity
+
+
+def identification_report(
+    result: Identification,
+    console: Console | None = None,
+    *,
+    verbose: bool = False,
+    truth: Truth | None = None,
+) -> None:
+    """Print gains, parameters, errors, settings and notes, to fit the console's width.
+
+    verbose: every grouping in full. truth: true values to compare with, see `Truth`; what it does not name
+    is left blank.
+    """
+    console = console or Console()
+    width = console.width
+    payloads = sorted({one.payload for one in result.recordings if one.payload is not None})
+    facts = [
+        f"estimator {result.method}",
+        f"effects {', '.join(result.effects)}" if result.effects else "rigid bodies only",
+        f"{len(result.recordings)} recording{'s' if len(result.recordings) != 1 else ''}",
+        f"payload {', '.join(payloads)}" if payloads else "no payload",
+    ]
+    console.print()
+    console.print(Text.assemble((result.robot, "bold"), "  ", (" · ".join(facts), "dim")))
+    kept = "" if result.gains_fitted else ", kept at their nominal values"
+    section(console, f"Drive gains{kept}", printed(gains_table(result, truth), width))
+    section(console, "Dynamic parameters", printed(parameters_table(result, truth), width))
+    _poor_line(console, list(result.parameters))
+    if result.left_out:
+        console.print(Text(f"left out, as the data do not need them: {', '.join(result.left_out)}", "dim"))
+    if result.effect_parameters:
+        section(console, "Effects", printed(effects_table(result, truth), width))
+    _errors_section(console, result.recordings, tuple(result.drive_gains))
+    if verbose:
+        section(console, "What the parameters stand for", _groupings(result))
+    console.print()
+    console.print(Group(*(Text(line, "dim") for line in settings_lines(result))))
+    if result.notes:
+        console.print()
+        console.print(sentences_list(result.notes, POOR_STYLE))
+    console.print()
+
+
+def comparison_report(comparison: Comparison, console: Console | None = None) -> None:
+    """Print how well a saved model foretells recordings, by recording and motor."""
+    console = console or Console()
+    console.print()
+    console.print(Text.assemble((comparison.robot, "bold"), "  ", (f"model {comparison.model}", "dim")))
+    # Nothing is fitted here, whatever a recording's use in its dataset is.
+    joints = tuple(comparison.error.by_actuator or comparison.error.by_actuator_validate)
+    _errors_section(console, comparison.recordings, joints)
+    if comparison.notes:
+        console.print()
+        console.print(sentences_list(comparison.notes, POOR_STYLE))
+    console.print()
+
+
+def section(console: Console, title: str, part: RenderableType) -> None:
+    """Print a part under its title."""
+    console.print()
+    console.print(Text(title, "bold"))
+    console.print(part)
+
+
+def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
+    """Sentences as bullets that wrap under themselves. style: of the bullets."""
+    grid = Grid.grid(padding=(0, 1, 0, 0))
+    grid.add_column(style=style)
+    grid.add_column()
+    for one in sentences:
+        grid.add_row("•", one)
+    return grid
+
+
+def _groupings(result: Identification) -> Grid:
+    """What every base and payload parameter stands for, in full."""
+    grid = Grid.grid(padding=(0, 2, 0, 0))
+    grid.add_column(no_wrap=True)
+    grid.add_column(overflow="fold", style="dim")
+    for one in result.parameters:
+        grid.add_row(one.name, one.grouping)
+    return grid
+
+
+def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: Sequence[str]) -> None:
+    """Motors that do not fit into the width are left out all together, and get a table of their own."""
+    table = printed(errors_table(series, joints), console.width)
+    section(console, "Error of the modelled current, RMS(error) / RMS(measured)", table)
+    if len(joints) > 1 and len(table.columns) <= 4:
+        section(console, "The same by motor", printed(motor_errors_table(series, joints), console.width))
+
+
+def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
+    poor = sum(is_poor(one) for one in quantities)
+    if poor:
+        share = f"deviation above {100 * POOR:.0f} % of the value"
+        text = f"! {poor} of {len(quantities)} poorly determined: {share}"
+        console.print(Text(text, POOR_STYLE))

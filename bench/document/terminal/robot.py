@@ -1,0 +1,141 @@
+"""The check of a robot as tables in a terminal."""
+
+from rich.console import Console
+from rich.table import Table as Grid
+from rich.text import Text
+
+from bench.document.numbers import pretty_unit
+from bench.document.table import Column, Table
+from bench.document.terminal.identification import section
+from bench.document.terminal.tables import printed
+from bench.robot_check.report import Check, JointLine, Mobility, RobotReport, Singularity, count
+from bench.robot_check.singularity import nearest_in_words
+
+MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
+NOT_EXACT = 1e-9  # m or rad: a gap that is coloured
+
+
+def robot_report(report: RobotReport, console: Console | None = None, *, verbose: bool = False) -> None:
+    """Print joints, loops, degrees of freedom, singularities and checks, to fit the console's width.
+
+    verbose: the base parameters, each with the standard parameters that it stands for.
+    """
+    console = console or Console()
+    loops = count(len(report.loops), "loop") if report.loops else "no loops"
+    facts = f"{count(len(report.joints), 'joint')} · {count(len(report.robot.joints), 'motor')} · {loops}"
+    console.print()
+    console.print(Text.assemble((report.robot.name, "bold"), "  ", (facts, "dim")))
+    section(console, "Joints", printed(joints_table(report), console.width))
+    if report.loops:
+        section(console, "Loops", printed(loops_table(report), console.width))
+    if report.mobility is not None:
+        section(console, "Degrees of freedom", Text(mobility_in_words(report.mobility)))
+    if report.singularity is not None:
+        section(console, "Singularity", singularity_grid(report.singularity))
+    section(console, "Checks", checks_grid(report.checks))
+    if report.base is not None:
+        title = f"Base parameters: {len(report.base.names)}"
+        if verbose:
+            section(console, title, base_grid(report))
+        else:
+            console.print()
+            console.print(Text.assemble((title, "bold"), ("  (--verbose lists them)", "dim")))
+    console.print()
+
+
+def joints_table(report: RobotReport) -> Table:
+    """Every joint: kind, what it moves against, motor, range and home."""
+    joints = report.joints
+    return Table(
+        (
+            Column("joint", [joint.name for joint in joints]),
+            Column("kind", [joint.kind for joint in joints]),
+            Column("on", [joint.parent for joint in joints], rank=1),
+            Column("motor", [joint.gain if joint.actuated else "– passive" for joint in joints], "unit"),
+            Column("range", [_range(joint) for joint in joints]),
+            Column("home", [joint.home for joint in joints], "number", format=".4g"),
+            Column("unit", [{"hinge": "rad", "slide": "m"}.get(joint.kind, "") for joint in joints]),
+        ),
+        tuple("" if joint.actuated else "weak" for joint in joints),
+    )
+
+
+def loops_table(report: RobotReport) -> Table:
+    """Every loop closure: what it holds together and its gap at home."""
+    loops = report.loops
+    gaps = [_small(loop.gap) + (f" / {_small(loop.twist)}" if loop.kind == "weld" else "") for loop in loops]
+    unit = " / rad" if any(loop.kind == "weld" for loop in loops) else ""
+    return Table(
+        (
+            Column("loop", [loop.name for loop in loops]),
+            Column("kind", [loop.kind for loop in loops]),
+            Column("holds together", [" – ".join(loop.bodies) for loop in loops], rank=1),
+            Column("equations", [loop.equations for loop in loops], "number", format="d"),
+            Column(f"gap at home, m{unit}", gaps, "number", format="s"),
+        ),
+        tuple("poor" if max(loop.gap, loop.twist) > NOT_EXACT else "" for loop in loops),
+    )
+
+
+def mobility_in_words(mobility: Mobility) -> str:
+    """The count of degrees of freedom as one sum."""
+    sign = "=" if mobility.remaining == mobility.motors else "≠"
+    return (
+        f"{mobility.tree} of the tree − {mobility.rank} (rank of {mobility.equations} closure equations) "
+        f"{f'− {mobility.spins} (idle spins) ' if mobility.spins else ''}"
+        f"= {mobility.remaining} {sign} {count(mobility.motors, 'motor')}"
+    )
+
+
+def singularity_grid(found: Singularity) -> Grid:
+    """Home, reach of each motor, and the nearest singularity, in words."""
+    fast = found.amplification
+    grid = Grid.grid(padding=(0, 2, 0, 0))
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column(overflow="fold")
+    grid.add_row(
+        "at home",
+        f"smallest singular value of the closures {found.home:.3g} (lengths over {found.length:.3g} m)",
+    )
+    grid.add_row("", f"{fast.passive} moves fastest: {fast.value:.3g} {fast.unit} of {fast.motor}")
+    ends = (f"{name} [{low:.4g}, {high:.4g}]" for name, (low, high) in found.reach.items())
+    grid.add_row("one motor moving", f"reaches {', '.join(ends)}")
+    grid.add_row("nearest", nearest_in_words(found))
+    return grid
+
+
+def checks_grid(checks: tuple[Check, ...]) -> Grid:
+    """What was checked, with a mark for its outcome."""
+    grid = Grid.grid(padding=(0, 2, 0, 0))
+    grid.add_column(no_wrap=True)
+    grid.add_column()
+    grid.add_column(overflow="fold")
+    for check in checks:
+        mark, style = MARKS[check.verdict]
+        detail_style = "dim" if check.verdict == "ok" else style
+        grid.add_row(Text(mark, style), Text(check.name), Text(check.detail, detail_style))
+    return grid
+
+
+def base_grid(report: RobotReport) -> Grid:
+    """Every base parameter with what it stands for."""
+    grid = Grid.grid(padding=(0, 2, 0, 0))
+    grid.add_column(no_wrap=True)
+    grid.add_column(no_wrap=True, style="dim")
+    grid.add_column(overflow="fold", style="dim")
+    if report.base is not None:
+        for name, unit, grouping in zip(
+            report.base.names, report.base.units, report.base.descriptions, strict=True
+        ):
+            grid.add_row(Text(name), pretty_unit(unit), Text(grouping))
+    return grid
+
+
+def _small(gap: float) -> str:
+    return f"{gap:.1e}" if gap else "0"
+
+
+def _range(joint: JointLine) -> str:
+    if joint.lower is None or joint.upper is None:
+        return "–"
+    return f"[{joint.lower:.4g}, {joint.upper:.4g}]"

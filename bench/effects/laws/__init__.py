@@ -1,0 +1,1 @@
+"""The laws of the catalogue's effects, one file each."""

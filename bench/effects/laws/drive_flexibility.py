@@ -1,0 +1,112 @@
+"""A spring between motor and link."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.effects.effect import Bracket, Effect, EffectParameter, ShapeParameter
+from bench.effects.motor_link_difference import (
+    apparent_inertia,
+    motion_cutoff,
+    own_torque,
+    rates_behind,
+    slopes,
+    torque_behind,
+)
+from bench.effects.on_spring import deflection
+from bench.effects.samples import JointSamples
+from bench.effects.signals import RobotSignals
+
+LARGEST = 0.05  # rad or m: deflection up to which the torque is computed as it is, and not in proportion
+MOST_DAMPED = 0.9  # more does not swing
+LEAST = 1e-6  # of the largest squared period: one that is always above zero
+
+
+@dataclass(frozen=True)
+class DriveFlexibility(Effect):
+    """The link lies behind the motor, whose position was logged, by the deflection d of a spring.
+
+    The columns are changes of the model's torque where the link's position, velocity and acceleration are those
+    behind the spring; what lies above the band of the joint's motion is taken off, since the encoder's noise grows
+    with its fourth power. Valid where the friction is the motor's and the gear's, and no load of the spring; drives
+    that swing together count as alone. Source: Spong, "Modeling and control of elastic joint robots", Journal of
+    Dynamic Systems, Measurement, and Control 109, 1987.
+    """
+
+    name = "drive_flexibility"
+    law = "The link lies behind the motor, whose position was logged, by the deflection d of a spring."
+    symbols = (
+        "τ = τ_r(q − d) − τ_r(q) with d + 2 zeta T d' + T2 d'' = C τ_s, τ_s = τ_r − Ia q̈, T T = T2 = C (M "
+        "− Ia): the link swings on the spring. C: compliance, one over the stiffness, positive, rad/(N·m) "
+        "or m/N; τ_r: torque of the present rigid model at the joint, rotor included, and M its inertia "
+        "there; τ_s: what a stiff drive would carry of it; Ia: inertia of the rotor, which does not follow "
+        "the spring. CIa = C Ia: positive, s², one over the square of the rotor's angular frequency on the "
+        "spring. zeta: damping ratio of the link on the spring, found from the data; without a C the link "
+        "does not swing."
+    )
+    shown_by = "reverse fast, with a heavy payload"
+    parameters = (
+        EffectParameter("C", "{angle}/({effort})", positive=True),
+        EffectParameter("CIa", "s^2", positive=True),
+    )
+    shape = (ShapeParameter("zeta", "1", (0.02, 0.06, 0.2, 0.6)),)
+    depends_on_model = True
+    bends = True
+
+    C: float = 0.0
+    CIa: float = 0.0
+    zeta: float = 0.06
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        torque, acceleration = own_torque(robot, joint)
+        at = list(robot.joints).index(joint)
+        by_motion = slopes(robot, joint)
+        parts = np.stack((torque, -acceleration), axis=1)
+        compliance, rotor = max(self.C, 0.0), 0.0
+        if compliance > 0.0:
+            rotor = min(max(self.CIa, 0.0) / compliance, apparent_inertia(torque, acceleration))
+            squared = compliance * (by_motion[2, :, at] - rotor)
+            squared = np.maximum(squared, LEAST * np.abs(squared).max())
+            damping = min(max(self.zeta, 0.0), MOST_DAMPED)
+            parts = deflection(parts, robot.coarse.interval, squared, damping)
+        cutoff = motion_cutoff(robot, joint)
+        small = []
+        for part in parts.T:
+            rates = rates_behind(robot, part, cutoff)
+            change = -np.einsum("okn,ok->kn", by_motion, rates)
+            change[:, at] += rotor * rates[2]
+            small.append(robot.refined(change))
+        columns = np.stack(small, axis=2)
+        if compliance > 0.0:
+            key = ("bent", joint)
+            if key not in robot.noted:  # small, and the same for all that is tried about the present model
+                robot.noted[key] = self._bent(robot, joint, parts, rotor, cutoff, columns)
+            columns[:, :, 0] += robot.noted[key] / compliance
+        return columns
+
+    def _bent(
+        self,
+        robot: RobotSignals,
+        joint: str,
+        parts: np.ndarray,
+        rotor: float,
+        cutoff: float,
+        columns: np.ndarray,
+    ) -> np.ndarray:
+        """What the torque changes more than in proportion to the deflection (N, n)."""
+        values = np.array([max(self.C, 0.0), max(self.CIa, 0.0)])
+        behind = parts @ values
+        if np.abs(behind).max() > LARGEST:  # a deflection that no fit will keep
+            return np.zeros(columns.shape[:2])
+        try:
+            change = torque_behind(robot, joint, behind, rotor, cutoff)
+        except BenchError:  # out of reach, or singular
+            return np.zeros(columns.shape[:2])
+        return np.asarray(change - columns @ values)
+
+    def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:  # noqa: ARG002
+        """A few damping ratios, from which the fit goes on; none other where nothing swings."""
+        values = {self.zeta, *parameter.candidates} if self.C > 0.0 else {self.zeta}
+        return tuple((value, value, value) for value in sorted(values))

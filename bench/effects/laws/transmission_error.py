@@ -1,0 +1,65 @@
+"""A position error that repeats with the turn."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Bracket, Effect, EffectParameter, ShapeParameter
+from bench.effects.motor_link_difference import slopes
+from bench.effects.periods import phase, strongest_periods, wave
+from bench.effects.samples import JointSamples
+from bench.effects.signals import WIDER, RobotSignals
+
+ORDER = 8  # of the roll-off of waves that are faster than the fit sees
+
+
+@dataclass(frozen=True)
+class TransmissionError(Effect):
+    """A joint that stands beside where it was logged, by a wave of its position.
+
+    The columns are changes of the present model's torque, loops closed, in proportion to the error e and its rates e' q̇
+    and e' q̈ + e'' q̇², so that fast motion shows short waves. Valid for errors that are small beside a period, and for
+    periods within the joint's travel that the motion does not sweep faster than the fit's band. Source: Hanselman,
+    "Resolver signal requirements for high accuracy resolver-to-digital conversion", IEEE Transactions on Industrial
+    Electronics 37(6), 1990; Tuttle and Seering, "A nonlinear model of a harmonic drive gear transmission", IEEE
+    Transactions on Robotics and Automation 12(3), 1996.
+    """
+
+    name = "transmission_error"
+    law = (
+        "τ = τ(q − e) − τ(q), e = a cos(N q) + b sin(N q): a joint that stands at q − e where q was logged, loops "
+        "closed."
+    )
+    symbols = (
+        "a, b: rad or m, of either sign; N: periods in a turn of what the encoder measures (of a slide: in a metre, "
+        "and the phase is 2 pi N q), found from the data: once a turn for a disc or gear off its centre, once a tooth "
+        "for teeth."
+    )
+    shown_by = "move fast over the whole range"
+    parameters = (EffectParameter("a", "{angle}"), EffectParameter("b", "{angle}"))
+    shape = (ShapeParameter("periods", "1/{turn}", (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)),)
+    depends_on_model = True
+
+    periods: float = 1.0
+
+    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
+        coarse, own = robot.coarse, robot.joints[joint]
+        at = list(robot.joints).index(joint)
+        velocity, acceleration = coarse.velocity[:, at, None], coarse.acceleration[:, at, None]
+        steepness = float(
+            phase(np.ones(1), self.periods, own.rotates)[0]
+        )  # rad of the wave by rad or m of the joint
+        highest = 2.0 * np.pi * WIDER * own.band
+        shown = 1.0 / (1.0 + (steepness * velocity / highest) ** ORDER)
+        error = shown * wave(coarse.position[:, at], self.periods, own.rotates)
+        slope = steepness * np.column_stack((-error[:, 1], error[:, 0]))
+        bend = -(steepness**2) * error
+        rates = np.stack((error, slope * velocity, slope * acceleration + bend * velocity**2))
+        return robot.refined(-np.einsum("okn,okp->knp", slopes(robot, joint), rates))
+
+    def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+        if not samples:
+            return super().brackets(parameter, samples)
+        pace = max(samples[0].speed, np.finfo(float).tiny)
+        return strongest_periods(samples, [1.0 + (one.velocity / pace) ** 2 for one in samples])

@@ -1,0 +1,247 @@
+"""Search for trajectories with a well-conditioned observation matrix."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.dataset.payload import Payload
+from bench.dataset.robot import Robot
+from bench.excitation.limits import Limits, feasible_motion, keeps_clear, limits_of
+from bench.identification.payload_parameters import payload_columns
+from bench.model.guess import guessed_parameters
+from bench.model.model import IdentificationModel, build_model
+from bench.model.motion import Motion
+from bench.model.regressor import projected_regressor
+from bench.scenario.trajectory import FourierTrajectory, random_trajectory
+
+STARTS = 12  # random sets of trajectories, the best of which is improved
+STEPS = 120  # of the improvement
+POINTS = 12  # samples for each period of the highest harmonic
+SHRINK = 0.9
+MOST_SHRINKS = 25
+FIRST_SPREAD, LAST_SPREAD = 0.4, 0.05  # of a change, relative to a coefficient's size
+
+
+@dataclass(frozen=True)
+class Movement:
+    """What a trajectory may do. span, velocity, acceleration (n,): largest distance from `center`, rad or m,
+    and largest rates; fitted: whether its recording is for identification, with `payload` or None.
+    """
+
+    name: str
+    fitted: bool
+    payload: Payload | None
+    center: np.ndarray
+    span: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    harmonics: int
+    base_frequency: float
+    duration: float
+    ramp: float
+    seed: int
+
+
+@dataclass(frozen=True)
+class Designed:
+    """Trajectories by recording name, and the condition number that the fitted ones give together."""
+
+    trajectories: Mapping[str, FourierTrajectory]
+    condition: float
+
+
+@on_one_thread
+def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: Progress = SILENT) -> Designed:
+    """Trajectories inside all limits; those of fitted recordings make the condition number small.
+
+    The criterion is the condition number of the observation matrix with columns of unit length, drive gain
+    and payload columns included, for all fitted recordings together (Gautier and Khalil, "Exciting
+    trajectories for the identification of base inertial parameters of robots", 1992). Random starts, then
+    random improvements of the best; the seeds of the movements decide everything.
+    """
+    model = build_model(robot)
+    limits = limits_of(model.geometry)
+    random = np.random.default_rng([movement.seed for movement in movements])
+    fitted = [movement for movement in movements if movement.fitted]
+    best: dict[str, _Tried] = {}
+    lowest = np.inf
+    progress.phase("designing trajectories", STARTS + STEPS)
+    for _ in range(STARTS):
+        progress.advance()
+        tried = {m.name: _start(model, limits, m, random) for m in fitted}
+        value = _condition(tried, fitted)
+        if value < lowest:
+            best, lowest = tried, value
+    if fitted and not best:
+        raise BenchError(f"robot {robot.name}: no exciting trajectory found inside the limits")
+    for step in range(STEPS if fitted else 0):
+        progress.advance()
+        spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
+        movement = fitted[step % len(fitted)]
+        before = best[movement.name]
+        other = _changed(model, limits, movement, before, spread, random)
+        if other is None:
+            continue
+        tried = {**best, movement.name: other}
+        value = _condition(tried, fitted)
+        if value < lowest:
+            best, lowest = tried, value
+    progress.phase("checking the trajectories", len(movements))
+    found: dict[str, FourierTrajectory] = {}
+    for movement in movements:
+        progress.advance()
+        trajectory = best[movement.name].trajectory if movement.fitted else drawn(movement, random)
+        found[movement.name] = feasible(model, limits, movement, trajectory, dense=True)
+    return Designed(found, float(lowest))
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """A feasible trajectory with its motion, and its rows (M, c) of the observation matrix."""
+
+    trajectory: FourierTrajectory
+    motion: Motion
+    rows: np.ndarray
+
+
+def _start(
+    model: IdentificationModel, limits: Limits, movement: Movement, random: np.random.Generator
+) -> _Tried:
+    """A random trajectory, shrunk until it is feasible."""
+    trajectory, motion = _shrunk(model, limits, movement, drawn(movement, random))
+    return _Tried(trajectory, motion, _rows(model, movement, motion))
+
+
+def _changed(
+    model: IdentificationModel,
+    limits: Limits,
+    movement: Movement,
+    before: _Tried,
+    spread: float,
+    random: np.random.Generator,
+) -> _Tried | None:
+    """A random trajectory near another one; None where it is not feasible."""
+    trajectory = within(movement, changed(before.trajectory, spread, random))
+    motion = feasible_motion(model.geometry, limits, trajectory, _times(movement), near=before.motion)
+    return None if motion is None else _Tried(trajectory, motion, _rows(model, movement, motion))
+
+
+def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
+    """A random trajectory that keeps the movement's span, velocity and acceleration."""
+    trajectory = random_trajectory(
+        int(random.integers(2**31)),
+        movement.center,
+        movement.span,
+        movement.velocity,
+        acceleration_limit=movement.acceleration,
+        harmonics=movement.harmonics,
+        base_frequency=movement.base_frequency,
+        duration=movement.duration,
+        ramp=movement.ramp,
+    )
+    return trajectory
+
+
+def changed(trajectory: FourierTrajectory, spread: float, random: np.random.Generator) -> FourierTrajectory:
+    """Every coefficient moved at random, by `spread` times the size that its harmonic has."""
+    size = np.sqrt((trajectory.a**2 + trajectory.b**2).mean(axis=1, keepdims=True))
+    size = spread * size / np.arange(1, trajectory.harmonics + 1)
+    return replace(
+        trajectory,
+        a=trajectory.a + size * random.normal(size=trajectory.a.shape),
+        b=trajectory.b + size * random.normal(size=trajectory.b.shape),
+    )
+
+
+def within(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
+    """Scaled down, joint by joint, to keep span, velocity and acceleration."""
+    q, qd, qdd = trajectory.evaluate(_times(movement, dense=True))
+    shares = [
+        np.abs(x).max(axis=0) / limit
+        for x, limit in (
+            (q - movement.center, movement.span),
+            (qd, movement.velocity),
+            (qdd, movement.acceleration),
+        )
+    ]
+    scale = 1.0 / np.maximum(np.max(shares, axis=0), 1.0)[:, None]
+    return replace(trajectory, a=trajectory.a * scale, b=trajectory.b * scale)
+
+
+def _times(movement: Movement, dense: bool = False) -> np.ndarray:
+    """One period after the smooth start, or (dense) the whole movement four times as finely."""
+    rate = POINTS * movement.harmonics * movement.base_frequency
+    if dense:
+        return np.linspace(0.0, movement.duration, int(4 * rate * movement.duration) + 2)
+    end = min(movement.ramp + 1.0 / movement.base_frequency, movement.duration)
+    return np.linspace(movement.ramp, end, max(20, int(rate * (end - movement.ramp))))
+
+
+def feasible(
+    model: IdentificationModel,
+    limits: Limits,
+    movement: Movement,
+    trajectory: FourierTrajectory,
+    dense: bool = False,
+) -> FourierTrajectory:
+    """Shrunk until it keeps the joint ranges and the distance from singular poses."""
+    return _shrunk(model, limits, movement, trajectory, dense)[0]
+
+
+def _shrunk(
+    model: IdentificationModel,
+    limits: Limits,
+    movement: Movement,
+    trajectory: FourierTrajectory,
+    dense: bool = False,
+) -> tuple[FourierTrajectory, Motion]:
+    """A feasible trajectory with its motion."""
+    time = _times(movement, dense)
+    for _ in range(MOST_SHRINKS):
+        motion = feasible_motion(model.geometry, limits, trajectory, time)
+        if motion is not None and (not dense or keeps_clear(model.geometry, limits, motion)):
+            return trajectory, motion
+        trajectory = replace(trajectory, a=trajectory.a * SHRINK, b=trajectory.b * SHRINK)
+    raise BenchError(
+        f"recording {movement.name!r}: no movement around its center keeps the joint ranges and the distance "
+        "from singular poses"
+    )
+
+
+def _condition(tried: Mapping[str, _Tried], movements: Sequence[Movement]) -> float:
+    """Condition number of the scaled [phi, v, phi_uL] over all fitted movements."""
+    rows = [tried[movement.name].rows for movement in movements]
+    if not rows:
+        return np.inf
+    width = max(block.shape[1] for block in rows)
+    stacked = np.vstack([np.pad(block, ((0, 0), (0, width - block.shape[1]))) for block in rows])
+    norms = np.linalg.norm(stacked, axis=0)
+    stacked = stacked[:, norms > 1e-9 * norms.max()] / norms[norms > 1e-9 * norms.max()]
+    singular = np.linalg.svd(stacked, compute_uv=False)
+    return float(singular[0] / singular[-1]) if singular[-1] > 0 else np.inf
+
+
+def _rows(model: IdentificationModel, movement: Movement, motion: Motion) -> np.ndarray:
+    """Columns: base parameters, drive gains, and (where it has any) the payload's unknown parameters."""
+    geometry = model.geometry
+    columns = model.base.columns
+    if movement.payload is not None:
+        columns = np.concatenate((columns, model.payload_columns))
+    regressor = projected_regressor(geometry, motion, columns)
+    samples, n = regressor.shape[:2]
+    nb = len(model.base.columns)
+    torque = regressor[:, :, :nb] @ (model.base.grouping @ guessed_parameters(geometry))
+    unknown = np.zeros((samples, n, 0))
+    if movement.payload is not None and model.payload is not None:
+        loads = regressor[:, :, nb:] @ model.payload
+        split = payload_columns(movement.payload)
+        torque = torque + loads @ split.known
+        unknown = loads[:, :, split.unknown]
+    gains = np.zeros((samples, n, n))
+    gains[:, np.arange(n), np.arange(n)] = torque
+    rows = np.concatenate((regressor[:, :, :nb], gains, unknown), axis=2)
+    return rows.reshape(samples * n, -1)

@@ -1,0 +1,182 @@
+"""Design the motion that tells two effects apart."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.dataset.payload import Payload
+from bench.diagnosis.search import NEEDED
+from bench.diagnosis.split import JUDGED
+from bench.effects import Effect, catalogue_for
+from bench.effects.display_names import begun
+from bench.excitation.discrimination.evidence import error_over_noise, own_estimate, shown_nats
+from bench.excitation.discrimination.limits import Envelope, envelope
+from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
+from bench.excitation.discrimination.predicted_currents import foretold, planned, times_of
+from bench.excitation.discrimination.result import Discrimination
+from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
+from bench.excitation.discrimination.search import Design, band_of, best_motion, judged, starts
+from bench.excitation.discrimination.separation import Question, question, separation, share_left
+from bench.excitation.limits import feasible_motion
+from bench.signals.settings import FilterSettings
+
+LONGEST, SHORTEST = 30.0, 5.0  # s: of a motion whose duration is not given
+ALIKE = 3e-4  # of what an effect does: the other one does it all if it leaves less
+TRIED = 8  # motions on which that is tested
+WIDER = 2.0  # times the limits: looked at where these are not enough
+HEAVIER = 2.0  # times the heaviest payload: a second one
+SECOND = "a second payload"
+FAINT = 0.5  # nats that a motion promises: less is worth no recording
+SURE = 3.0  # deviations of a parameter that has the wrong sign
+
+
+@on_one_thread
+def discriminate(
+    dataset: Dataset,
+    requests: tuple[str, str],
+    effects: Sequence[str] = (),
+    *,
+    duration: float | None = None,
+    widen: float = 1.0,
+    seed: int = 0,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    catalogue: Mapping[str, Effect] | None = None,
+    progress: Progress = SILENT,
+) -> Discrimination:
+    """The motion on which models with the one or the other effect differ most, inside the robot's limits.
+
+    requests: the two effects, as EFFECT or EFFECT:JOINT; effects: what the model has beside. The difference is
+    what one model, fitted to the given data, foretells of the motor currents, and the other cannot imitate,
+    fitted anew to given and new data together; in nats, as an expected log-likelihood difference. The smaller of
+    both directions is made large. No motion is given where neither effect shows in the data and none promises any
+    evidence. duration: s, of the motion; widen: factor on the largest speeds, accelerations
+    and currents of the recordings. Raises BenchError for effects that are unknown or alike.
+    """
+    if duration is not None and not duration > 0.0:
+        raise BenchError(f"the duration of a motion must be positive, not {duration:g} s")
+    if not widen > 0.0:
+        raise BenchError(f"the factor on the limits must be positive, not {widen:g}")
+    known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
+    progress.phase("fitting both models")
+    rivals = fit_rivals(_with_second_payload(dataset), requests, effects, filters, known)
+    first = rivals[0]
+    noise, around = noise_of(rivals), envelope(first, widen)
+    measured, joints = first.prepared.measured, dataset.robot.joints
+    seconds = max(float(np.ptp(one.time)) for one in measured)
+    duration = duration or float(np.clip(round(seconds), SHORTEST, LONGEST))
+    absorbed = tuple(one.request for one in rivals if one.absorbed)
+    asked: tuple[Question, ...] = (question(*rivals, noise), question(*rivals[::-1], noise))
+    asked = () if absorbed else asked
+    loads = list(dict.fromkeys([None, *(one.recording.payload for one in measured)]))
+    progress.phase("testing whether one effect can do what the other does")
+    imitated = _imitated(asked, around, loads, duration, seed)
+    asked = tuple(one for one in asked if one.truth.request not in imitated)
+    motion = best_motion(asked, around, loads, duration, seed, progress) if asked else None
+    shown = {one.request: 0.0 if one.absorbed else shown_nats(one) for one in rivals}
+    nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < NEEDED
+    motion = None if nothing else motion
+    found = Discrimination(
+        robot=dataset.robot.name,
+        effects=requests,
+        error_over_noise=error_over_noise(rivals),
+        shown=shown,
+        nothing=nothing,
+        joints={one.joint: one.gain_unit for one in dataset.robot.actuators},
+        absorbed=absorbed,
+        imitated=imitated,
+        questions=asked,
+        envelope=around,
+        given_seconds=sum(float(np.ptp(one.time)) for one in measured),
+        judged_rows=_judged_rows(dataset, first),
+        motion=motion,
+        recorded=recorded_facts(measured, joints),
+        planned={} if motion is None else planned_facts(motion.trajectory, joints),
+        second=None,
+        wider=None,
+        notes=tuple(_notes(rivals)),
+    )
+    if motion is None or found.tells:
+        return found
+    heavier = _heavier(asked, around, motion, first)
+    far = best_motion(asked, envelope(first, WIDER * widen), loads, duration, seed, progress)
+    return replace(found, second=heavier, wider=None if far is None else (WIDER * widen, far.nats))
+
+
+def _judged_rows(dataset: Dataset, rival: Rival) -> int:
+    """How many equations of the given data a diagnosis judges on: those of recordings that it does not fit."""
+    kept = {one.name for one in dataset.recordings if one.use == "validate"}
+    rows = {one.name: int(one.moving.sum()) for one in rival.prepared.observations}
+    if not kept:
+        return round(JUDGED * sum(rows.values()))
+    return sum(count for name, count in rows.items() if name in kept)
+
+
+def _with_second_payload(dataset: Dataset) -> Dataset:
+    """The dataset with one more payload, heavier than all, that no recording carries."""
+    known = [one for one in dataset.payloads.values() if one.mass is not None]
+    if dataset.robot.tool_site is None or not known:
+        return dataset
+    heaviest = max(known, key=lambda one: one.mass or 0.0)
+    center = np.zeros(3) if heaviest.center_of_mass is None else heaviest.center_of_mass
+    inertia = np.zeros(6) if heaviest.inertia is None else heaviest.inertia
+    second = Payload(SECOND, HEAVIER * (heaviest.mass or 0.0), center, HEAVIER * inertia)
+    return replace(dataset, payloads={**dataset.payloads, SECOND: second})
+
+
+def _heavier(
+    asked: Sequence[Question], around: Envelope, motion: Design, first: Rival
+) -> tuple[float, float] | None:
+    """Mass of the second payload, and what the same motion promises with it."""
+    payload = first.prepared.dataset.payloads.get(SECOND)
+    if payload is None or payload.mass is None:
+        return None
+    free = replace(around, current=np.full_like(around.current, np.inf))
+    design = judged(asked, free, [SECOND], motion.trajectory)
+    return None if design is None else (payload.mass, design.nats)
+
+
+def _imitated(
+    asked: Sequence[Question], around: Envelope, loads: Sequence[str | None], duration: float, seed: int
+) -> tuple[str, ...]:
+    """Effects of which the other one does everything, on a few random motions."""
+    if not asked:
+        return ()
+    rival = asked[0].truth
+    random = np.random.default_rng(seed)
+    left = {one.truth.request: 0.0 for one in asked}
+    for i, (_, trajectory) in zip(range(TRIED), starts(rival, around, duration, random), strict=False):
+        time = times_of(trajectory, band_of(around, trajectory))
+        tree = feasible_motion(rival.prepared.model.geometry, around.joint, trajectory, time)
+        if tree is None:
+            continue
+        plan = planned(rival, trajectory, time, tree, loads[i % len(loads)])
+        for one in asked:
+            current = foretold(one.truth, plan)
+            share = share_left(one, plan, current, separation(one, plan, current))
+            left[one.truth.request] = max(left[one.truth.request], share)
+    return tuple(name for name, share in left.items() if share < ALIKE)
+
+
+def _notes(rivals: Sequence[Rival]) -> list[str]:
+    """What the fits to the given data say against an effect already: a sign that cannot be."""
+    notes = []
+    for rival in rivals:
+        values, covariance = own_estimate(rival)
+        std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        at = 0
+        for instance in rival.own:
+            for parameter in instance.effect.parameters:
+                if parameter.positive and values[at] < -SURE * std[at]:
+                    where = f" at {instance.joint}" if instance.joint else ""
+                    notes.append(
+                        f"{begun(rival.name)} would need a negative {parameter.name}{where} "
+                        "to explain the given data, which cannot be: that speaks against it already."
+                    )
+                at += 1
+    return notes

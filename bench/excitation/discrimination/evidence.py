@@ -1,0 +1,53 @@
+"""What the given data say by themselves: whether an effect shows in them, and how loud the model's error is."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.excitation.discrimination.rival_models import Rival
+from bench.identification.standard_errors import residual_series, uncertainty
+from bench.residuals.motor import current_noise
+
+
+def own_estimate(rival: Rival) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters (k,) of the rival's own effect, and their covariance (k, k) as errors in a row are alike."""
+    size = len(rival.solution.theta)
+    first = size - sum(len(one.effect.parameters) for one in rival.own)
+    spread = uncertainty(rival.stack, rival.solution, "autocorrelated")
+    return rival.solution.theta[first:], spread.covariance[first:size, first:size]
+
+
+def shown_nats(rival: Rival) -> float:
+    """What the effect explains of the given data, in nats, less what it would explain of noise.
+
+    Half of Wald's statistic (1943) of its parameters, less half their number; 0 where that is negative.
+    """
+    values, covariance = own_estimate(rival)
+    lengths = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    known = lengths > 0.0
+    if not known.any():
+        return 0.0
+    scaled = values[known] / lengths[known]
+    alike = covariance[np.ix_(known, known)] / np.outer(lengths[known], lengths[known])
+    wald = float(scaled @ np.linalg.pinv(alike, rcond=1e-10, hermitian=True) @ scaled)
+    return max(0.5 * (wald - float(known.sum())), 0.0)
+
+
+def error_over_noise(rivals: Sequence[Rival]) -> float:
+    """RMS of the smallest error of these models over RMS of the currents' noise in the fit's band.
+
+    The noise is read off the spectra of the logged currents above the motion's band, as `bench diagnose` does.
+    0 where the currents have no noise.
+    """
+    return min(_over_noise(one) for one in rivals)
+
+
+def _over_noise(rival: Rival) -> float:
+    stack, prepared = rival.stack, rival.prepared
+    error = residual_series(stack, rival.solution)
+    ends = (*stack.starts[1:], len(error))
+    noise = 0.0
+    for measured, a, b in zip(prepared.measured, stack.starts, ends, strict=True):
+        variance = current_noise(measured.recording, prepared.settings) ** 2
+        noise += float((variance * stack.moving[a:b].sum(axis=0)).sum())
+    return float(np.sqrt(np.sum(error**2) / noise)) if noise > 0.0 else 0.0

@@ -1,0 +1,74 @@
+"""The motion that tells two effects apart, and where along it the two models differ."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from bench.basics.errors import BenchError
+from bench.document.figures.currents import DPI, STYLE
+from bench.document.numbers import effect_name
+from bench.excitation.discrimination.files import trajectory_table
+from bench.excitation.discrimination.motion_figures import RATE
+from bench.excitation.discrimination.result import Discrimination
+from bench.files.atomic import atomic_path
+
+COLOURS = ("#0072B2", "#D55E00")  # after Okabe and Ito
+MOVING = "#3A424C"
+BAND = "#9AA0A6"
+
+
+def discrimination_figure(found: Discrimination) -> Figure:
+    """A row a motor: its position, its speed, and what the other model cannot imitate, in noise deviations."""
+    if found.motion is None:
+        raise BenchError("there is no motion to draw")
+    joints = list(found.joints)
+    table = trajectory_table(found.motion.trajectory, joints, RATE)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11.5, 2.1 * len(joints) + 1.0), dpi=DPI, layout="constrained")
+        axes = figure.subplots(len(joints), 3, sharex=True, squeeze=False)
+        for j, (joint, unit) in enumerate(found.joints.items()):
+            length = "rad" if unit.startswith("N*m") else "m"
+            recorded = found.recorded[joint]
+            for column, (kind, low, high) in enumerate(
+                (("position", recorded.low, recorded.high), ("velocity", -recorded.speed, recorded.speed))
+            ):
+                one = axes[j, column]
+                one.axhspan(
+                    low,
+                    high,
+                    color=BAND,
+                    alpha=0.2,
+                    linewidth=0.0,
+                    label="recorded so far; at the right: the noise",
+                )
+                one.plot(table["time"], table[f"{kind}.{joint}"], color=MOVING, linewidth=1.1)
+                one.set_ylabel(f"{joint} [{length}{'/s' if column else ''}]")
+            axes[j, 2].set_ylabel(f"{joint}, current [σ of noise]")
+            axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0)
+            for asked, answer, colour in zip(found.questions, found.motion.answers, COLOURS, strict=False):
+                name = effect_name(asked.truth.request.replace(":", " at "))
+                axes[j, 2].plot(
+                    answer.time,
+                    np.where(answer.left[:, j] == 0.0, np.nan, answer.left[:, j]),  # no row at standstill
+                    color=colour,
+                    linewidth=1.0,
+                    label=f"if {name} is the truth",
+                )
+        for column, title in enumerate(("Position", "Velocity", "What the wrong model lacks")):
+            axes[0, column].set_title(title)
+            axes[-1, column].set_xlabel("time [s]")
+            axes[-1, column].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        figure.align_ylabels()
+        handles = [axes[0, 0].patches[0], *axes[0, 2].get_lines()]
+        figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
+    return figure
+
+
+def write_discrimination_figure(path: Path, found: Discrimination) -> None:
+    """Write `discrimination_figure` as a picture, whole or not at all."""
+    figure = discrimination_figure(found)
+    with atomic_path(path) as partial:
+        figure.savefig(partial)

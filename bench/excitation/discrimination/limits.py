@@ -1,0 +1,53 @@
+"""What a new motion may do: the robot's joint ranges, and the rates that its recordings have shown to be safe."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.excitation.discrimination.rival_models import Rival
+from bench.excitation.limits import Limits, limits_of
+from bench.signals.settings import signal_bands
+
+FASTER = 3.0  # times the highest frequency of the recorded motions
+ROOM = 1.1  # times the largest recorded current
+STROKE = 0.15  # of the recorded travel: in a smaller one encoders and sticking joints decide
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """All limits of a new motion. joint: ranges and distance from singular poses; velocity, acceleration,
+    current (n,): largest sizes; stroke (n,): smallest travel of a joint that moves; frequency Hz: of the fastest
+    harmonic; band Hz: of a fit to the given data.
+    """
+
+    joint: Limits
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    current: np.ndarray
+    stroke: np.ndarray
+    frequency: float
+    band: float
+
+
+def envelope(rival: Rival, widen: float) -> Envelope:
+    """The limits, those of the recordings times `widen`."""
+    prepared = rival.prepared
+    measured, recordings = prepared.measured, [one.recording for one in prepared.measured]
+    rate = recordings[0].rate
+    bands = signal_bands([one.position for one in recordings], [one.current for one in recordings], rate)
+    slowest = 1.0 / max(float(np.ptp(one.time)) for one in recordings)
+    return Envelope(
+        joint=limits_of(prepared.model.geometry),
+        velocity=widen * _largest([one.velocity for one in measured]),
+        acceleration=widen * _largest([one.acceleration for one in measured]),
+        current=widen * ROOM * _largest([one.current for one in recordings]),
+        stroke=STROKE * np.ptp(np.concatenate([one.position for one in recordings]), axis=0),
+        frequency=FASTER * max(bands.motion, slowest),
+        band=prepared.settings.band(rate),
+    )
+
+
+def _largest(series: Sequence[np.ndarray]) -> np.ndarray:
+    """Largest size of every column (n,) over all series (N, n)."""
+    return np.max([np.abs(one).max(axis=0) for one in series], axis=0)

@@ -1,0 +1,58 @@
+"""Motions in figures that can be compared."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.excitation.discrimination.result import MotionFacts
+from bench.identification.filtered import Measured
+from bench.scenario.trajectory import FourierTrajectory
+
+RATE = 200.0  # Hz: fine enough to count reversals
+SLOW = 0.01  # of the largest speed: wobbles below are no reversals
+
+
+def recorded_facts(measured: Sequence[Measured], joints: Sequence[str]) -> dict[str, MotionFacts]:
+    """What the recordings do, by joint."""
+    return {
+        joint: _facts(
+            [one.position[:, j] for one in measured],
+            [one.velocity[:, j] for one in measured],
+            [one.acceleration[:, j] for one in measured],
+            sum(float(np.ptp(one.time)) for one in measured),
+        )
+        for j, joint in enumerate(joints)
+    }
+
+
+def planned_facts(trajectory: FourierTrajectory, joints: Sequence[str]) -> dict[str, MotionFacts]:
+    """What a trajectory does, by joint."""
+    time = np.arange(int(trajectory.duration * RATE) + 1) / RATE
+    position, velocity, acceleration = trajectory.evaluate(time)
+    return {
+        joint: _facts([position[:, j]], [velocity[:, j]], [acceleration[:, j]], trajectory.duration)
+        for j, joint in enumerate(joints)
+    }
+
+
+def _facts(
+    position: Sequence[np.ndarray],
+    velocity: Sequence[np.ndarray],
+    acceleration: Sequence[np.ndarray],
+    seconds: float,
+) -> MotionFacts:
+    speed = max(float(np.abs(one).max()) for one in velocity)
+    count, turning = 0, []
+    for v, a in zip(velocity, acceleration, strict=True):
+        fast = np.flatnonzero(np.abs(v) > SLOW * speed)
+        turns = fast[:-1][np.diff(np.sign(v[fast])) != 0]
+        count += len(turns)
+        turning += np.abs(a[turns]).tolist()
+    return MotionFacts(
+        low=min(float(one.min()) for one in position),
+        high=max(float(one.max()) for one in position),
+        speed=speed,
+        acceleration=max(float(np.abs(one).max()) for one in acceleration),
+        reversals=count / seconds,
+        turning=float(np.median(turning)) if turning else 0.0,
+    )

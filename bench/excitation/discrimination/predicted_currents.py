@@ -1,0 +1,114 @@
+"""What currents a model foretells for a motion that nobody has made yet, and what another would see in them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.dataset.recording import Recording
+from bench.effects import EffectInstance, RobotSignals, effect_columns
+from bench.excitation.discrimination.rival_models import Rival
+from bench.identification.effect_columns import robot_signals
+from bench.identification.effect_rows import effect_rows
+from bench.identification.filtered import Measured, passive_rates
+from bench.identification.observation import Observation, observe
+from bench.identification.standstill import bridged, standstills
+from bench.model.motion import Motion
+from bench.scenario.trajectory import FourierTrajectory
+from bench.signals.decimation import BAND, decimate
+
+DECIMATION = 4  # samples of a planned motion for each row of the fit
+SETTLED, MOST_ROUNDS = 1e-6, 12  # of the current, where an effect depends on it
+STEP = 1e-3  # relative, for the derivative by a shape parameter
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A motion before it is made: its samples (N,), and the rows of the fit without any current."""
+
+    measured: Measured
+    rows: Observation
+
+    @property
+    def row_rate(self) -> float:
+        """Rows of the fit a second, Hz."""
+        return self.measured.recording.rate / DECIMATION
+
+
+def times_of(trajectory: FourierTrajectory, band: float) -> np.ndarray:
+    """Times (N,) s at which a planned motion is looked at, for a fit that sees up to `band` Hz."""
+    rate = DECIMATION * 2.0 * band / BAND
+    return np.arange(int(trajectory.duration * rate) + 1) / rate
+
+
+def planned(
+    rival: Rival, trajectory: FourierTrajectory, time: np.ndarray, tree: Motion, payload: str | None
+) -> Planned:
+    """The rows of a motion that carries a payload or none; time (N,) of `times_of`, tree: all joints then."""
+    position, velocity, acceleration = trajectory.evaluate(time)
+    current = np.zeros_like(position)
+    settings = replace(rival.prepared.settings, decimation=DECIMATION, border=(0, 0))
+    recording = Recording("planned", "identify", payload, time, position, current)
+    passive = passive_rates(rival.prepared.model.geometry, tree)
+    gaps = standstills(position, velocity, passive, recording.rate, settings.position_cutoff)
+    measured = Measured(recording, settings, time, position, velocity, acceleration, current, tree, gaps)
+    return Planned(measured, observe(rival.prepared.model, measured))
+
+
+def foretold(rival: Rival, plan: Planned) -> np.ndarray:
+    """Currents (N, n) that the model with its own effect foretells, drive unit, without noise.
+
+    Where an effect depends on the current itself, such as a delay, both are found in turn.
+    """
+    gains, effects = rival.present.gains, rival.prepared.effects
+    rigid = robot_signals(rival.prepared.model, plan.measured, rival.present).torque()
+    current = np.asarray(rigid / gains)
+    for _ in range(MOST_ROUNDS):
+        seen = _seen(rival, plan, current)
+        columns = np.concatenate([effect_columns(one, seen) for one in effects], axis=2)
+        before, current = current, np.asarray((rigid + columns @ rival.values) / gains)
+        if not rival.follows_current or np.abs(current - before).max() <= SETTLED * np.abs(current).max():
+            break
+    return current
+
+
+def rows_with(rival: Rival, plan: Planned, current: np.ndarray) -> tuple[Observation, np.ndarray]:
+    """What `rival` would see if these currents (N, n) were logged: its rows, and its tangents (M, n, k)."""
+    seen = _seen(rival, plan, current)
+    effects = effect_rows(seen, DECIMATION, rival.prepared.effects)
+    seen_current = decimate(bridged(current, plan.measured.gaps), DECIMATION)
+    rows = replace(plan.rows, current=seen_current, effects=effects)
+    return rows, tangents(rival, [seen], DECIMATION)
+
+
+def given_tangents(rival: Rival) -> np.ndarray:
+    """The tangents (M, n, k) over the given recordings, in the order of the stack."""
+    return tangents(rival, rival.prepared.signals, rival.prepared.settings.decimation)
+
+
+def tangents(rival: Rival, seen: Sequence[RobotSignals], decimation: int) -> np.ndarray:
+    """How the effects' torque changes with their continuous shape parameters, (M, n, k) N*m or N per unit."""
+    columns, at = [], 0
+    for instance in rival.prepared.effects:
+        values = rival.values[at : at + len(instance.effect.parameters)]
+        at += len(values)
+        for shape in instance.effect.shape:
+            if shape.discrete:
+                continue
+            step = STEP * (abs(instance.effect.shape_values()[shape.name]) or 1.0)
+            moved = [_moved(instance, shape.name, d) for d in (-step, step)]
+            low, high = (np.concatenate([effect_rows(one, decimation, [m]) for one in seen]) for m in moved)
+            columns.append((high - low) @ values / (2.0 * step))
+    if columns:
+        return np.stack(columns, axis=2)
+    rows = sum(len(effect_rows(one, decimation, [])) for one in seen)
+    return np.zeros((rows, len(seen[0].joints), 0))
+
+
+def _seen(rival: Rival, plan: Planned, current: np.ndarray) -> RobotSignals:
+    return robot_signals(rival.prepared.model, replace(plan.measured, current=current), rival.present)
+
+
+def _moved(instance: EffectInstance, name: str, step: float) -> EffectInstance:
+    value = instance.effect.shape_values()[name] + step
+    return replace(instance, effect=replace(instance.effect, **{name: value}))

@@ -1,0 +1,103 @@
+"""What a search for a telling motion says."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnosis.search import MATERIAL, NEEDED
+from bench.excitation.discrimination.limits import Envelope
+from bench.excitation.discrimination.search import Design
+from bench.excitation.discrimination.separation import Question
+
+LOUD = 3.0  # times the noise of the currents: an error that no right model makes
+
+
+@dataclass(frozen=True)
+class MotionFacts:
+    """One joint: lowest and highest position, largest speed and acceleration, rad or m and s; reversals a second;
+    acceleration at reversals, the smaller the slower the joint turns around.
+    """
+
+    low: float
+    high: float
+    speed: float
+    acceleration: float
+    reversals: float
+    turning: float
+
+
+@dataclass(frozen=True)
+class Discrimination:
+    """Which motion tells two effects apart.
+
+    effects: as they were named. error_over_noise: of the better of both models on the given data, RMS over RMS
+    of the currents' noise. shown: nats that each effect explains of the given data. nothing: whether neither
+    shows there, nor any motion promises that it would; there is no motion then. absorbed: those of them that
+    the model's own parameters take up, so that nothing can show them. imitated: those that the other effect
+    does everything of, whatever the motion. questions: one for each effect that is neither, and how the motion
+    answers them; given, promised: nats by the name of the effect that is taken for the true one. recorded,
+    planned: facts by joint. second: mass in kg of a second payload, and the nats that the same motion promises
+    with it. wider: factor on the limits, and nats.
+    """
+
+    robot: str
+    effects: tuple[str, str]
+    error_over_noise: float
+    shown: Mapping[str, float]
+    nothing: bool
+    joints: Mapping[str, str]
+    absorbed: tuple[str, ...]
+    imitated: tuple[str, ...]
+    questions: tuple[Question, ...]
+    envelope: Envelope
+    given_seconds: float
+    judged_rows: int
+    motion: Design | None
+    recorded: Mapping[str, MotionFacts]
+    planned: Mapping[str, MotionFacts]
+    second: tuple[float, float] | None
+    wider: tuple[float, float] | None
+    notes: tuple[str, ...]
+
+    @property
+    def model_is_wrong(self) -> bool:
+        """Whether the error is far above the noise with either effect: something else is missing."""
+        return self.error_over_noise > LOUD
+
+    @property
+    def given(self) -> Mapping[str, float]:
+        """Expected nats of the given data, by the effect that is taken for the true one."""
+        return {one.truth.request: one.given_nats for one in self.questions}
+
+    @property
+    def promised(self) -> Mapping[str, float]:
+        """The same of given data and new motion together."""
+        answers = () if self.motion is None else self.motion.answers
+        return {one.truth.request: answer.nats for one, answer in zip(self.questions, answers, strict=False)}
+
+    @property
+    def growth(self) -> float:
+        """By which share the wrong model's error is the larger, over given data not fitted and the new motion."""
+        if self.motion is None:
+            return 0.0
+        shares = [
+            2.0 * answer.nats * answer.memory / (self.judged_rows + answer.count)
+            for answer in self.motion.answers
+        ]
+        return float(np.sqrt(1.0 + min(shares)) - 1.0)
+
+    @property
+    def given_tells(self) -> bool:
+        """Whether the given data are enough already."""
+        if self.motion is None or self.judged_rows == 0:
+            return False
+        pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
+        shares = [2.0 * nats * answer.memory / self.judged_rows for nats, answer in pairs]
+        growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
+        return min(self.given.values()) >= NEEDED and growth >= MATERIAL
+
+    @property
+    def tells(self) -> bool:
+        """Whether the motion is enough for a verdict of `bench diagnose`."""
+        return bool(self.promised) and min(self.promised.values()) >= NEEDED and self.growth >= MATERIAL

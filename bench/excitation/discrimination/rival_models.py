@@ -1,0 +1,128 @@
+"""The two models between which given data cannot decide, each fitted to all of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.normal_equations import memory_in_rows
+from bench.effects import Effect, EffectInstance, effect_columns
+from bench.identification.compressed import Stack
+from bench.identification.effect_columns import PresentModel, robot_signals
+from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.identify import gains_can_be_fitted
+from bench.identification.nonlinear import present_model, settled
+from bench.identification.prepare import Prepared, prepare
+from bench.identification.solution import Solution
+from bench.identification.solve_only import solved_quickly
+from bench.identification.standard_errors import residual_series
+from bench.signals.settings import FilterSettings
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A model with one of the two effects. request: how the user named it; own: where the effect sits.
+
+    absorbed: the model's own parameters take the effect up, so that no data of this robot can show it.
+    follows_current: whether some effect's torque depends on the current that was logged.
+    """
+
+    request: str
+    prepared: Prepared
+    stack: Stack
+    solution: Solution
+    present: PresentModel
+    own: tuple[EffectInstance, ...]
+    absorbed: bool
+    follows_current: bool
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.own[0].effect.name
+
+    @property
+    def values(self) -> np.ndarray:
+        """Parameters (ne,) of all effects of the model, as in the last columns of phi."""
+        count = self.prepared.layout.effects
+        return np.asarray(self.solution.theta[len(self.solution.theta) - count :])
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What the better of two models leaves of the given currents.
+
+    weights (n,): one over the RMS of every motor's error, 1 / drive unit, in rows of the fit; row_rate Hz: how
+    many rows a second; memory s: how long errors are alike.
+    """
+
+    weights: np.ndarray
+    row_rate: float
+    memory: float
+
+
+def fit_rivals(
+    dataset: Dataset,
+    requests: tuple[str, str],
+    effects: Sequence[str],
+    filters: FilterSettings | Mapping[str, Any] | None,
+    catalogue: Mapping[str, Effect],
+) -> tuple[Rival, Rival]:
+    """Fit the model with either effect to all recordings, those for validation too.
+
+    requests: as EFFECT or EFFECT:PLACE; effects: what the model has beside. Raises BenchError for names that
+    are unknown, alike, or in the model already.
+    """
+    whole = replace(
+        dataset, recordings=tuple(replace(recording, use="identify") for recording in dataset.recordings)
+    )
+    if requests[0] == requests[1]:
+        raise BenchError(f"effect {requests[0]!r} is given twice: name two effects to tell apart")
+    first = _fitted(prepare(whole, (*effects, requests[0]), filters, catalogue=catalogue), requests[0])
+    settings = first.prepared.settings
+    second = _fitted(prepare(whole, (*effects, requests[1]), settings, catalogue=catalogue), requests[1])
+    return first, second
+
+
+def noise_of(rivals: tuple[Rival, Rival]) -> Noise:
+    """The noise of the currents, from the errors of the model that fits better."""
+    errors = [residual_series(one.stack, one.solution) for one in rivals]
+    sizes = [
+        float(np.sum((error * one.solution.weights) ** 2)) for error, one in zip(errors, rivals, strict=True)
+    ]
+    better = rivals[int(np.argmin(sizes))]
+    weights = np.max([one.solution.weights for one in rivals], axis=0)
+    series = residual_series(better.stack, better.solution) * weights
+    parts = np.split(series, better.stack.starts[1:])
+    prepared = better.prepared
+    row_rate = prepared.measured[0].recording.rate / prepared.settings.decimation
+    return Noise(weights, row_rate, memory_in_rows(parts) / row_rate)
+
+
+def _fitted(prepared: Prepared, request: str) -> Rival:
+    fit_gains = gains_can_be_fitted(prepared, None)
+    prepared = settled(prepared, fit_gains)
+    stack, solution = solved_quickly(prepared, fit_gains)
+    own = tuple(one for one in prepared.effects if one.request == request)
+    count = sum(len(one.effect.parameters) for one in own)  # requests come last
+    kept = identifiable_columns(stack, prepared.layout, fit_gains)
+    absorbed = not np.any(kept >= prepared.layout.size - count)
+    present = present_model(prepared, solution)
+    return Rival(
+        request, prepared, stack, solution, present, own, absorbed, _follows_current(prepared, present)
+    )
+
+
+def _follows_current(prepared: Prepared, present: PresentModel) -> bool:
+    """Whether other currents in the first recording would give other columns."""
+    if not any(one.effect.depends_on_model for one in prepared.effects):
+        return False
+    measured = prepared.measured[0]
+    columns = []
+    for factor in (1.0, 2.0):
+        seen = robot_signals(prepared.model, replace(measured, current=factor * measured.current), present)
+        columns.append(np.concatenate([effect_columns(one, seen) for one in prepared.effects], axis=2))
+    return not np.array_equal(columns[0], columns[1])

@@ -1,0 +1,195 @@
+"""Search for the motion that separates two models most, inside the limits."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.excitation.design import Movement, changed, drawn, feasible
+from bench.excitation.discrimination.limits import Envelope
+from bench.excitation.discrimination.predicted_currents import foretold, planned, times_of
+from bench.excitation.discrimination.rival_models import Rival
+from bench.excitation.discrimination.separation import Question, Separation, separation
+from bench.excitation.limits import feasible_motion
+from bench.scenario.trajectory import FourierTrajectory
+
+STARTS, STEPS = 40, 80  # random motions, the best of which is improved
+FIRST_SPREAD, LAST_SPREAD = 0.5, 0.05  # of a change, relative to a coefficient's size
+SPEEDS = (1.0, 1.0, 0.5, 0.2, 0.05)  # of the largest speed: some effects show in slow motion only
+HARMONICS = (2, 4, 8)
+LEAST_PERIODS = 1.0  # of the base frequency in a motion
+BAND = 2.5  # of a fit to the new motion, in units of its highest harmonic
+WORTH = 1.2  # times the evidence: what a payload must bring to be asked for
+LARGEST_RAMP = 1.0  # s
+FINE = 60.0  # samples a period of the highest harmonic, and a ramp
+SMALLEST_SPAN = 1e-3  # rad or m
+
+
+@dataclass(frozen=True)
+class Design:
+    """A motion, what it carries, and how it separates: one answer for each question that was asked."""
+
+    trajectory: FourierTrajectory
+    payload: str | None
+    answers: tuple[Separation, ...]
+
+    @property
+    def nats(self) -> float:
+        """The smaller of the answers."""
+        return min(one.nats for one in self.answers)
+
+
+def best_motion(
+    questions: Sequence[Question],
+    envelope: Envelope,
+    loads: Sequence[str | None],
+    duration: float,
+    seed: int,
+    progress: Progress = SILENT,
+) -> Design | None:
+    """The motion of `duration` s with the largest evidence, the smaller of all answers; None without any."""
+    random = np.random.default_rng(seed)
+    rivals = tuple({one.truth.request: one.truth for one in questions}.values())
+    best: tuple[Movement, Design] | None = None
+    progress.phase("trying random motions", STARTS)
+    for i, (movement, trajectory) in enumerate(starts(rivals[0], envelope, duration, random)):
+        progress.advance()
+        found = judged(questions, envelope, [loads[i % len(loads)]], trajectory)
+        if found is not None and (best is None or found.nats > best[1].nats):
+            best = movement, found
+    if best is None:
+        return None
+    movement, design = best
+    progress.phase("improving the best motion", STEPS)
+    for step in range(STEPS):
+        progress.advance()
+        spread = FIRST_SPREAD * (LAST_SPREAD / FIRST_SPREAD) ** (step / STEPS)
+        near, other = _varied(envelope, movement, design.trajectory, spread, random)
+        found = judged(questions, envelope, [design.payload], other)
+        if found is not None and found.nats > design.nats:
+            movement, design = near, found
+    return judged(questions, envelope, loads, design.trajectory) or design
+
+
+def band_of(envelope: Envelope, trajectory: FourierTrajectory) -> float:
+    """The band of a fit to the given data and this motion, Hz."""
+    return max(envelope.band, BAND * trajectory.harmonics * trajectory.base_frequency)
+
+
+def starts(
+    rival: Rival, envelope: Envelope, duration: float, random: np.random.Generator
+) -> Iterator[tuple[Movement, FourierTrajectory]]:
+    """Random motions about random centers: fast and slow, of all motors or of one alone."""
+    model = rival.prepared.model
+    geometry, limits = model.geometry, envelope.joint
+    home = geometry.home[geometry.active_configuration] + geometry.active_offset
+    n = len(home)
+    lowest = LEAST_PERIODS / duration
+    for i in range(STARTS):
+        harmonics = int(random.choice(HARMONICS))
+        highest = max(envelope.frequency / harmonics, lowest)
+        center = (
+            home
+            if i % 2
+            else home + random.uniform(0.1, 0.7) * (random.uniform(limits.low, limits.high) - home)
+        )
+        speed = SPEEDS[i % len(SPEEDS)] * envelope.velocity
+        movement = Movement(
+            name="discriminate",
+            fitted=True,
+            payload=None,
+            center=center,
+            span=np.maximum(np.minimum(limits.high - center, center - limits.low), SMALLEST_SPAN),
+            velocity=speed,
+            acceleration=envelope.acceleration,
+            harmonics=harmonics,
+            base_frequency=float(np.exp(random.uniform(np.log(lowest), np.log(highest)))),
+            duration=duration,
+            ramp=min(LARGEST_RAMP, duration / 4.0),
+            seed=0,
+        )
+        trajectory = drawn(movement, random)
+        if n > 1 and i % 3 == 2:  # one motor alone
+            alone = (np.arange(n) == random.integers(n))[:, None]
+            trajectory = replace(trajectory, a=trajectory.a * alone, b=trajectory.b * alone)
+        try:
+            found = feasible(model, limits, movement, trajectory, dense=True)
+        except BenchError:  # nothing fits about this center
+            continue
+        yield replace(movement, velocity=envelope.velocity), found
+
+
+def _varied(
+    envelope: Envelope,
+    movement: Movement,
+    trajectory: FourierTrajectory,
+    spread: float,
+    random: np.random.Generator,
+) -> tuple[Movement, FourierTrajectory]:
+    """A motion near another: other coefficients, another size, another center or another period."""
+    what = random.integers(4)
+    if what == 0:
+        trajectory = changed(trajectory, spread, random)
+    elif what == 1:
+        factor = np.exp(2.0 * spread * random.normal(size=(len(trajectory.center), 1)))
+        trajectory = replace(trajectory, a=trajectory.a * factor, b=trajectory.b * factor)
+    elif what == 2:
+        low, high = envelope.joint.low, envelope.joint.high
+        center = movement.center + 0.5 * spread * (high - low) * random.normal(size=len(low))
+        center = np.clip(center, low + SMALLEST_SPAN, high - SMALLEST_SPAN)
+        movement = replace(movement, center=center, span=np.minimum(high - center, center - low))
+        trajectory = replace(trajectory, center=center)
+    else:
+        frequency = movement.base_frequency * float(np.exp(2.0 * spread * random.normal()))
+        frequency = min(frequency, envelope.frequency / movement.harmonics)
+        frequency = max(frequency, LEAST_PERIODS / movement.duration)
+        movement = replace(movement, base_frequency=frequency)
+        trajectory = replace(trajectory, base_frequency=frequency)
+    return movement, _inside(movement, trajectory)
+
+
+def _inside(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
+    """Scaled down, joint by joint, to keep span, velocity and acceleration; at its smooth ends, too."""
+    rate = max(FINE * trajectory.harmonics * trajectory.base_frequency, FINE / trajectory.ramp)
+    time = np.linspace(0.0, trajectory.duration, int(rate * trajectory.duration) + 2)
+    position, velocity, acceleration = trajectory.evaluate(time)
+    shares = np.max(
+        [
+            np.abs(position - movement.center).max(axis=0) / movement.span,
+            np.abs(velocity).max(axis=0) / movement.velocity,
+            np.abs(acceleration).max(axis=0) / movement.acceleration,
+        ],
+        axis=0,
+    )
+    scale = 0.999 / np.maximum(shares, 0.999)[:, None]
+    return replace(trajectory, a=trajectory.a * scale, b=trajectory.b * scale)
+
+
+def judged(
+    questions: Sequence[Question],
+    envelope: Envelope,
+    loads: Sequence[str | None],
+    trajectory: FourierTrajectory,
+) -> Design | None:
+    """The motion with the load that separates best, a payload only where it is worth it; None outside the limits."""
+    first = questions[0].truth
+    time = times_of(trajectory, band_of(envelope, trajectory))
+    travel = np.ptp(trajectory.evaluate(time)[0], axis=0)
+    if np.any((travel > 0.0) & (travel < envelope.stroke)):
+        return None
+    tree = feasible_motion(first.prepared.model.geometry, envelope.joint, trajectory, time)
+    if tree is None:
+        return None
+    best: Design | None = None
+    for payload in loads:
+        plan = planned(first, trajectory, time, tree, payload)
+        currents = {one.truth.request: foretold(one.truth, plan) for one in questions}
+        if any(np.any(np.abs(i) > envelope.current) for i in currents.values()):
+            continue
+        answers = tuple(separation(one, plan, currents[one.truth.request]) for one in questions)
+        found = Design(trajectory, payload, answers)
+        if best is None or found.nats > (WORTH if best.payload is None else 1.0) * best.nats:
+            best = found
+    return best

@@ -1,0 +1,214 @@
+"""The answer in sentences."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from bench.diagnosis.motions import telling_motions
+from bench.diagnosis.search import MATERIAL, NEEDED
+from bench.diagnosis.summary import and_list, or_list
+from bench.effects.display_names import spoken
+from bench.excitation.discrimination.result import Discrimination, MotionFacts
+from bench.residuals.words import motor_words
+
+NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is sure"
+MUCH = 1.5  # times another figure: worth a word
+BEYOND = 0.05  # of the recorded travel: further out is elsewhere
+
+
+def sentences(found: Discrimination) -> list[str]:
+    """What the given data and the new motion can say, and what is different about the motion."""
+    return [*warnings(found), *_answer(found)]
+
+
+def warnings(found: Discrimination) -> list[str]:
+    """What makes the answer doubtful: a model that is known to be wrong."""
+    if not found.model_is_wrong:
+        return []
+    doubt = (
+        f"With either effect, the model's error is {_number(found.error_over_noise)} times the noise of the current: "
+        "something else is missing. Run bench diagnose first, and name what it finds with --with."
+    )
+    return [doubt]
+
+
+def next_step(found: Discrimination, dataset: str | Path, folder: str | Path) -> str | None:
+    """What to do with the answer that `folder` holds; None where there is nothing to do."""
+    if found.model_is_wrong:
+        return f"next: bench diagnose {dataset}, then this command again with what it finds (--with EFFECT)"
+    if found.motion is None:
+        return None
+    if found.given_tells:
+        return f"next: bench diagnose {dataset}"
+    return (
+        f"next: record {Path(folder) / 'trajectory.csv'} twice, add both logs with bench import (how: "
+        f"{Path(folder) / 'README.md'}), then bench diagnose {dataset}"
+    )
+
+
+def length_unit(found: Discrimination, joint: str) -> str:
+    """The unit of a motor's position: rad or m."""
+    return "rad" if found.joints[joint].startswith("N*m") else "m"
+
+
+def _answer(found: Discrimination) -> list[str]:
+    names = [_spoken(one) for one in found.effects]
+    if found.absorbed:
+        taken = and_list([_spoken(one) for one in found.absorbed])
+        verdict = (
+            f"No motion of this robot can tell {and_list(names)} apart: the model's own parameters take up {taken} "
+            "completely, whatever the motion, with these payloads."
+        )
+        return [verdict, *found.notes]
+    if not found.questions:
+        return [
+            f"No motion of this robot can tell {and_list(names)} apart: each does all that the other does.",
+            *found.notes,
+        ]
+    lines = [*found.notes, *(_imitated(found, one) for one in found.imitated)]
+    if found.nothing:
+        shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in found.shown.items()])
+        lines.append(
+            f"Neither effect shows in these data: they explain {shown}, where a verdict needs {NEEDED:g} ({NATS}). "
+            "No motion inside the limits would show the little that was fitted. There is nothing to tell apart. "
+            f"If one of them is suspected all the same, bring it out first: {or_list(telling_motions(_names(found)))}."
+        )
+        return lines
+    if max(found.shown.values()) < NEEDED:
+        lines.append(
+            "Neither effect shows for sure in these data: what follows is for effects as small as those fitted to them."
+        )
+    lines.append(
+        f"The given data, {found.given_seconds:.3g} s, can be expected to bring {_nats(found.given)}; a verdict needs "
+        f"{NEEDED:g} nats and an error that differs by {100 * MATERIAL:.3g} % ({NATS})."
+    )
+    if found.given_tells:
+        lines.append("That is enough: bench diagnose can tell them apart without a new motion.")
+    if found.motion is None:
+        lines.append(
+            f"No motion was found inside the limits. What could help: {or_list(telling_motions(_names(found)))}."
+        )
+        return lines
+    seconds = found.motion.trajectory.duration
+    lines.append(
+        f"This motion, {seconds:.3g} s{_carrying(found)}, raises that to {_nats(found.promised)}; the wrong "
+        f"model's error is then {_percent(found.growth)} larger than the right one's."
+    )
+    if not found.tells:
+        lines += _not_enough(found)
+    return lines + motion_words(found)
+
+
+def motion_words(found: Discrimination) -> list[str]:
+    """What the motion does that the recordings do not."""
+    if found.motion is None:
+        return []
+    said_of = []
+    moving = [joint for joint, facts in found.planned.items() if facts.high > facts.low]
+    if len(moving) == 1 < len(found.planned):
+        said_of.append(f"{motor_words(moving[0])} moves alone")
+    for joint in moving:
+        unit = length_unit(found, joint)
+        said_of += _joint_words(joint, unit, found.recorded[joint], found.planned[joint])
+    if found.motion.payload is not None:
+        said_of.append(f"it carries the payload {found.motion.payload}")
+    if not said_of:
+        return ["It differs from the recorded motions only in its course."]
+    return [f"What is different about it: {'; '.join(said_of)}."]
+
+
+def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> list[str]:
+    motor = motor_words(joint)
+    words = []
+    room = BEYOND * (old.high - old.low)
+    if new.low < old.low - room or new.high > old.high + room:
+        words.append(
+            f"{motor} works between {new.low:.3g} and {new.high:.3g} {unit}, where {old.low:.3g} to "
+            f"{old.high:.3g} {unit} was recorded"
+        )
+    if new.speed * MUCH < old.speed:
+        words.append(
+            f"{motor} moves slowly, at {new.speed:.2g} {unit}/s at most where {old.speed:.2g} {unit}/s was "
+            "recorded"
+        )
+    elif new.speed > MUCH * old.speed:
+        words.append(
+            f"{motor} moves faster, up to {new.speed:.2g} {unit}/s where {old.speed:.2g} {unit}/s was recorded"
+        )
+    if new.turning * MUCH < old.turning:
+        words.append(f"it reverses slowly at {joint}")
+    elif new.turning > MUCH * old.turning:
+        words.append(f"it reverses hard at {joint}")
+    if new.reversals > MUCH * old.reversals:
+        words.append(
+            f"{motor} reverses {new.reversals:.2g} times a second, {old.reversals:.2g} times in the recordings"
+        )
+    return words
+
+
+def _not_enough(found: Discrimination) -> list[str]:
+    """Why that is too little, and what would help."""
+    nats = min(found.promised.values())
+    lines = ["Inside these limits no motion was found that tells them apart for sure."]
+    if found.wider is not None and found.wider[1] > MUCH * nats:
+        factor, wide = found.wider
+        lines.append(
+            f"With speeds, accelerations and currents up to {factor:.3g} times the recorded ones "
+            f"(--widen {factor:.3g}) a motion as long promises {_number(wide)} nats."
+        )
+    if found.second is not None and found.second[1] > MUCH * nats:
+        mass, heavy = found.second
+        lines.append(
+            f"With a second payload of {mass:.3g} kg the same motion promises {_number(heavy)} nats."
+        )
+    if len(lines) == 1:
+        lines.append(
+            f"What could help: {or_list(telling_motions(_names(found)))}; less noise; or --duration."
+        )
+    return lines
+
+
+def _imitated(found: Discrimination, name: str) -> str:
+    other = next(one for one in found.effects if one != name)
+    return (
+        f"{_capital(_spoken(other))} can do all that {_spoken(name)} does, as a special case: data can only speak for "
+        f"{_spoken(other)}, and the simpler {_spoken(name)} is believed as long as they do not."
+    )
+
+
+def _nats(values: Mapping[str, float]) -> str:
+    return or_list([f"{_number(nats)} nats if {_spoken(name)} is the truth" for name, nats in values.items()])
+
+
+def _carrying(found: Discrimination) -> str:
+    if found.motion is None or found.motion.payload is None:
+        return " without a payload" if any(one for one in _loads(found)) else ""
+    return f" with {found.motion.payload}"
+
+
+def _loads(found: Discrimination) -> list[str]:
+    return [
+        one.recording.payload
+        for one in found.questions[0].truth.prepared.measured
+        if one.recording.payload is not None
+    ]
+
+
+def _names(found: Discrimination) -> list[str]:
+    return [one.partition(":")[0] for one in found.effects]
+
+
+def _spoken(request: str) -> str:
+    name, _, where = request.partition(":")
+    return f"{spoken(name)} at {where}" if where else spoken(name)
+
+
+def _number(nats: float) -> str:
+    return f"{nats:.0f}" if nats >= 100.0 else f"{nats:.2g}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,107 @@
+"""How much of what one model foretells another cannot imitate, fitted anew to old and new data together."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.excitation.discrimination.predicted_currents import Planned, given_tangents, rows_with
+from bench.excitation.discrimination.rival_models import Noise, Rival
+from bench.identification.compressed import Stack, stack_observations
+from bench.identification.solution import Solution
+from bench.identification.standard_errors import jacobian_series, residual_series
+
+DEPENDENT = 1e-10  # share of a column's length that counts as none
+
+
+@dataclass(frozen=True)
+class Question:
+    """Would data of a machine as `truth` says speak against `other`?
+
+    given (p + 1, p + 1): triangular factor of [Jacobian of `other`, what it does not foretell of `truth`] on the
+    given data, whitened, so that half its squares are nats.
+    """
+
+    truth: Rival
+    other: Rival
+    noise: Noise
+    given: np.ndarray
+
+    @property
+    def given_nats(self) -> float:
+        """Expected log-likelihood difference on the given data alone."""
+        return 0.5 * float(np.sum(_remainder(self.given) ** 2))
+
+
+@dataclass(frozen=True)
+class Separation:
+    """An answer to a question, for one motion.
+
+    nats: expected log-likelihood difference of given and new data together. left (M, n): what `other` cannot
+    imitate of the new motion, in deviations of a row's noise, at the times (M,) s. count: equations of the new
+    motion, as many as a fit to the given data makes of its duration; memory: how many of them count as one.
+    """
+
+    nats: float
+    left: np.ndarray
+    time: np.ndarray
+    count: float
+    memory: float
+
+
+def question(truth: Rival, other: Rival, noise: Noise) -> Question:
+    """Ask it; both models were fitted to the same rows."""
+    modelled = (truth.stack.phi @ truth.solution.theta + truth.stack.kappa) / truth.solution.gains
+    stack = replace(other.stack, current=modelled * other.stack.moving)
+    rows = _rows(stack, other.solution, given_tangents(other), noise.weights)
+    memory = max(1.0, noise.memory * noise.row_rate)
+    return Question(truth, other, noise, np.asarray(np.linalg.qr(rows / np.sqrt(memory), mode="r")))
+
+
+def separation(asked: Question, plan: Planned, current: np.ndarray) -> Separation:
+    """What the planned motion adds; current (N, n): what the truth foretells for it."""
+    other = asked.other
+    observation, curved = rows_with(other, plan, current)
+    stack = stack_observations([observation], other.prepared.layout, other.prepared.dataset.payloads)
+    memory = max(1.0, asked.noise.memory * plan.row_rate)
+    rows = _rows(stack, other.solution, curved, _weights(asked, plan)) / np.sqrt(memory)
+    left = _remainder(np.concatenate((asked.given, rows)))
+    new = left[len(asked.given) :].reshape(stack.current.shape)
+    nats = 0.5 * float(np.sum(left**2))
+    share = asked.noise.row_rate / plan.row_rate
+    count = float(stack.moving.sum()) * share
+    return Separation(nats, new * np.sqrt(memory), observation.time, count, max(1.0, memory * share))
+
+
+def share_left(asked: Question, plan: Planned, current: np.ndarray, answer: Separation) -> float:
+    """What the other model cannot imitate, as a share of what the truth's own effect does to the currents."""
+    observation, _ = rows_with(asked.truth, plan, current)
+    count = sum(len(one.effect.parameters) for one in asked.truth.own)
+    columns = observation.effects[:, :, observation.effects.shape[2] - count :]
+    values = asked.truth.values[len(asked.truth.values) - count :]
+    own = columns @ values / asked.truth.present.gains * observation.moving
+    size = float(np.linalg.norm(own * _weights(asked, plan)))
+    return float(np.linalg.norm(answer.left)) / size if size > 0.0 else 0.0
+
+
+def _weights(asked: Question, plan: Planned) -> np.ndarray:
+    """One over a row's noise (n,): white noise is less in a narrower band."""
+    return np.asarray(asked.noise.weights * np.sqrt(asked.noise.row_rate / plan.row_rate))
+
+
+def _rows(stack: Stack, solution: Solution, curved: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weighted rows (M n, p + 1): the Jacobian of the modelled current, and what is not modelled."""
+    phi = np.concatenate((stack.phi, curved * stack.moving[:, :, None]), axis=2)
+    theta = np.append(solution.theta, np.zeros(curved.shape[2]))
+    stack, solution = replace(stack, phi=phi), replace(solution, theta=theta)
+    columns = (jacobian_series(stack, solution), residual_series(stack, solution)[:, :, None])
+    rows = np.concatenate(columns, axis=2) * weights[:, None]
+    return np.asarray(rows.reshape(-1, rows.shape[2]))
+
+
+def _remainder(rows: np.ndarray) -> np.ndarray:
+    """What the other columns leave of the last one, (R,)."""
+    columns, right = rows[:, :-1], rows[:, -1]
+    norms = np.linalg.norm(columns, axis=0)
+    norms[norms == 0.0] = 1.0
+    scaled = columns / norms
+    return np.asarray(right - scaled @ np.linalg.lstsq(scaled, right, rcond=DEPENDENT)[0])

@@ -1,0 +1,80 @@
+"""What a planned movement must keep: joint ranges, and its distance from singular poses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.model.geometry import Geometry
+from bench.model.mobility import least_held, smallest_singular_values
+from bench.model.motion import Motion, motion_of
+from bench.model.states import active_ranges
+from bench.scenario.trajectory import FourierTrajectory
+
+MARGIN = 0.05  # of a joint's range, kept free at both ends
+AMPLIFICATION = 3.0  # times that of the home pose: passive for active speed
+HELD = 0.1  # of the smallest singular value of the closures by the passive joints at home: less is nearly singular
+LOOKED_AT = 64  # poses of a movement, those whose determinant is smallest
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Active joint positions as logged, low and high (n,), the largest entry of the loop Jacobian, and the smallest
+    singular value of the closures by the passive joints.
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    amplification: float
+    held: float
+
+
+def limits_of(geometry: Geometry) -> Limits:
+    """The limits of a robot, from its joint ranges and its home pose."""
+    low, high = active_ranges(geometry)
+    low, high = low + geometry.active_offset, high + geometry.active_offset
+    margin = MARGIN * (high - low)
+    home = geometry.home[geometry.active_configuration] + geometry.active_offset
+    if np.any(home < low) or np.any(home > high):
+        raise BenchError(f"robot {geometry.robot.name}: its home pose lies outside its joint ranges")
+    zero = np.zeros((1, len(home)))
+    at_home = motion_of(geometry, np.zeros(1), home[None], zero, zero)
+    largest = max(1.0, float(np.abs(at_home.jacobian).max()))
+    held = float(smallest_singular_values(geometry, geometry.home[None])[0]) if geometry.closed else 0.0
+    return Limits(
+        np.minimum(low + margin, home), np.maximum(high - margin, home), AMPLIFICATION * largest, HELD * held
+    )
+
+
+def keeps_clear(geometry: Geometry, limits: Limits, motion: Motion) -> bool:
+    """Whether a motion keeps its distance from poses in which the loops come loose, slow ones included.
+
+    Where the rods of a five-bar are in line no joint need move fast, and yet the rods can turn either way.
+    """
+    if not geometry.closed:
+        return True
+    worst = motion.q[least_held(geometry, motion.q, LOOKED_AT)]
+    return bool(smallest_singular_values(geometry, worst).min() > limits.held)
+
+
+def feasible_motion(
+    geometry: Geometry,
+    limits: Limits,
+    trajectory: FourierTrajectory,
+    time: np.ndarray,
+    near: Motion | None = None,
+) -> Motion | None:
+    """The motion at the times (N,) if it keeps the limits, None otherwise.
+
+    near: of nearly this trajectory at the same times; a closure is found sooner from there.
+    """
+    position, velocity, acceleration = trajectory.evaluate(time)
+    if np.any(position < limits.low) or np.any(position > limits.high):
+        return None
+    try:
+        motion = motion_of(geometry, time, position, velocity, acceleration, near=near)
+    except BenchError:
+        return None
+    if np.abs(motion.jacobian).max() > limits.amplification:
+        return None
+    return motion

@@ -1,0 +1,70 @@
+"""The movements of a scenario, designed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from bench.basics.progress import SILENT, Progress
+from bench.dataset.robot import Robot
+from bench.excitation.design import Designed, Movement, design_trajectories
+from bench.scenario.scenario import Scenario, design_center, payload_declared, per_joint
+from bench.scenario.tables import RecordingTable
+from bench.scenario.trajectory import FourierTrajectory
+
+
+def designer(
+    scenario: Scenario, recordings: Sequence[RecordingTable], progress: Progress = SILENT
+) -> dict[str, FourierTrajectory]:
+    """Trajectories for the recordings of a scenario that ask for an optimised one, by recording name."""
+    movements = tuple(_movement(scenario, recording) for recording in recordings)
+    return dict(_designed(_Request(scenario.robot, _Key(movements), progress)).trajectories)
+
+
+class _Key(tuple[Movement, ...]):
+    """Movements, compared by what they print: arrays do not hash."""
+
+    def __hash__(self) -> int:
+        return hash(repr(tuple(self)))
+
+    def __eq__(self, other: object) -> bool:
+        return repr(self) == repr(other)
+
+
+@dataclass(frozen=True)
+class _Request:
+    """What is designed; requests of which only the progress differs are the same."""
+
+    robot: Robot
+    movements: _Key
+    progress: Progress = field(compare=False)
+
+
+@lru_cache(maxsize=64)
+def _designed(request: _Request) -> Designed:
+    return design_trajectories(request.robot, request.movements, request.progress)
+
+
+def _movement(scenario: Scenario, recording: RecordingTable) -> Movement:
+    design, robot = recording.design, scenario.robot
+    assert design is not None
+    limit = np.inf if design.acceleration_limit is None else design.acceleration_limit
+    span, velocity, acceleration = (
+        per_joint(x, robot.joints) for x in (design.span, design.velocity_limit, limit)
+    )
+    table = None if recording.payload is None else scenario.settings.payloads[recording.payload]
+    return Movement(
+        name=recording.name,
+        fitted=recording.use == "identify",
+        payload=None if table is None else payload_declared(str(recording.payload), table),
+        center=design_center(robot, design),
+        span=span,
+        velocity=velocity,
+        acceleration=acceleration,
+        harmonics=design.harmonics,
+        base_frequency=design.base_frequency,
+        duration=design.duration,
+        ramp=design.ramp,
+        seed=design.seed,
+    )

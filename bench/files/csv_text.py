@@ -1,0 +1,151 @@
+"""The text of a CSV file: its header, its dialect, and where a row or a cell stands in it.
+
+Numbers are read elsewhere and fast; this module answers which line an editor shows for a row, and what is
+written there, and it is asked only when something is wrong.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+
+DELIMITERS = ",;\t"
+FOREIGN = {
+    b"PAR1": "a Parquet file",
+    b"PK\x03\x04": "an Excel workbook or a zip archive",
+    b"MATLAB 5.0": "a MATLAB file",
+    b"\x89HDF": "an HDF5 file (MATLAB 7.3 writes them)",
+    b"\x93NUMPY": "a NumPy file",
+    b"\xff\xfe": "UTF-16 text: save it as UTF-8",
+    b"\xfe\xff": "UTF-16 text: save it as UTF-8",
+}
+
+
+@dataclass(frozen=True)
+class CsvText:
+    """A file `path`: the `names` of its header, and `body`, the text after it, from line `first_line` on."""
+
+    path: Path
+    names: tuple[str, ...]
+    body: str
+    first_line: int
+    delimiter: str
+    decimal_comma: bool
+
+    def line(self, row: int) -> int:
+        """Line of data row `row` (0 is the first) as an editor counts, the file's first line being 1."""
+        return self._rows[row][0]
+
+    def cell(self, row: int, column: int) -> str:
+        """What is written in a cell, without the spaces around it."""
+        return self._rows[row][1][column].strip()
+
+    def first_text(self, column: int, rows: range) -> tuple[int, str] | None:
+        """Row and content of the first cell of a column that is no number, None where all of these rows are."""
+        for row in rows:
+            cell = self.cell(row, column)
+            try:
+                if cell:
+                    self.number(cell)
+            except ValueError:
+                return row, cell
+        return None
+
+    def floats(self, column: int, rows: range, otherwise: float | None = None) -> list[float]:
+        """Some rows of a column in spellings that only Python reads, such as +1.5; empty cells are NaN.
+
+        otherwise: what stands for text. Raises ValueError for text without it.
+        """
+        return [self._float(self.cell(row, column), otherwise) for row in rows]
+
+    def _float(self, cell: str, otherwise: float | None) -> float:
+        if not cell:
+            return float("nan")
+        try:
+            return self.number(cell)
+        except ValueError:
+            if otherwise is None:
+                raise
+            return otherwise
+
+    def number(self, cell: str) -> float:
+        """The number that a cell spells; ValueError for text."""
+        return float(cell.replace(",", ".") if self.decimal_comma else cell)
+
+    def ragged(self) -> str | None:
+        """What is wrong with the first line that has more or fewer values than the header has names."""
+        for line, cells in self._rows:
+            if len(cells) != len(self.names):
+                comma = len(cells) > len(self.names) and self.delimiter == ","
+                hint = " (decimal commas? then separate the values by semicolons)" if comma else ""
+                return f"line {line}: has {len(cells)} values, the header names {len(self.names)}{hint}"
+        return None
+
+    @cached_property
+    def _rows(self) -> list[tuple[int, list[str]]]:
+        """Line number and cells of each line that is not blank, as the fast reader counts them."""
+        reader = csv.reader(io.StringIO(self.body, newline=""), delimiter=self.delimiter)
+        rows = []
+        start = self.first_line
+        try:
+            for cells in reader:
+                if cells:
+                    rows.append((start, cells))
+                start = self.first_line + reader.line_num
+        except csv.Error as error:
+            raise BenchError(f"{self.path}: line {start}: {error} (a quotation mark left open?)") from error
+        return rows
+
+
+def decoded(path: Path, content: bytes) -> str:
+    """The text of a file; BenchError where it is none, with what it is instead or the line that is not UTF-8."""
+    for magic, kind in FOREIGN.items():
+        if content.startswith(magic):
+            raise BenchError(f"{path}: is {kind}, not a CSV text")
+    if b"\x00" in content:
+        raise BenchError(f"{path}: is not a text file (zero byte at offset {content.index(0)})")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise BenchError(f"{path}: line {line}: is not UTF-8 text") from error
+
+
+def split_csv(path: Path, content: bytes) -> CsvText:
+    """Find header, delimiter and decimal sign of a CSV file.
+
+    Errors: BenchError when the content is not a text with a header line.
+    """
+    text = decoded(path, content)
+    opening = re.match(r"\s*", text)
+    start = opening.end() if opening else 0
+    header, end, body = re.split(r"(\r\n|\n|\r|\Z)", text[start:], maxsplit=1)
+    first_line = text[:start].count("\n") + 2
+    delimiter = max(DELIMITERS, key=header.count)
+    try:
+        names = tuple(name.strip() for name in next(csv.reader([header], delimiter=delimiter), []))
+    except csv.Error as error:
+        raise BenchError(f"{path}: line {first_line - 1}: is not a CSV header: {error}") from error
+    if not names:
+        raise BenchError(f"{path}: the file is empty")
+    if all(is_number(name.replace(",", ".")) for name in names):
+        raise BenchError(f"{path}: line {first_line - 1}: has no header line that names the columns")
+    first_row = body.lstrip().split("\n", 1)[0]
+    return CsvText(
+        path, names, body if end else "", first_line, delimiter, delimiter != "," and "," in first_row
+    )
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell spells a number, with a point for the decimals."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

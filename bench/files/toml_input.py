@@ -1,0 +1,116 @@
+"""Reading a TOML file that a user wrote: validated by a pydantic model, refused in one line."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from bench.basics.errors import BenchError
+
+
+class UserTable(BaseModel):
+    """Base of every table that users write: an unknown key is an error, values are frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Table = TypeVar("Table", bound=UserTable)
+
+
+def read_toml(path: Path, table: type[Table]) -> Table:
+    """Read `path` and validate it against `table`.
+
+    Raises BenchError, one line with the file and the key, if the file cannot be read,
+    is no TOML, or does not fit the table.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise BenchError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise BenchError(f"{path}: not UTF-8 text (byte {error.start})") from error
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BenchError(f"{path}: not valid TOML: {one_line(error)}") from error
+    try:
+        return table.model_validate(content)
+    except ValidationError as error:
+        line = line_of(text, mistakes_of(error)[0]["loc"])
+        where = str(path) if line is None else f"{path}, line {line}"
+        raise BenchError(f"{where}: {first_mistake(error)}") from error
+
+
+def line_of(text: str, location: tuple[int | str, ...]) -> int | None:
+    """The line of TOML, counted from one, on which a key of this location stands, or its table; None if unsure."""
+    wanted = [str(part) for part in location]
+    here: list[str] = []
+    counts: dict[str, int] = {}
+    best: tuple[int, int] | None = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        header = re.match(r"\s*(\[\[?)\s*([\w.\"'-]+)\s*\]", line)
+        key = re.match(r"\s*([\w.\"'-]+)\s*=", line)
+        if header:
+            name = header.group(2).replace('"', "").replace("'", "")
+            counts[name] = counts.get(name, -1) + 1
+            here = [*name.split("."), *([str(counts[name])] if header.group(1) == "[[" else [])]
+            found = here
+        elif key:
+            found = [*here, *key.group(1).replace('"', "").replace("'", "").split(".")]
+        else:
+            continue
+        if wanted[: len(found)] == found and (best is None or len(found) > best[0]):
+            best = len(found), number
+    return best[1] if best else None
+
+
+def mistakes_of(error: ValidationError) -> list[Any]:
+    """The mistakes of a pydantic validation, an unknown key first: it is usually the missing one, misspelt."""
+    return sorted(error.errors(include_url=False), key=lambda m: m["type"] != "extra_forbidden")
+
+
+def first_mistake(error: ValidationError) -> str:
+    """The first mistake of a pydantic validation as "key: what is wrong, got value", in one line.
+
+    An unknown key goes before a missing one.
+    """
+    mistakes = mistakes_of(error)
+    first = mistakes[0]
+    text = f"{key_name(first['loc'])}: {_explain(first['type'], first['msg'])}"
+    if first["type"] not in ("missing", "extra_forbidden"):
+        text += f", got {_shorten(first['input'])}"
+    if len(mistakes) > 1:
+        text += f"; and {len(mistakes) - 1} more, such as {key_name(mistakes[1]['loc'])}"
+    return one_line(text)
+
+
+def key_name(location: tuple[int | str, ...]) -> str:
+    """A pydantic location as a user counts it: ("actuators", 1, "gain") -> "actuators[1].gain"."""
+    name = ""
+    for part in location:
+        name += f"[{part}]" if isinstance(part, int) else f".{part}" if name else part
+    return name or "top level"
+
+
+def one_line(text: object) -> str:
+    """Any text, with its line breaks folded into single spaces."""
+    return " ".join(str(text).split())
+
+
+def _explain(kind: str, message: str) -> str:
+    if kind == "missing":
+        return "missing"
+    if kind == "extra_forbidden":
+        return "unknown key"
+    if kind in ("tuple_type", "list_type"):
+        return "should be an array"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return "should be a table"
+    return message.removeprefix("Value error, ").replace("Input should", "should")
+
+
+def _shorten(value: Any, limit: int = 60) -> str:
+    text = repr(value)
+    return text if len(text) <= limit else text[: limit - 3] + "..."

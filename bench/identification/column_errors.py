@@ -1,0 +1,44 @@
+"""How large the errors of the observation matrix's columns are: noise carried through the model."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.dataset.recording import Recording
+from bench.signals.decimation import noise_bandwidth
+from bench.signals.settings import FilterSettings, signal_bands
+
+SEED = 20120603
+
+Columns = Callable[[Recording], tuple[np.ndarray, np.ndarray]]
+
+
+def column_errors(recordings: Sequence[Recording], settings: FilterSettings, columns: Columns) -> np.ndarray:
+    """Expected inner products (n, p + 2, p + 2) of the errors of [phi, kappa, current], motor by motor.
+
+    The noise of positions and currents is read off the spectra above the band of the motion, taken as white.
+    As much noise once more is added to the positions, with a fixed seed; what it changes in the columns
+    stands for what the measured noise did. `columns` gives phi (M, n, p) and kappa (M, n) of a recording.
+    """
+    random = np.random.default_rng(SEED)
+    parts = []
+    for recording in recordings:
+        rate = recording.rate
+        bands = signal_bands([recording.position], [recording.current], rate)
+        phi, kappa = columns(recording)
+        phi_shaken, kappa_shaken = columns(shaken(recording, bands.position_noise, random))
+        change = np.concatenate((phi_shaken - phi, (kappa_shaken - kappa)[:, :, None]), axis=2)
+        samples, n, size = change.shape
+        errors = np.zeros((n, size + 1, size + 1))
+        errors[:, :size, :size] = np.einsum("kjp,kjq->jpq", change, change)
+        variance = bands.current_noise * rate / 2 * noise_bandwidth(settings.decimation)
+        errors[:, size, size] = samples * variance
+        parts.append(errors)
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def shaken(recording: Recording, density: np.ndarray, random: np.random.Generator) -> Recording:
+    """The recording with white noise of this density (n,), rad2/Hz or m2/Hz, added to its positions."""
+    noise = np.sqrt(density * recording.rate / 2) * random.normal(size=recording.position.shape)
+    return replace(recording, position=recording.position + noise)

@@ -1,0 +1,71 @@
+"""The fitted recordings as one over-determined system, compressed by QR without loss."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.dataset.payload import Payload
+from bench.identification.layout import ParameterLayout, known_rows, regressor_rows
+from bench.identification.observation import Observation
+from bench.model.motion import blocks_of
+
+BLOCK = 65536  # rows that are compressed together, at most
+
+
+@dataclass(frozen=True)
+class Stack:
+    """All rows of the fit: diag(v) g = Phi theta + kappa (equation 11), M samples of n motors.
+
+    Rows of a joint at standstill are zero and `moving` (M, n) is False there.
+    phi (M, n, p) torque or force for each unit of theta; kappa (M, n) torque of the known payload
+    parameters; current (M, n); starts: the first row of every recording. factors (n, p + 2, p + 2): for every
+    motor the triangular factor of [phi, kappa, current], which has the same inner products.
+    """
+
+    phi: np.ndarray
+    kappa: np.ndarray
+    current: np.ndarray
+    moving: np.ndarray
+    starts: tuple[int, ...]
+    factors: np.ndarray
+
+    @property
+    def scaled(self) -> bool:
+        """Whether a known payload gives the scale, so that the drive gains can be identified."""
+        return bool(np.any(self.kappa))
+
+
+def stack_observations(
+    observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
+) -> Stack:
+    """Put the equations of several recordings under each other."""
+    moving = np.concatenate([one.moving for one in observations])
+    phi = np.concatenate([regressor_rows(one, layout) for one in observations]) * moving[:, :, None]
+    kappa = np.concatenate([known_rows(one, payloads) for one in observations]) * moving
+    current = np.concatenate([one.current for one in observations]) * moving
+    lengths = [len(one.time) for one in observations]
+    starts = tuple(int(start) for start in np.cumsum([0, *lengths[:-1]]))
+    return Stack(phi, kappa, current, moving, starts, compress(phi, kappa, current))
+
+
+def compress(phi: np.ndarray, kappa: np.ndarray, current: np.ndarray) -> np.ndarray:
+    """Triangular factors (n, p + 2, p + 2) of [phi, kappa, current], motor by motor."""
+    samples, n, p = phi.shape
+    factors = np.zeros((n, p + 2, p + 2))
+    for rows in blocks_of(samples, BLOCK):
+        part = np.concatenate((phi[rows], kappa[rows, :, None], current[rows, :, None]), axis=2)
+        if rows.start:
+            part = np.concatenate((factors.swapaxes(0, 1), part))
+        factors = triangular_factors(part)
+    return factors
+
+
+def triangular_factors(columns: np.ndarray) -> np.ndarray:
+    """Triangular factors (n, k, k) of columns (M, n, k), motor by motor."""
+    size = columns.shape[2]
+    factors = np.zeros((columns.shape[1], size, size))
+    for j in range(columns.shape[1]):
+        factor = np.linalg.qr(columns[:, j], mode="r")
+        factors[j, : len(factor)] = factor
+    return factors

@@ -1,0 +1,83 @@
+"""The estimator that minimises the error of the measured current itself.
+
+Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then stands where it arises,
+on the left side, whatever the gains; the problem is bilinear and solved by Gauss-Newton steps on the
+compressed factors.
+"""
+
+import numpy as np
+
+from bench.identification.compressed import Stack
+from bench.identification.solution import Solution, scaled_lstsq
+
+REWEIGHTINGS = 3
+MOST_STEPS = 50
+CONVERGED = 1e-12
+NEARLY = 1e-9  # as long as the weights are not the last ones
+
+
+def current_error(stack: Stack, start: Solution) -> Solution:
+    """Minimise sum_j w_j^2 |v_j - (Phi_j theta + kappa_j) / g_j|^2 from a starting solution.
+
+    The weights are one over each motor's current error. Without a known payload (start.gains_fitted is
+    False) the gains stay as they are and the problem is linear.
+    """
+    theta, gains, rows = start.theta, start.gains, len(stack.current)
+    weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
+    for converged in (NEARLY,) * (REWEIGHTINGS - 1) + (CONVERGED,):
+        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged)
+        weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
+    return Solution(theta, gains, weights, "current", start.gains_fitted)
+
+
+def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:
+    """Sum of squares of every motor's current error, (n,), from factors (n, r, p + 2) of [phi, kappa, current]."""
+    p = len(theta)
+    modelled = (factors[:, :, :p] @ theta + factors[:, :, p]) / gains[:, None]
+    return np.asarray(((factors[:, :, p + 1] - modelled) ** 2).sum(axis=1))
+
+
+def minimised(
+    factors: np.ndarray,
+    theta: np.ndarray,
+    gains: np.ndarray,
+    weights: np.ndarray,
+    fit_gains: bool,
+    converged: float = CONVERGED,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share."""
+    n, r, p = factors.shape[0], factors.shape[1], len(theta)
+    squares = weights**2
+    cost = float(squared_errors(factors, theta, gains) @ squares)
+    for _ in range(MOST_STEPS):
+        scaled = factors * (weights / gains)[:, None, None]
+        phi = scaled[:, :, :p]
+        modelled = phi @ theta + scaled[:, :, p]
+        residual = factors[:, :, p + 1] * weights[:, None] - modelled
+        jacobian = np.zeros((n, r, p + (n if fit_gains else 0)))
+        jacobian[:, :, :p] = phi
+        if fit_gains:
+            jacobian[np.arange(n), :, p + np.arange(n)] = -modelled / gains[:, None]
+        step = scaled_lstsq(jacobian.reshape(n * r, -1), residual.reshape(-1))
+        change = np.append(step[p:] / gains, 0.0) if fit_gains else np.zeros(1)
+        share = 1.0 / max(1.0, 2.0 * float(np.abs(change).max()))
+        while share > 1e-6:
+            new_theta = theta + share * step[:p]
+            new_gains = gains + share * step[p:] if fit_gains else gains
+            new_cost = float(squared_errors(factors, new_theta, new_gains) @ squares)
+            if new_cost <= cost * (1 + 1e-12):
+                break
+            share /= 2.0
+        else:
+            return theta, gains
+        settled = cost - new_cost <= converged * cost and share == 1.0
+        theta, gains, cost = new_theta, new_gains, new_cost
+        if settled:
+            break
+    return theta, gains
+
+
+def _floor(stack: Stack, rms: np.ndarray) -> np.ndarray:
+    """No weight grows beyond what a perfect fit in double precision gives."""
+    largest = np.sqrt((stack.current**2).mean(axis=0).max())
+    return np.asarray(np.maximum(rms, 1e-9 * largest + np.finfo(float).tiny))

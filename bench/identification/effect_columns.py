@@ -1,0 +1,168 @@
+"""What effects may know of a recording, and of the model as it is at present."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, partial
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.payload import Payload
+from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
+from bench.effects.signals import AskedWithinError
+from bench.identification.filtered import Measured
+from bench.identification.payload_parameters import payload_columns
+from bench.identification.perturbed_observation import perturbed_rows
+from bench.model.geometry import Geometry
+from bench.model.model import IdentificationModel
+from bench.model.motion import Motion, motion_of
+from bench.model.regressor import payload_transform, projected_regressor
+
+
+@dataclass(frozen=True)
+class PresentModel:
+    """The model that effects are linearised about.
+
+    gains (n,) N*m or N per drive unit; base (nb,) base parameters; payloads: all ten standard parameters of
+    each payload in the tool frame; declared: the known ones of them, the others zero; speeds (n,): RMS speed
+    of every active joint over the fitted recordings; effects: those of the model with their parameters (p,).
+    """
+
+    gains: np.ndarray
+    base: np.ndarray
+    payloads: Mapping[str, np.ndarray]
+    declared: Mapping[str, np.ndarray]
+    speeds: np.ndarray
+    effects: tuple[tuple[EffectInstance, np.ndarray], ...] = ()
+
+
+def declared_parameters(payloads: Mapping[str, Payload]) -> dict[str, np.ndarray]:
+    """The known standard parameters (10,) of every payload, zero where unknown."""
+    return {name: payload_columns(payload).known for name, payload in payloads.items()}
+
+
+def robot_signals(model: IdentificationModel, measured: Measured, present: PresentModel) -> RobotSignals:
+    """One recording as effects see it."""
+    payload = measured.recording.payload
+    rate = measured.recording.rate
+    kinds = {joint.name: joint.kind for joint in model.geometry.joints}
+
+    adding = False
+
+    def needed_at(j: int) -> np.ndarray:
+        if adding:
+            raise AskedWithinError
+        return needed()[:, j]
+
+    joints = {
+        actuator.joint: JointSignals(
+            time=measured.time - measured.recording.began,
+            position=measured.position[:, j],
+            velocity=measured.velocity[:, j],
+            acceleration=measured.acceleration[:, j],
+            current=measured.current[:, j],
+            gain=float(present.gains[j]),
+            speed=float(present.speeds[j]),
+            rate=rate,
+            band=measured.settings.band(rate),
+            rotates=kinds[actuator.joint] != "slide",
+            needs=partial(needed_at, j),
+        )
+        for j, actuator in enumerate(model.geometry.robot.actuators)
+    }
+
+    def torque(
+        position: np.ndarray | None = None,
+        velocity: np.ndarray | None = None,
+        acceleration: np.ndarray | None = None,
+        *,
+        gravity: np.ndarray | None = None,
+        geometry: Geometry | None = None,
+        every: int = 1,
+    ) -> np.ndarray:
+        columns, parameters = model.base.columns, present.base
+        tool = model.geometry.tool if geometry is None else geometry.tool
+        if payload is not None and tool is not None:
+            columns = np.concatenate((columns, model.payload_columns))
+            parameters = np.concatenate((parameters, payload_transform(tool) @ present.payloads[payload]))
+        active = (position, velocity, acceleration)
+        rows = perturbed_rows(model, measured, columns, active, gravity, geometry, every)
+        return np.asarray(rows @ parameters)
+
+    def carried() -> np.ndarray:
+        if payload is None:
+            return np.zeros_like(measured.current)
+        return _carried(model, model.geometry, measured.tree, present.declared[payload])
+
+    @cache
+    def needed() -> np.ndarray:
+        nonlocal adding
+        total = signals.refined(signals.coarse.torque)
+        adding = True
+        try:
+            for instance, values in present.effects:
+                if instance.effect.before_torque:
+                    continue
+                try:
+                    total = total + effect_columns(instance, signals) @ values
+                except AskedWithinError:  # it is made of this very torque
+                    continue
+        finally:
+            adding = False
+        return total
+
+    mass = 0.0 if payload is None else float(present.declared[payload][0])
+    log = measured.recording.log
+    offsets = _encoder_offsets(present, log)
+    signals = RobotSignals(
+        joints,
+        model.geometry,
+        lambda: _moved(model, measured, offsets),
+        payload,
+        mass,
+        carried,
+        torque,
+        measured.gaps,
+        offsets=offsets,
+        log=log,
+        lasting=measured.kept,
+    )
+    return signals
+
+
+def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
+    """Of the present model's encoders in a recording, by joint."""
+    offsets: dict[str, float] = {}
+    for one, values in present.effects:
+        if offset := one.share(log) * one.effect.position_offset(values):
+            offsets[one.joint] = offsets.get(one.joint, 0.0) + offset
+    return offsets
+
+
+def _moved(model: IdentificationModel, measured: Measured, offsets: Mapping[str, float]) -> Motion:
+    """The motion where the encoders have these offsets; as measured where the loops cannot be closed there."""
+    shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
+    if not shift.any():
+        return measured.tree
+    position = measured.position - shift
+    try:
+        return motion_of(
+            model.geometry,
+            measured.time,
+            position,
+            measured.velocity,
+            measured.acceleration,
+            near=measured.tree,
+        )
+    except BenchError:  # out of reach, or singular: an offset that no fit will keep
+        return measured.tree
+
+
+def _carried(
+    model: IdentificationModel, geometry: Geometry, tree: Motion, parameters: np.ndarray
+) -> np.ndarray:
+    """Torque (N, n) of a payload's standard parameters (10,) in the tool frame; none without a tool."""
+    if geometry.tool is None:
+        return np.zeros((len(tree.time), len(geometry.active)))
+    loads = projected_regressor(geometry, tree, model.payload_columns)
+    return np.asarray(loads @ (payload_transform(geometry.tool) @ parameters))

@@ -1,0 +1,112 @@
+"""The columns of effects at the rate of the fit, each computed once."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.effects import ActuatorEffect, EffectInstance, RobotSignals
+from bench.effects.checked_columns import columns_at_motors
+from bench.effects.row_cache import KeptRows
+from bench.identification.standstill import bridged
+from bench.signals.decimation import decimate, decimated_indices
+
+FURTHEST = 5.0  # times its nodes: as far as an effect's columns are taken to follow a line
+TOGETHER = 8_000_000  # bytes of columns that are filtered together, at most
+
+
+def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
+    """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne)."""
+    samples, n = len(signals.time), len(signals.joints)
+    count = sum(len(one.effect.parameters) for one in effects)
+    rows = np.zeros((len(decimated_indices(samples, decimation)), n, count))
+    made_of = [_made_of(signals, one) for one in effects]
+    parts = iter(_kept_or_computed(signals, decimation, [part for one in made_of for part, _ in one]))
+    at = 0
+    for one, instance in zip(made_of, effects, strict=True):
+        own = rows[:, :, at : at + len(instance.effect.parameters)]
+        at += own.shape[2]
+        for _, share in one:
+            own += share * next(parts)
+    return rows
+
+
+def _made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[EffectInstance, float]]:
+    """Of whose columns an effect's are the sum, with their shares: of itself, or in a search of two about its nodes; of
+    none where its value is that of another recording.
+    """
+    if instance.recording:
+        share = instance.share(signals.log)
+        return [(one, share * own) for one, own in _made_of(signals, instance.everywhere())] if share else []
+    nodes = instance.effect.nodes(signals, instance.joint) if signals.expands else None
+    if nodes is None:
+        return [(instance, 1.0)]
+    ((name, value),) = instance.effect.about_values().items()
+    furthest = FURTHEST * nodes[1]
+    share = (float(np.clip(value, -furthest, furthest)) - nodes[0]) / (nodes[1] - nodes[0])
+    low, high = (replace(instance, effect=instance.effect.about({name: node})) for node in nodes)
+    return [(low, 1.0 - share), (high, share)]
+
+
+def _kept_or_computed(
+    signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]
+) -> list[np.ndarray]:
+    """The rows (M, n, k) of every effect as it is, computed only where they are not known yet."""
+    found: list[np.ndarray | None] = [_kept(signals, decimation, one) for one in effects]
+    missing = [i for i, rows in enumerate(found) if rows is None]
+    together: list[tuple[int, np.ndarray, np.ndarray]] = []
+    size = 0
+    for i in missing:
+        columns, motors = columns_at_motors(effects[i], signals)
+        together.append((i, columns, motors))
+        size += columns.nbytes
+        if size > TOGETHER or i == missing[-1]:
+            for k, rows in _filtered(signals, decimation, together):
+                found[k] = rows
+                _keep(signals, decimation, effects[k], rows)
+            together, size = [], 0
+    return [rows for rows in found if rows is not None]
+
+
+def _filtered(
+    signals: RobotSignals, decimation: int, given: Sequence[tuple[int, np.ndarray, np.ndarray]]
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Columns (N, m, k) at motors (m,), bridged and decimated, as rows (M, n, k); all of a motor at once."""
+    samples, n = len(signals.time), len(signals.joints)
+    count = len(decimated_indices(samples, decimation))
+    rows = {i: np.zeros((count, n, columns.shape[2])) for i, columns, _ in given}
+    for motor in range(n):
+        own = [
+            (i, columns[:, np.flatnonzero(motors == motor)[0]])
+            for i, columns, motors in given
+            if motor in motors
+        ]
+        if own:
+            filled = bridged(np.concatenate([one for _, one in own], axis=1)[:, None], [signals.gaps[motor]])
+            decimated = decimate(filled[:, 0], decimation)
+            at = 0
+            for i, one in own:
+                rows[i][:, motor] = decimated[:, at : at + one.shape[1]]
+                at += one.shape[1]
+    yield from rows.items()
+
+
+def _kept(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray | None:
+    try:
+        return _memory(signals, instance).get((instance.effect, instance.joint, decimation))
+    except TypeError:  # a user's class need not be hashable
+        return None
+
+
+def _keep(signals: RobotSignals, decimation: int, instance: EffectInstance, rows: np.ndarray) -> None:
+    try:
+        _memory(signals, instance).keep((instance.effect, instance.joint, decimation), rows)
+    except TypeError:  # as above
+        return
+
+
+def _memory(signals: RobotSignals, instance: EffectInstance) -> KeptRows:
+    """Where an effect's rows are kept: with the recording, or only as long as the present model is the same."""
+    alone = isinstance(instance.effect, ActuatorEffect)  # which sees its own motor, and no other joint move
+    passing = instance.effect.depends_on_model or not (alone or signals.as_measured)
+    return signals.passing if passing else signals.lasting

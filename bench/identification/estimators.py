@@ -1,0 +1,68 @@
+"""The estimators by name. Each takes the stacked equations and returns a solution."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.identification.compressed import Stack
+from bench.identification.current_error import current_error
+from bench.identification.least_squares import least_squares, weighted_least_squares
+from bench.identification.solution import Solution
+from bench.identification.total_least_squares import total_least_squares, weighted_total_least_squares
+
+DEFAULT_METHOD = "current"
+
+
+@dataclass(frozen=True)
+class Request:
+    """What an estimator may use: the equations, nominal gains (n,), whether to fit the gains, and the errors
+    of the columns, computed only when asked for.
+    """
+
+    stack: Stack
+    nominal: np.ndarray
+    fit_gains: bool
+    column_errors: Callable[[], np.ndarray]
+
+
+def _ls(request: Request) -> Solution:
+    return least_squares(request.stack, request.nominal, request.fit_gains)
+
+
+def _wls(request: Request) -> Solution:
+    return weighted_least_squares(request.stack, request.nominal, request.fit_gains)
+
+
+def _tls(request: Request) -> Solution:
+    return total_least_squares(request.stack)
+
+
+def _wtls(request: Request) -> Solution:
+    return weighted_total_least_squares(request.stack, _wls(request), request.column_errors())
+
+
+def _current(request: Request) -> Solution:
+    return current_error(request.stack, _wls(request))
+
+
+ESTIMATORS: dict[str, Callable[[Request], Solution]] = {
+    "current": _current,
+    "ls": _ls,
+    "tls": _tls,
+    "wls": _wls,
+    "wtls": _wtls,
+}
+NEED_SCALE = ("tls", "wtls")
+
+
+def solve(method: str, request: Request) -> Solution:
+    """Run the estimator `method`. Raises BenchError for an unknown one, or one that needs a known payload."""
+    if method not in ESTIMATORS:
+        raise BenchError(f"unknown method {method!r}; known: {', '.join(ESTIMATORS)}")
+    if method in NEED_SCALE and not request.fit_gains:
+        raise BenchError(
+            f"method {method!r} needs a fitted recording with a payload of known mass; use ls or wls"
+        )
+    return ESTIMATORS[method](request)

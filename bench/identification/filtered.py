@@ -1,0 +1,89 @@
+"""A recording before decimation: filtered, differentiated, loops closed."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.recording import Recording
+from bench.effects.row_cache import KeptRows
+from bench.identification.standstill import Gaps, no_gaps, standstills
+from bench.model.geometry import Geometry
+from bench.model.model import IdentificationModel
+from bench.model.motion import BLOCK, LongMotion, Motion, blocks_of, path_of
+from bench.signals.processing import estimate_motion, trim
+from bench.signals.settings import FilterSettings
+
+MOST_NUMBERS = 8_000_000  # of a motion of all joints that is kept: 64 MB
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One recording at its own rate, N samples of n motors, border samples dropped.
+
+    time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
+    unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. kept: rows
+    of effects that need no model; perturbed: observation matrices of other motions and geometries.
+    """
+
+    recording: Recording
+    settings: FilterSettings
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    current: np.ndarray
+    tree: Motion
+    gaps: Gaps
+    kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+    perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
+
+
+def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:
+    """Filter and differentiate the positions and close the loops.
+
+    Raises BenchError that names the recording and the time of a sample that cannot be used.
+    """
+    motion = estimate_motion(recording.position, recording.rate, settings)
+    time = trim(recording.time, settings)
+    track = time, motion.position, motion.velocity, motion.acceleration
+    try:
+        tree, passive = _closed(model.geometry, track)
+    except BenchError as error:
+        raise BenchError(f"{recording.name}: {error}") from None
+    return Measured(
+        recording=recording,
+        settings=settings,
+        time=time,
+        position=motion.position,
+        velocity=motion.velocity,
+        acceleration=motion.acceleration,
+        current=trim(recording.current, settings),
+        tree=tree,
+        gaps=no_gaps(motion.velocity.shape[1])
+        if settings.keep_standstill
+        else standstills(motion.position, motion.velocity, passive, recording.rate, settings.position_cutoff),
+    )
+
+
+def _closed(
+    geometry: Geometry, track: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+) -> tuple[Motion, np.ndarray]:
+    """The motion of all joints, worked out where it is asked for if it is long; rates (N, k) of passive joints."""
+    path, samples = path_of(geometry, *track), len(track[0])
+    if samples * (geometry.nq + geometry.nv * (2 + len(geometry.active))) <= MOST_NUMBERS:
+        tree = path.motion(slice(None))
+        return tree, passive_rates(geometry, tree)
+    tree = LongMotion(path)
+    parts = (passive_rates(geometry, tree.at(part)) for part in blocks_of(samples, BLOCK))
+    return tree, np.concatenate(list(parts))
+
+
+def passive_rates(geometry: Geometry, tree: Motion) -> np.ndarray:
+    """Velocities (N, k) of the hinges and slides without a motor, rad/s or m/s."""
+    found = [
+        joint.v.start
+        for joint in geometry.joints
+        if joint.kind in ("hinge", "slide") and joint.v.start not in geometry.active
+    ]
+    return np.asarray(tree.v[:, found])

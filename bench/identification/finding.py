@@ -1,0 +1,62 @@
+"""What limits an answer, as codes with their numbers; `bench.identification.finding_words` has the sentences."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum, auto
+from typing import Literal
+
+
+class Code(StrEnum):
+    """What was found."""
+
+    # the whole answer is in doubt
+    GAIN_RUNAWAY = auto()
+    PARAMETER_WITHOUT_DEVIATION = auto()
+    ROUNDING_DECIDES = auto()
+    COLUMNS_SWAPPED = auto()
+    # what the data cannot tell
+    NOT_FROM_GAIN = auto()
+    PAYLOAD_NOT_DECLARED = auto()
+    GAINS_NOMINAL = auto()
+    RANK_DEFICIENT = auto()
+    ILL_CONDITIONED = auto()
+    TAKEN_UP = auto()
+    # what cannot be so
+    GAINS_A_THOUSAND = auto()
+    GAINS_A_THOUSANDTH = auto()
+    NO_MODEL_IS_BETTER = auto()
+    SIGN_REVERSED = auto()
+    GAIN_NEGATIVE = auto()
+    GAIN_FAR = auto()
+    GAINS_NEGATIVE = auto()
+    CHECKED_UNLIKE_FITTED = auto()
+    CHECKED_HAS_OTHER_VALUES = auto()
+    MOUNTED_OTHERWISE = auto()
+    # what to record or leave out
+    NEVER_REVERSES = auto()
+    POORLY_DETERMINED = auto()
+    SHORT = auto()
+    NO_VALUE_OF_ITS_OWN = auto()
+    # a sentence of a model file that an earlier version wrote
+    TOLD = auto()
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What is estimated, or a row of a covariance. place: the joint of a gain, or where an effect sits."""
+
+    kind: Literal["parameter", "gain", "effect"]
+    name: str
+    place: str = ""
+    effect: str = ""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding. names: of joints, recordings or payloads; of: unknowns; numbers: by name; unit: of the values."""
+
+    code: Code
+    names: tuple[str, ...] = ()
+    of: tuple[Unknown, ...] = ()
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    unit: str = ""

@@ -1,0 +1,223 @@
+"""What limits an answer, in words that say what to do: one sentence or two for each code."""
+
+from collections.abc import Callable, Mapping
+
+from bench.effects.display_names import spoken
+from bench.effects.select import ROBOT
+from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.wording import in_percent
+
+UNBELIEVABLE = frozenset({Code.GAIN_RUNAWAY, Code.PARAMETER_WITHOUT_DEVIATION, Code.ROUNDING_DECIDES})
+
+
+def note(one: Finding) -> str:
+    """A finding as it stands among the notes on an answer."""
+    said = sentence(one)
+    return f"This answer is not to be believed. {said}" if one.code in UNBELIEVABLE else said
+
+
+def sentence(one: Finding) -> str:
+    """A finding by itself."""
+    return WORDS[one.code](one)
+
+
+def _gain_runaway(one: Finding) -> str:
+    return (
+        f"{_gain_came_out(one)}, where {one.numbers['nominal']:.3g} is nominal: no drive is that far from its sheet, "
+        "if that is right."
+    )
+
+
+def _gain_far(one: Finding) -> str:
+    return (
+        f"{_gain_came_out(one)}, far from its nominal {one.numbers['nominal']:.3g}: a physical effect is missing in "
+        "the model, or the payload is not as declared."
+    )
+
+
+def _gain_came_out(one: Finding) -> str:
+    unit = one.unit.replace("*", "·")
+    return f"The drive gain of {one.names[0]} came out at {one.numbers['value']:.3g} {unit}"
+
+
+def _without_deviation(one: Finding) -> str:
+    return (
+        f"{one.of[0].name} came out at {one.numbers['value']:.3g} {one.unit} with no deviation that is known: the "
+        "data do not tell it."
+    )
+
+
+def _rounding(one: Finding) -> str:
+    return (
+        f"The scaled observation matrix has a condition number of {one.numbers['condition']:.0e}: rounding decides "
+        "what some parameters are."
+    )
+
+
+def _ill_conditioned(one: Finding) -> str:
+    return (
+        f"The scaled observation matrix has a condition number of {one.numbers['condition']:.0f}: some "
+        "parameters cannot be told apart well; a more exciting trajectory helps."
+    )
+
+
+def _swapped(one: Finding) -> str:
+    first, second, *recording = one.names
+    where = f" in {recording[0]}" if recording else ""
+    return (
+        f"The columns of {first} and {second}{where} are probably swapped: with current.{first} and current.{second} "
+        f"exchanged (or their positions, on a symmetric robot), and with friction, the error falls to "
+        f"{in_percent(one.numbers['error'])}. Exchange the names in the header."
+    )
+
+
+def _not_from_gain(one: Finding) -> str:
+    return (
+        f"These data cannot tell {spoken(one.of[0].effect)} at {', '.join(at.place for at in one.of)} from the drive "
+        "gain there: it is left out, and the gain is what it would be without it. Record a payload that loads that "
+        "joint more."
+    )
+
+
+def _rank(one: Finding) -> str:
+    return (
+        f"The data determine only {one.numbers['rank']:.0f} of {one.numbers['unknowns']:.0f} unknowns: move all "
+        "joints together, with larger and faster movements, or record an unloaded and a loaded trajectory."
+    )
+
+
+def _taken_up(one: Finding) -> str:
+    names = ", ".join(map(_of_effect, one.of))
+    return (
+        f"These data cannot show {names}: other parameters of the model do the same, and take up the effect."
+    )
+
+
+def _of_effect(one: Unknown) -> str:
+    return f"{one.name} of {one.effect}" + ("" if one.place == ROBOT else f" at {one.place}")
+
+
+def _sign(one: Finding) -> str:
+    joint = one.names[0]
+    return (
+        f"The drive gain of {joint} came out negative, which cannot be: the sign of current.{joint}, or of "
+        f"position.{joint}, is probably reversed (`bench import ... --scale current.{joint}=-1`), or its column is "
+        "that of another motor."
+    )
+
+
+def _negative(one: Finding) -> str:
+    joint = one.names[0]
+    return (
+        f"The drive gain of {joint} came out negative, which cannot be: with the sign of current.{joint} reversed its "
+        "current is not explained either. The payload is probably not as declared or mounted another way, an effect "
+        "is missing, or its column is that of another motor."
+    )
+
+
+def _unlike(one: Finding) -> str:
+    worst, *payload = one.names
+    load = f"the payload {payload[0]}" if payload else "no payload"
+    return (
+        f"{_far_worse(one)}, {worst} worst: it is declared to carry {load}; check that and its columns, or move the "
+        "fitted recordings over the same range."
+    )
+
+
+def _other_values(one: Finding) -> str:
+    worst, *effects = one.names
+    return f"{_far_worse(one)}, {worst} worst: there {', '.join(effects)} may have yet another value."
+
+
+def _far_worse(one: Finding) -> str:
+    checked, fitted = (in_percent(one.numbers[name]) for name in ("checked", "fitted"))
+    return (
+        f"Recordings that were not fitted are modelled far worse ({checked}) than those that were ({fitted})"
+    )
+
+
+def _poorly(one: Finding) -> str:
+    return (
+        f"{one.numbers['count']:.0f} of {one.numbers['of']:.0f} parameters are poorly determined (deviation above "
+        f"{in_percent(one.numbers['limit'])} of the value); `bench identify --essential` leaves out what does not "
+        "matter."
+    )
+
+
+def _short(one: Finding) -> str:
+    shortest, cutoff, settling = (one.numbers[name] for name in ("shortest", "cutoff", "settling"))
+    many = len(one.names) > 1
+    return (
+        f"{', '.join(one.names)} {'last' if many else 'lasts'} {shortest:.2g} s{' and more' if many else ''}, "
+        f"{shortest * cutoff:.0f} periods of the filter on positions ({cutoff:.3g} Hz), which needs {settling:g} to "
+        "settle at either end: a tenth of the rows and more are disturbed. Record "
+        f"{one.numbers['needed']:.2g} s at least."
+    )
+
+
+def _no_value(one: Finding) -> str:
+    value = "the mean of the values of these" if len(one.of) > 1 else "the value of that one"
+    has, its, it_is = ("has", "its", "it is") if len(one.names) == 1 else ("have", "their", "they are")
+    return (
+        f"{', '.join(one.names)} {has} no {spoken(one.of[0].effect)} of {its} own, as the fitted recordings have "
+        f"({', '.join(log.place for log in one.of)}): {it_is} modelled with {value}."
+    )
+
+
+def _mounted_otherwise(one: Finding) -> str:
+    payload, parameter, first, second = one.names
+    unit, n = one.unit.replace("*", "·").replace("^2", "²"), one.numbers
+    return (
+        f"The payload {payload} is not mounted the same way in all recordings: {parameter}({payload}), estimated for "
+        f"each by itself, is {n['first']:.3g} ± {n['first_std']:.1g} {unit} in {first} and {n['second']:.3g} ± "
+        f"{n['second_std']:.1g} {unit} in {second}. Give it another name in dataset.toml where it is mounted otherwise."
+    )
+
+
+WORDS: Mapping[Code, Callable[[Finding], str]] = {
+    Code.GAIN_RUNAWAY: _gain_runaway,
+    Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
+    Code.ROUNDING_DECIDES: _rounding,
+    Code.COLUMNS_SWAPPED: _swapped,
+    Code.NOT_FROM_GAIN: _not_from_gain,
+    Code.PAYLOAD_NOT_DECLARED: lambda one: (
+        f"Left aside: {', '.join(one.names)}. Their payload is not declared in full, and no fitted recording carries "
+        "it."
+    ),
+    Code.GAINS_NOMINAL: lambda _: (
+        "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, and every "
+        "parameter is wrong by the same share as the gain that scales it."
+    ),
+    Code.RANK_DEFICIENT: _rank,
+    Code.ILL_CONDITIONED: _ill_conditioned,
+    Code.TAKEN_UP: _taken_up,
+    Code.GAINS_A_THOUSAND: lambda _: (
+        "The drive gains came out at about a thousand times the nominal ones: is the payload's mass in grams? It must "
+        "be in kg."
+    ),
+    Code.GAINS_A_THOUSANDTH: lambda _: (
+        "The drive gains came out at about a thousandth of the nominal ones: is the payload's mass in tonnes, or are "
+        "the currents in mA?"
+    ),
+    Code.NO_MODEL_IS_BETTER: lambda one: (
+        f"The error is {in_percent(one.numbers['error'])} of the current, more than with no model at all: columns may "
+        "be swapped, a sign wrong, or the robot another one."
+    ),
+    Code.SIGN_REVERSED: _sign,
+    Code.GAIN_NEGATIVE: _negative,
+    Code.GAIN_FAR: _gain_far,
+    Code.GAINS_NEGATIVE: lambda _: (
+        "All drive gains came out negative, which cannot be: the recordings with and without payload are probably "
+        "swapped in dataset.toml, or the currents' sign is."
+    ),
+    Code.CHECKED_UNLIKE_FITTED: _unlike,
+    Code.CHECKED_HAS_OTHER_VALUES: _other_values,
+    Code.NEVER_REVERSES: lambda one: (
+        f"Joint {one.names[0]} never reverses: move it through zero velocity to tell friction apart."
+    ),
+    Code.POORLY_DETERMINED: _poorly,
+    Code.SHORT: _short,
+    Code.NO_VALUE_OF_ITS_OWN: _no_value,
+    Code.MOUNTED_OTHERWISE: _mounted_otherwise,
+    Code.TOLD: lambda one: one.names[0],
+}

@@ -1,0 +1,153 @@
+"""What limits an answer: what its data cannot tell, and what cannot be so."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.effects import EffectInstance
+from bench.effects.select import TAG
+from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.result import DriveGain, Identification
+
+LOOSE = 0.3  # relative deviation above which a parameter says little
+ILL_CONDITIONED = 1e3
+HOPELESS_CONDITION = 1e7  # beyond it, digits of the data that are rounding decide
+FAR = 2.0  # times the nominal gain, or its half: makers are wrong by a tenth
+UNLIKE = 3.0  # times the fitted error: recordings that were not fitted are another machine, load or unit
+NEAR = 3.0  # times a thousand, or a thousandth: a gain as far off has a wrong unit behind it
+BETTER = 0.5  # relative error of a current with its sign reversed, from which on that is likely
+SUSPICIOUS_GAIN = 0.5  # of the nominal gain: makers are wrong by a tenth
+
+
+def with_findings(
+    result: Identification,
+    left_aside: tuple[str, ...],
+    outside: Sequence[EffectInstance] = (),
+    more: Sequence[Finding] = (),
+) -> Identification:
+    """The result with its findings.
+
+    left_aside: recordings that could not be used; outside: effects beyond their bounds. more: what else was found.
+    """
+    doubt = runaway(result)
+    found = [] if doubt is None else [doubt]
+    found += _beyond(outside)
+    if left_aside:
+        found.append(Finding(Code.PAYLOAD_NOT_DECLARED, left_aside))
+    if not result.gains_fitted:
+        found.append(Finding(Code.GAINS_NOMINAL))
+    if result.rank < result.unknowns:
+        rank = {"rank": result.rank, "unknowns": result.unknowns}
+        found.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
+    if result.scaled_condition > ILL_CONDITIONED:
+        found.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
+    apart = {(one.effect.name, one.place) for one in outside}
+    taken_up = tuple(
+        Unknown("effect", name, place, effect)
+        for effect, places in result.effect_parameters.items()
+        for place, values in places.items()
+        for name, one in values.items()
+        if not np.isfinite(one.std) and (effect, place) not in apart
+    )
+    if taken_up:
+        found.append(Finding(Code.TAKEN_UP, of=taken_up))
+    found += _implausible(result)
+    for j, joint in enumerate(result.drive_gains):
+        reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
+        if not reverses:
+            found.append(Finding(Code.NEVER_REVERSES, (joint,)))
+    loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
+    if loose:
+        numbers = {"count": loose, "of": len(result.parameters), "limit": LOOSE}
+        found.append(Finding(Code.POORLY_DETERMINED, numbers=numbers))
+    return replace(result, findings=(*found, *more))
+
+
+def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:
+    """Effects that would be so large that they are another name for the drive gain."""
+    places: dict[str, list[Unknown]] = {}
+    for one in outside:
+        places.setdefault(one.effect.name, []).append(Unknown("effect", "", one.place, one.effect.name))
+    return [Finding(Code.NOT_FROM_GAIN, of=tuple(at)) for at in places.values()]
+
+
+def unlike(result: Identification) -> Finding | None:
+    """Whether recordings that were not fitted are modelled far worse than those that were; the worst is named."""
+    fitted, checked = result.error.identify, result.error.validate
+    if fitted is None or checked is None or checked <= UNLIKE * fitted:
+        return None
+    by_recording = result.error.by_recording
+    worst = max(by_recording, key=lambda name: by_recording[name])
+    carried = {one.name: one.payload for one in result.recordings}.get(worst)
+    own = [one.removesuffix(TAG) for one in result.effects if one.endswith(TAG)]
+    numbers = {"fitted": fitted, "checked": checked}
+    if own:
+        return Finding(Code.CHECKED_HAS_OTHER_VALUES, (worst, *own), numbers=numbers)
+    names = (worst, carried) if carried else (worst,)
+    return Finding(Code.CHECKED_UNLIKE_FITTED, names, numbers=numbers)
+
+
+def runaway(result: Identification) -> Finding | None:
+    """Why an answer is not to be believed, whatever its error: a drive gain far off, or what rounding has decided."""
+    for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
+        if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
+            return _gain(Code.GAIN_RUNAWAY, joint, gain)
+    for one in result.parameters:
+        if one.value and not 0.0 < one.std < np.inf:
+            unknown = (Unknown("parameter", one.name),)
+            return Finding(Code.PARAMETER_WITHOUT_DEVIATION, (), unknown, {"value": one.value}, one.unit)
+    if result.scaled_condition > HOPELESS_CONDITION:
+        return Finding(Code.ROUNDING_DECIDES, numbers={"condition": result.scaled_condition})
+    return None
+
+
+def _gain(code: Code, joint: str, gain: DriveGain) -> Finding:
+    return Finding(code, (joint,), (), {"value": gain.value, "nominal": gain.nominal}, gain.unit)
+
+
+def _implausible(result: Identification) -> list[Finding]:
+    """What cannot be so: gains far off, all negative, or recordings unlike each other."""
+    found = []
+    ratios = {joint: gain.value / gain.nominal for joint, gain in result.drive_gains.items()}
+    thousand = _a_thousand(list(ratios.values())) if result.gains_fitted else None
+    if thousand is not None:
+        found.append(Finding(thousand))
+    error = result.error.identify
+    if error is not None and error >= 1.0:
+        found.append(Finding(Code.NO_MODEL_IS_BETTER, numbers={"error": error}))
+    negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0]
+    if result.gains_fitted and len(negative) < len(ratios):
+        for joint in negative:
+            reversed_sign = _error_turned(result, joint) < BETTER
+            found.append(Finding(Code.SIGN_REVERSED if reversed_sign else Code.GAIN_NEGATIVE, (joint,)))
+    for joint, gain in result.drive_gains.items():
+        far = joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
+        if result.gains_fitted and thousand is None and far:
+            found.append(_gain(Code.GAIN_FAR, joint, gain))
+    if result.gains_fitted and len(negative) == len(ratios):
+        found.append(Finding(Code.GAINS_NEGATIVE))
+    strange = unlike(result)
+    return found if strange is None else [*found, strange]
+
+
+def _error_turned(result: Identification, joint: str) -> float:
+    """Relative error of a joint's current with its sign reversed and the nominal drive gain."""
+    j, gain = list(result.drive_gains).index(joint), result.drive_gains[joint]
+    left = all_squares = 0.0
+    for one in result.recordings:
+        if one.use != "identify":
+            continue
+        moving = one.moving[:, j]
+        measured, modelled = -one.measured[moving, j], one.modelled[moving, j] * gain.value / gain.nominal
+        left += float(((measured - modelled) ** 2).sum())
+        all_squares += float(measured @ measured)
+    return float(np.sqrt(left / all_squares)) if all_squares else float("inf")
+
+
+def _a_thousand(ratios: list[float]) -> Code | None:
+    """Whether all gains are about a thousand times the nominal ones, or a thousandth of them: a wrong unit."""
+    for factor, code in ((1e3, Code.GAINS_A_THOUSAND), (1e-3, Code.GAINS_A_THOUSANDTH)):
+        if all(factor / NEAR < abs(ratio) < factor * NEAR for ratio in ratios):
+            return code
+    return None

@@ -1,0 +1,46 @@
+"""Columns of effects that the model's own parameters take up, so that no fit can tell them apart."""
+
+import numpy as np
+
+from bench.identification.compressed import Stack
+from bench.identification.layout import ParameterLayout
+
+DEPENDENT = 1e-7  # share of a column that the model must leave for it to count as independent
+NOTHING = 1e-9  # of the motors' torque: a smaller column is rounding
+
+
+def identifiable_columns(stack: Stack, layout: ParameterLayout, fit_gains: bool) -> np.ndarray:
+    """Indices of the columns of phi without those of effects that depend on the columns before them.
+
+    With unknown gains the torque of the known payload, which gives their scale, counts among the columns
+    before: an effect that can imitate it, such as a wrong mass of the only payload, would leave none.
+    """
+    p, first = layout.size, layout.size - layout.effects
+    if not layout.effects:
+        return np.arange(p)
+    rows = stack.factors.reshape(-1, p + 2)
+    own = np.append(np.arange(first), [p] if fit_gains else [])
+    basis = _orthonormal(rows[:, own.astype(int)])
+    scale = np.linalg.norm(rows[:, :first], axis=0).max(initial=0.0)
+    kept = list(range(first))
+    for index in range(first, p):
+        column = rows[:, index]
+        size = float(np.linalg.norm(column))
+        if size <= NOTHING * scale:
+            continue
+        left = column / size
+        for _ in range(2):
+            left = left - basis @ (basis.T @ left)
+        remainder = float(np.linalg.norm(left))
+        if remainder > DEPENDENT:
+            kept.append(index)
+            basis = np.column_stack((basis, left / remainder))
+    return np.array(kept)
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    """An orthonormal basis (R, r) of the span of columns (R, p)."""
+    norms = np.linalg.norm(columns, axis=0)
+    norms[norms == 0.0] = 1.0
+    left, singular, _ = np.linalg.svd(columns / norms, full_matrices=False)
+    return np.asarray(left[:, singular > 1e-12 * singular[0]])

@@ -1,0 +1,91 @@
+"""Which parameters are estimated, in which order: base, then unknown payload parameters, then effects."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.payload import Payload
+from bench.identification.observation import Observation
+from bench.identification.payload_parameters import payload_columns
+from bench.model.base import independent_columns
+from bench.model.model import IdentificationModel
+from bench.model.regressor import PARAMETERS
+
+
+@dataclass(frozen=True)
+class ParameterLayout:
+    """The order of the estimated parameters: base, then unknown payload parameters, then effects.
+
+    payloads: for each payload, the indices of its parameters that the recordings can tell apart.
+    """
+
+    base: int
+    payloads: Mapping[str, np.ndarray]
+    effects: int
+
+    @property
+    def size(self) -> int:
+        """Number of parameters beside the drive gains."""
+        return self.base + sum(len(index) for index in self.payloads.values()) + self.effects
+
+    def payload_slice(self, name: str) -> slice:
+        """Where the unknown parameters of a payload stand; BenchError if there is none of that name."""
+        start = self.base
+        for other, index in self.payloads.items():
+            if other == name:
+                return slice(start, start + len(index))
+            start += len(index)
+        raise BenchError(f"no payload {name!r}")
+
+
+def payload_parameter_names(payload: str, index: np.ndarray) -> list[str]:
+    """Names of a payload's unknown standard parameters, such as mx(disc)."""
+    return [f"{PARAMETERS[i]}({payload})" for i in index]
+
+
+def regressor_rows(observation: Observation, layout: ParameterLayout) -> np.ndarray:
+    """Phi of equation 11 in the layout's order, (M, n, p)."""
+    samples, n = observation.current.shape
+    rows = np.zeros((samples, n, layout.size))
+    rows[:, :, : layout.base] = observation.rigid
+    if observation.payload_name is not None and observation.payload is not None:
+        index = layout.payloads[observation.payload_name]
+        rows[:, :, layout.payload_slice(observation.payload_name)] = observation.payload[:, :, index]
+    rows[:, :, layout.size - layout.effects :] = observation.effects
+    return rows
+
+
+def known_rows(observation: Observation, payloads: Mapping[str, Payload]) -> np.ndarray:
+    """Torque of the known payload parameters, phi_kL chi_kL of equation 11: (M, n), N*m or N."""
+    if observation.payload_name is None or observation.payload is None:
+        return np.zeros(observation.current.shape)
+    return observation.payload @ payload_columns(payloads[observation.payload_name]).known
+
+
+def parameter_layout(
+    model: IdentificationModel, payloads: Mapping[str, Payload], loaded: Sequence[str | None], effects: int
+) -> ParameterLayout:
+    """Leave out the unknown payload parameters that no motion of this robot can tell apart.
+
+    `loaded` names the payload of every fitted recording, None for one without. Decided at random noise-free
+    states, so that it never depends on data. The known parameters come first: an unknown one that moves the
+    robot as they do is left out.
+    """
+    used = [name for name in dict.fromkeys(loaded) if name is not None]
+    indices: dict[str, np.ndarray] = {}
+    if used:
+        rows = model.random_rows[1].reshape(-1, 10)
+        for name in used:
+            columns = payload_columns(payloads[name])
+            candidates = rows[:, columns.unknown]
+            known = rows @ columns.known
+            if np.any(columns.known):
+                candidates = np.column_stack((known, candidates))
+                kept = independent_columns(candidates)[0] - 1
+                kept = kept[kept >= 0]
+            else:
+                kept = independent_columns(candidates)[0] if candidates.size else np.arange(0)
+            indices[name] = columns.unknown[kept]
+    return ParameterLayout(len(model.base.columns), indices, effects)

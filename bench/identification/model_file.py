@@ -1,0 +1,225 @@
+"""Save an identified model as JSON, read it back, and apply it to recordings."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.effects import Effect, EffectInstance
+from bench.files.atomic import finite, write_text_atomically
+from bench.identification.by_recording import without_own_values
+from bench.identification.finding import Finding
+from bench.identification.finding_words import note
+from bench.identification.layout import payload_parameter_names
+from bench.identification.model_json import FORMAT, from_json, to_json
+from bench.identification.nonlinear import present_model
+from bench.identification.payload_parameters import payload_columns
+from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.result import CurrentSeries, ErrorSummary, Identification, error_summary
+from bench.identification.solution import Solution
+from bench.identification.summary import ROBOT, modelled_series
+from bench.signals.settings import FilterSettings
+
+
+@dataclass(frozen=True)
+class SavedModel:
+    """A model file: the answer that it holds, without currents, and where they came from.
+
+    dataset: the folder that it was identified from, where the file says so. fitted: the recordings that were fitted, by
+    name: of them effects may have a value each.
+    """
+
+    path: Path
+    model: Identification
+    dataset: Path | None = None
+    fitted: tuple[str, ...] = ()
+
+    @property
+    def settings(self) -> FilterSettings:
+        """The filters of its fit."""
+        return self.model.settings
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The values of the base and payload parameters by name."""
+        return {one.name: one.value for one in self.model.parameters}
+
+    def beside(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
+        """The answer with the currents that it gives in a dataset's recordings."""
+        return replace(
+            self.model,
+            robot_folder=str(dataset.robot.folder),
+            error=error_summary(series, dataset.robot.joints),
+            recordings=tuple(series),
+        )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A saved model beside recordings that it may never have seen."""
+
+    robot: str
+    model: str
+    recordings: tuple[CurrentSeries, ...]
+    error: ErrorSummary
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What limits the comparison, in words."""
+        return tuple(map(note, self.findings))
+
+
+def save_model(result: Identification, path: str | Path, dataset: Path | None = None) -> None:
+    """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from."""
+    write_text_atomically(Path(path), json.dumps(model_json(result, dataset), indent=1) + "\n")
+
+
+def model_json(result: Identification, dataset: Path | None = None) -> dict[str, Any]:
+    """What a model file holds. dataset: the folder that it was identified from."""
+    answer = to_json(result)
+    if dataset is not None:
+        answer["dataset"] = str(dataset.resolve())
+    return answer
+
+
+def load_model(path: str | Path) -> SavedModel:
+    """Read a model file. Raises BenchError that names the file and what is wrong with it."""
+    path = Path(path)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror or error}") from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: not a model file ({error})") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise BenchError(f"{path}: not a model file that `bench identify --json` wrote")
+    try:
+        dataset = Path(content["dataset"]) if content.get("dataset") else None
+        fitted = tuple(str(one["name"]) for one in content["recordings"] if one["use"] == "identify")
+        return SavedModel(path, from_json(content), dataset, fitted)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
+
+
+def read_identification(
+    path: Path, dataset: Dataset, catalogue: Mapping[str, Effect] | None = None
+) -> Identification:
+    """A model file as the answer that it was, with the currents that it gives in these recordings."""
+    saved = load_model(path)
+    return saved.beside(dataset, apply_model(dataset, saved, catalogue).recordings)
+
+
+@on_one_thread
+def apply_model(
+    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
+) -> Comparison:
+    """Model the currents of every recording of a dataset with a saved model; nothing is fitted.
+
+    Raises BenchError where model and dataset do not go together: another robot, or a payload whose
+    parameters are neither declared in the dataset nor in the model.
+    """
+    prepared, solution = applied(dataset, saved, catalogue)
+    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    joints = [actuator.joint for actuator in dataset.robot.actuators]
+    findings = tuple(without_own_values(prepared))
+    return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), findings)
+
+
+def applied(
+    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
+) -> tuple[Prepared, Solution]:
+    """The equations of every recording of a dataset, and a saved model as their solution; see `apply_model`."""
+    joints = [actuator.joint for actuator in dataset.robot.actuators]
+    model = saved.model
+    if model.robot != dataset.robot.name or set(joints) != set(model.drive_gains):
+        raise BenchError(
+            f"{saved.path}: a model of {model.robot} ({', '.join(model.drive_gains)}), but {dataset.folder} is of "
+            f"{dataset.robot.name} ({', '.join(joints)})"
+        )
+    if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
+        strangers = tuple(replace(one, part_of=str(dataset.folder / one.log)) for one in dataset.recordings)
+        dataset = replace(dataset, recordings=strangers)
+    prepared = prepare(
+        dataset, model.effects, model.settings, fitted_only=False, catalogue=catalogue, logs=saved.fitted
+    )
+    instances = [_shaped(instance, saved) for instance in prepared.effects]
+    solution = Solution(
+        theta=_theta(prepared, saved),
+        gains=np.array([model.drive_gains[joint].value for joint in joints]),
+        weights=np.ones(len(joints)),
+        domain="current",
+        gains_fitted=False,
+    )
+    return with_effects(prepared, instances, present_model(prepared, solution)), solution
+
+
+def _own(dataset: Dataset, saved: SavedModel) -> bool:
+    """Whether a dataset is the one that the model was identified from."""
+    return saved.dataset is not None and saved.dataset.resolve() == dataset.folder.resolve()
+
+
+def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
+    known = saved.parameters
+    values = [_base_value(name, known, saved) for name in prepared.model.base.names]
+    for payload, index in prepared.layout.payloads.items():
+        for name in payload_parameter_names(payload, index):
+            if name not in known:
+                declared = 10 - len(payload_columns(prepared.dataset.payloads[payload]).unknown)
+                raise BenchError(
+                    f"{saved.path}: the model does not know {name}, and the dataset declares {declared} of 10 "
+                    f"parameters of payload {payload!r}"
+                )
+            values.append(known[name])
+    for instance in prepared.effects:
+        values += [_effect_value(instance, parameter.name, saved) for parameter in instance.effect.parameters]
+    return np.array(values)
+
+
+def _shaped(instance: EffectInstance, saved: SavedModel) -> EffectInstance:
+    effect = instance.effect
+    values = {shape.name: _effect_value(instance, shape.name, saved) for shape in effect.shape}
+    linear = {one.name: _effect_value(instance, one.name, saved) for one in effect.parameters}
+    return replace(instance, effect=replace(effect, **values).about(linear))
+
+
+def _effect_value(instance: EffectInstance, name: str, saved: SavedModel) -> float:
+    joints = saved.model.effect_parameters.get(instance.effect.name, {})
+    try:
+        return joints[instance.place][name].value
+    except KeyError:
+        where = f" at {instance.place!r}" if instance.place != ROBOT else ""
+        raise BenchError(f"{saved.path}: no {name} of {instance.effect.name}{where}") from None
+
+
+def _base_value(name: str, known: Mapping[str, float], saved: SavedModel) -> float:
+    if name in known:
+        return known[name]
+    if name in saved.model.left_out:
+        return 0.0
+    raise BenchError(
+        f"{saved.path}: no base parameter {name}; the robot's geometry or its base parameters have changed "
+        "since: identify again"
+    )
+
+
+def comparison_json(comparison: Comparison) -> dict[str, Any]:
+    """The comparison as plain data."""
+    answer = finite(
+        {
+            "robot": comparison.robot,
+            "model": comparison.model,
+            "error": asdict(comparison.error),
+            "recordings": [
+                {"name": one.name, "use": one.use, "payload": one.payload} for one in comparison.recordings
+            ],
+            "notes": list(comparison.notes),
+        }
+    )
+    return dict(answer)

@@ -1,0 +1,136 @@
+"""An identification as plain data and back: the one place that knows how a model file is laid out."""
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from bench.files.atomic import finite
+from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.result import DriveGain, ErrorSummary, Identification, Parameter, Quantity
+from bench.signals.settings import FilterSettings
+
+FORMAT = 1
+
+
+def to_json(result: Identification) -> dict[str, Any]:
+    """The answer as plain data, ready for JSON; a number that is not finite becomes null."""
+
+    def quantity(one: Quantity) -> dict[str, Any]:
+        return {"value": one.value, "std": one.std, "unit": one.unit}
+
+    answer = {
+        "format": FORMAT,
+        "robot": result.robot,
+        "method": result.method,
+        "effects": list(result.effects),
+        "gains_fitted": result.gains_fitted,
+        "drive_gains": {
+            joint: {**quantity(gain), "nominal": gain.nominal} for joint, gain in result.drive_gains.items()
+        },
+        "parameters": [
+            {"name": one.name, **quantity(one), "grouping": one.grouping} for one in result.parameters
+        ],
+        "left_out": list(result.left_out),
+        "effect_parameters": {
+            effect: {
+                joint: {name: quantity(value) for name, value in values.items()}
+                for joint, values in joints.items()
+            }
+            for effect, joints in result.effect_parameters.items()
+        },
+        "error": asdict(result.error),
+        "rank": result.rank,
+        "unknowns": result.unknowns,
+        "condition": result.condition,
+        "scaled_condition": result.scaled_condition,
+        "deviations": result.deviations,
+        "std_from": result.std_from,
+        "settings": asdict(result.settings),
+        "covariance": result.covariance.tolist(),
+        "covariance_rows": [asdict(one) for one in result.covariance_rows],
+        "recordings": [
+            {"name": one.name, "use": one.use, "payload": one.payload} for one in result.recordings
+        ],
+        "notes": list(result.notes),
+        "findings": [asdict(one) for one in result.findings],
+    }
+    return dict(finite(answer))
+
+
+def from_json(content: dict[str, Any]) -> Identification:
+    """The answer that `to_json` wrote, without currents and without a robot's folder.
+
+    Raises KeyError, TypeError, ValueError or AttributeError for what it did not write.
+    """
+    return Identification(
+        robot=str(content["robot"]),
+        robot_folder="",
+        method=str(content["method"]),
+        effects=tuple(content["effects"]),
+        drive_gains={
+            joint: DriveGain(*_quantity(one), float(one["nominal"]))
+            for joint, one in content["drive_gains"].items()
+        },
+        gains_fitted=bool(content["gains_fitted"]),
+        parameters=tuple(
+            Parameter(*_quantity(one), str(one["name"]), str(one["grouping"]))
+            for one in content["parameters"]
+        ),
+        effect_parameters={
+            effect: {
+                joint: {name: Quantity(*_quantity(one)) for name, one in values.items()}
+                for joint, values in joints.items()
+            }
+            for effect, joints in content["effect_parameters"].items()
+        },
+        covariance=np.array(content["covariance"], dtype=float),
+        covariance_rows=tuple(Unknown(**one) for one in content.get("covariance_rows", ())),
+        rank=int(content["rank"]),
+        unknowns=int(content["unknowns"]),
+        condition=_or_infinite(content["condition"]),
+        scaled_condition=_or_infinite(content["scaled_condition"]),
+        error=ErrorSummary(**content["error"]),
+        settings=_settings(content["settings"]),
+        deviations=content["deviations"],
+        recordings=(),
+        left_out=tuple(content["left_out"]),
+        findings=_findings(content),
+        std_from=content.get("std_from", "noise"),
+    )
+
+
+def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:
+    """What the file says that was found; of a file of an earlier version its sentences."""
+    if "findings" not in content:
+        return tuple(Finding(Code.TOLD, (str(one),)) for one in content["notes"])
+    return tuple(
+        Finding(
+            Code(one["code"]),
+            tuple(one["names"]),
+            tuple(Unknown(**unknown) for unknown in one["of"]),
+            {name: _or_infinite(value) for name, value in one["numbers"].items()},
+            str(one["unit"]),
+        )
+        for one in content["findings"]
+    )
+
+
+def _settings(content: dict[str, Any]) -> FilterSettings:
+    return FilterSettings(**{**content, "border": tuple(content["border"])})
+
+
+def _quantity(content: dict[str, Any]) -> tuple[float, float, str]:
+    return _number(content["value"]), _or_infinite(content["std"]), str(content["unit"])
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is not a number")
+    return float(value)
+
+
+def _or_infinite(value: Any) -> float:
+    """A number; null is what JSON has for infinity."""
+    return math.inf if value is None else float(value)

@@ -1,0 +1,179 @@
+"""What enters a model otherwise than linearly, all at once: derivatives, steps of Gauss and Newton, deviations."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.effects import Bracket, EffectInstance
+from bench.identification.compressed import Stack, compress
+from bench.identification.essential_parameters import with_zeros
+from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.joint_samples import joint_samples
+from bench.identification.partial_regression import PartialRegression, partial_regression
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.solution import Solution
+from bench.identification.solve_only import (
+    candidate_columns,
+    linearised,
+    reshaped,
+    solved_quickly,
+    solved_with,
+    spread,
+)
+
+NO_WORSE = 1e-9  # relative: squared errors that are the same but for rounding
+NEARBY = 0.02  # relative: how far around its present value a shape parameter may go, beside all else
+STRIDE = 0.5  # relative: the most that a parameter may change at once, with all others
+SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
+
+
+def stepped(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, Stack, Solution] | None:
+    """All that is not linear moved by a step of Gauss and Newton, with all linear unknowns, and solved.
+
+    None where there is nothing to move, or the errors become larger.
+    """
+    stack, solution = solved_quickly(prepared, fit_gains)
+    shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
+    bent, about = _bends(prepared, stack.current.shape, every=False)
+    if not shapes and not about.any():
+        return None
+    kept = identifiable_columns(stack, prepared.layout, fit_gains)
+    linear = prepared.layout.size - prepared.layout.effects
+    whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
+    system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
+    added = np.arange(len(shapes)) + prepared.layout.size
+    nominal = prepared.dataset.robot.nominal_gains
+    theta = solved_with(system, np.append(kept, added), nominal, fit_gains).theta
+    left = partial_regression(stack, solution)
+    reaches = [_reach(prepared, left, i, name) for i, name in shapes]
+    values = theta[linear : prepared.layout.size]
+    moved = with_effects(prepared, _moved(prepared, shapes, theta[added], reaches, values))
+    after = solved_quickly(moved, fit_gains)
+    gone = spread(*after) / spread(stack, solution)
+    return (moved, *after) if (gone**2).mean() <= 1.0 + NO_WORSE else None
+
+
+def _moved(
+    prepared: Prepared,
+    shapes: list[tuple[int, str]],
+    steps: np.ndarray,
+    reaches: list[tuple[float, float]],
+    values: np.ndarray,
+) -> list[EffectInstance]:
+    """The effects with their shapes changed by steps within their reaches, and linearised about values."""
+    about = linearised(prepared.effects, values)
+    instances = [b if a.effect.bends else a for a, b in zip(prepared.effects, about, strict=True)]
+    for (i, name), step, (low, high) in zip(shapes, steps, reaches, strict=True):
+        value = instances[i].effect.shape_values()[name]
+        most = STRIDE * abs(value)
+        stepped_to = value + float(np.clip(step, -most, most))
+        instances[i] = reshaped(instances[i], {name: min(max(stepped_to, low), high)})
+    return instances
+
+
+def _reach(prepared: Prepared, left: PartialRegression, i: int, name: str) -> tuple[float, float]:
+    """Between which values a shape parameter may lie: where it is searched, and near its present value."""
+    instance = prepared.effects[i]
+    parameter = next(one for one in instance.effect.shape if one.name == name)
+    value = instance.effect.shape_values()[name]
+    brackets = instance.effect.brackets(parameter, joint_samples(prepared, instance, left))
+    return within_reach(value, brackets)
+
+
+def within_reach(value: float, brackets: Sequence[Bracket]) -> tuple[float, float]:
+    """From where to where a shape parameter may go: as far as it is searched, or a little where it is beyond."""
+    low, high = min(one[0] for one in brackets), max(one[2] for one in brackets)
+    if low <= value <= high:
+        return low, high
+    ends = (value * (1.0 - NEARBY), value * (1.0 + NEARBY))
+    return min(ends), max(ends)
+
+
+def with_shape_columns(
+    prepared: Prepared, stack: Stack, solution: Solution, kept: np.ndarray
+) -> tuple[Stack, Solution]:
+    """The system linearised in all: one more column for every continuous shape parameter, and the derivatives by
+    parameters about which an effect is linearised in place of its columns.
+
+    Only for deviations: the new parameters are zero, and stand after all others; errors are as they were. kept:
+    which of the layout's columns the stack has.
+    """
+    size, effects = prepared.layout.size, prepared.layout.effects
+    theta = with_zeros(solution.theta, kept, size)
+    shapes, columns = _shape_derivatives(prepared, theta, stack.current.shape)
+    bent, about = _bends(prepared, stack.current.shape, every=True)
+    if not shapes and not about.any():
+        return stack, solution
+    whole = np.concatenate((np.zeros((*bent.shape[:2], size - effects)), bent), axis=2)[:, :, kept]
+    system = _linearised(stack, whole, solution.theta, columns)
+    return system, replace(solution, theta=np.append(solution.theta, np.zeros(len(shapes))))
+
+
+def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.ndarray) -> Stack:
+    """The system with `bent` (M, n, p) added to phi, what is modelled at theta = about (p,) as it was, and further
+    columns (M, n, k).
+    """
+    moving = stack.moving[:, :, None]
+    phi, kappa = stack.phi, stack.kappa
+    if about.any():
+        phi, kappa = phi + bent * moving, kappa - (bent * moving) @ about
+    phi = np.concatenate((phi, columns * moving), axis=2)
+    return replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
+
+
+def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[np.ndarray, np.ndarray]:
+    """How the effects' torque goes on changing with the values about which the columns are linearised.
+
+    (M, n, E): the columns' derivatives by these values, times the values (E,), which come second; zero for effects
+    that are linear, or linearised about nothing. every: of those too that hardly bend.
+    """
+    about, bent = [np.zeros(0)], [np.zeros((*rows, 0))]
+    for instance in prepared.effects:
+        known = instance.effect.about_values() if every or instance.effect.bends else {}
+        values = np.array([known.get(parameter.name, 0.0) for parameter in instance.effect.parameters])
+        about.append(values)
+        own = np.zeros((*rows, len(values)))
+        here = candidate_columns(prepared, [instance]) if values.any() else own
+        for k, parameter in enumerate(instance.effect.parameters):
+            if values[k]:
+                value = values[k] * (1.0 + SHAPE_STEP)
+                there = replace(instance, effect=instance.effect.about(known | {parameter.name: value}))
+                own[:, :, k] = (candidate_columns(prepared, [there]) - here) @ values / (value - values[k])
+        bent.append(own)
+    return np.concatenate(bent, axis=2), np.concatenate(about)
+
+
+def _shape_derivatives(
+    prepared: Prepared, theta: np.ndarray, rows: tuple[int, ...]
+) -> tuple[list[tuple[int, str]], np.ndarray]:
+    """Every continuous shape parameter as (which effect, name), and the torque's derivatives (M, n, k) by them.
+
+    theta: all the layout's unknowns; the effects' parameters are the last of them. rows: (M, n).
+    """
+    at = prepared.layout.size - prepared.layout.effects
+    shapes: list[tuple[int, str]] = []
+    values, steps = [], []
+    ends: list[EffectInstance] = []
+    for i, instance in enumerate(prepared.effects):
+        own = theta[at : at + len(instance.effect.parameters)]
+        at += len(own)
+        for parameter in instance.effect.shape:
+            if parameter.discrete:
+                continue
+            value = instance.effect.shape_values()[parameter.name]
+            step = SHAPE_STEP * (abs(value) or 1.0)
+            ends += [reshaped(instance, {parameter.name: x}) for x in (value - step, value + step)]
+            shapes.append((i, parameter.name))
+            values.append(own)
+            steps.append(step)
+    if not shapes:
+        return shapes, np.zeros((*rows, 0))
+    parts = np.split(
+        candidate_columns(prepared, ends), np.cumsum([2 * len(one) for one in values])[:-1], axis=2
+    )
+    columns = [
+        (both[:, :, len(own) :] @ own - both[:, :, : len(own)] @ own) / (2.0 * step)
+        for both, own, step in zip(parts, values, steps, strict=True)
+    ]
+    return shapes, np.stack(columns, axis=2)

@@ -1,0 +1,129 @@
+"""Effects that are not linear: find their shape parameters, and linearise them about the model they belong to."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.effects import EffectInstance
+from bench.identification.compressed import Stack
+from bench.identification.effect_columns import PresentModel
+from bench.identification.newton import stepped
+from bench.identification.partial_regression import partial_regression
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.shapes import best_shape
+from bench.identification.solution import Solution
+from bench.identification.solve_only import linearised, solved_quickly, spread
+
+MOST_ROUNDS = 6
+SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
+AS_GOOD = 1e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
+
+
+def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
+    """The solution as effects see it."""
+    layout = prepared.layout
+    payloads = {}
+    for name, declared in prepared.present.declared.items():
+        values = declared.copy()
+        if name in layout.payloads:
+            values[layout.payloads[name]] = solution.theta[layout.payload_slice(name)]
+        payloads[name] = values
+    base = solution.theta[: layout.base]
+    effects, at = [], layout.size - layout.effects
+    for one in prepared.effects:
+        count = len(one.effect.parameters)
+        effects.append((one, solution.theta[at : at + count]))
+        at += count
+    return replace(
+        prepared.present, gains=solution.gains, base=base, payloads=payloads, effects=tuple(effects)
+    )
+
+
+def settled(prepared: Prepared, fit_gains: bool, *, nearly: bool = False) -> Prepared:
+    """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
+
+    At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
+    as the errors become smaller by them (see newton.py), and are searched again where they do not. nearly: shapes and
+    the present model are nearly right, so that no search comes first.
+    """
+    instances = prepared.effects
+    curved = [one for one in instances if one.effect.shape or one.effect.depends_on_model]
+    if prepared.settled or not curved:
+        return prepared
+    present = prepared.present
+    before: tuple[np.ndarray, ...] | None = None
+    if nearly:
+        before = _state(prepared, *solved_quickly(prepared, fit_gains))
+    else:
+        plain = with_effects(prepared, [one for one in instances if one not in curved])
+        present = present_model(plain, solved_quickly(plain, fit_gains)[1])
+    last = instances
+    for _ in range(MOST_ROUNDS):
+        prepared = with_effects(prepared, instances, present)
+        together = None if before is None else stepped(prepared, fit_gains)
+        if together is None:
+            prepared = _shaped(prepared, fit_gains)
+            stack, solution = solved_quickly(prepared, fit_gains)
+        else:
+            prepared, stack, solution = together
+        instances = prepared.effects
+        present = present_model(prepared, solution)
+        about = linearised(instances, solution.theta[prepared.layout.size - prepared.layout.effects :])
+        if together is None:
+            instances, last = _eased(last, instances, about), instances
+        else:
+            instances = tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
+        now = _state(replace(prepared, effects=instances), stack, solution)
+        if before is not None and _alike(now, before):
+            break
+        before = now
+    return replace(with_effects(prepared, instances, present), settled=True)
+
+
+def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
+    """What must stay as it is for a model to be settled: gains, values that are not linear, and RMS errors."""
+    curves = [_curved_values(one) for one in prepared.effects]
+    return solution.gains, np.concatenate(curves), spread(stack, solution)
+
+
+def _curved_values(instance: EffectInstance) -> tuple[float, ...]:
+    effect = instance.effect
+    about = effect.about_values().values() if effect.bends else ()
+    return (*effect.shape_values().values(), *about)
+
+
+def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...]) -> bool:
+    """Whether gains, and either shape parameters or what they do to the errors, are as they were a round before."""
+    gains, shapes, errors = (
+        bool(np.all(np.abs(x - y) <= share * np.abs(x)))
+        for x, y, share in zip(now, before, (SETTLED, SETTLED, AS_GOOD), strict=True)
+    )
+    return gains and (shapes or errors)
+
+
+def _eased(
+    earlier: Sequence[EffectInstance], last: Sequence[EffectInstance], found: Sequence[EffectInstance]
+) -> tuple[EffectInstance, ...]:
+    """What is found, but halfway back to the last where it turns back from there: it would swing to and fro."""
+    eased = []
+    for one, two, three in zip(earlier, last, found, strict=True):
+        a, b, c = (each.effect.about_values() for each in (one, two, three))
+        halfway = {
+            name: 0.5 * (b[name] + c[name]) for name in c if (c[name] - b[name]) * (b[name] - a[name]) < 0.0
+        }
+        eased.append(replace(three, effect=three.effect.about(halfway)) if halfway else three)
+    return tuple(eased)
+
+
+def _shaped(prepared: Prepared, fit_gains: bool) -> Prepared:
+    """Every shape parameter in turn at its best value, the others held."""
+    instances = list(prepared.effects)
+    for i, instance in enumerate(instances):
+        if not instance.effect.shape:
+            continue
+        others = with_effects(prepared, instances[:i] + instances[i + 1 :])
+        stack, solution = solved_quickly(others, fit_gains)
+        partial = partial_regression(stack, solution)
+        instances[i] = best_shape(prepared, instance, partial)
+    return with_effects(prepared, instances) if tuple(instances) != prepared.effects else prepared

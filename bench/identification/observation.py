@@ -1,0 +1,96 @@
+"""The observation matrix of every recording, sampled, filtered and decimated (equations 9 and 12)."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bench.identification.filtered import Measured
+from bench.identification.standstill import around, bridged_part, moving_rows
+from bench.model.model import IdentificationModel
+from bench.model.motion import blocks_of
+from bench.model.regressor import projected_regressor
+from bench.signals.decimation import Decimation, decimated_indices
+
+PART = 5120  # samples worked on together, at most: their columns stay in the processor's cache
+
+
+@dataclass(frozen=True)
+class Observation:
+    """One recording at the fit's rate, M samples of n motors.
+
+    time (M,) s; current (M, n) drive unit; rigid (M, n, nb), payload (M, n, 10) or None, effects (M, n, ne):
+    torque or force for each unit of the base parameters, of the payload's standard parameters in the tool
+    frame, and of the effects' parameters. position, velocity, acceleration (M, n) of the active joints.
+    moving (M, n): False where the joint stands still; such rows are neither fitted nor judged.
+    """
+
+    name: str
+    use: Literal["identify", "validate"]
+    payload_name: str | None
+    time: np.ndarray
+    current: np.ndarray
+    rigid: np.ndarray
+    payload: np.ndarray | None
+    effects: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    moving: np.ndarray
+
+
+def observe(model: IdentificationModel, measured: Measured) -> Observation:
+    """The rigid-body columns of a recording, filtered and decimated like its currents; no effects yet."""
+    recording, settings = measured.recording, measured.settings
+    columns = model.base.columns
+    loaded = recording.payload is not None
+    if loaded:
+        columns = np.concatenate((columns, model.payload_columns))
+    samples, n, p = len(measured.time), measured.current.shape[1], len(columns)
+    decimation = Decimation(samples, settings.decimation)
+    for part in blocks_of(samples, PART):
+        decimation.push(_stacked(model, measured, columns, part))
+    kept = decimation.finish()
+    sizes = np.cumsum([n * p, n, n, n])
+    filtered, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
+    filtered = filtered.reshape(len(kept), n, p)
+    nb = len(model.base.columns)
+    return Observation(
+        name=recording.name,
+        use=recording.use,
+        payload_name=recording.payload,
+        time=measured.time[decimated_indices(samples, settings.decimation)],
+        current=np.ascontiguousarray(current),
+        rigid=np.ascontiguousarray(filtered[:, :, :nb]),
+        payload=filtered[:, :, nb:] @ model.payload if loaded and model.payload is not None else None,
+        effects=np.zeros((len(kept), n, 0)),
+        position=np.ascontiguousarray(position),
+        velocity=np.ascontiguousarray(velocity),
+        acceleration=np.ascontiguousarray(acceleration),
+        moving=moving_rows(measured.gaps, samples, settings.decimation),
+    )
+
+
+def _stacked(model: IdentificationModel, measured: Measured, columns: np.ndarray, part: slice) -> np.ndarray:
+    """A part of a recording before decimation, bridged: (K, n p + 4 n), columns and currents, then the motion."""
+    length, n = len(measured.time), measured.current.shape[1]
+    seen = around(part, measured.gaps, length)
+    samples = part if len(seen) == part.stop - part.start else seen
+    rows = projected_regressor(model.geometry, measured.tree.at(samples), columns)
+    stacked = np.empty((len(seen), n, len(columns) + 1))
+    stacked[:, :, :-1], stacked[:, :, -1] = rows, measured.current[samples]
+    stacked = bridged_part(stacked, seen, part, measured.gaps, length)
+    motion = measured.position[part], measured.velocity[part], measured.acceleration[part]
+    flat = stacked[:, :, :-1].reshape(len(stacked), -1)
+    return np.concatenate((flat, stacked[:, :, -1], *motion), axis=1)
+
+
+def all_currents(measured: Measured) -> np.ndarray:
+    """Every current as every motor's rows see it, bridged where that motor stands still: (M, n, n), drive units."""
+    length, n = measured.current.shape
+    decimation = Decimation(length, measured.settings.decimation)
+    for part in blocks_of(length, PART):
+        seen = around(part, measured.gaps, length)
+        rows = np.repeat(measured.current[seen][:, None, :], n, axis=1)
+        decimation.push(bridged_part(rows, seen, part, measured.gaps, length).reshape(-1, n * n))
+    return decimation.finish().reshape(-1, n, n)

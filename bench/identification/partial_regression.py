@@ -1,0 +1,119 @@
+"""What further columns would explain, without solving the whole system again (Frisch, Waugh and Lovell)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.identification.compressed import Stack
+from bench.identification.solution import Solution
+
+ROUNDING = 1e-6  # share of a column's length: inner products tell no less from nothing
+COLLINEAR = 1e-12  # of the largest singular value of inner products of unit columns
+
+
+@dataclass(frozen=True)
+class Products:
+    """Of columns of which only what is left beside others counts: inner products (k, k), those with what is to be
+    explained (k,), and the lengths (k,) of the whole columns.
+    """
+
+    inner: np.ndarray
+    towards: np.ndarray
+    lengths: np.ndarray
+
+    @property
+    def left(self) -> np.ndarray:
+        """Share (k,) of every column's length that is left."""
+        left = np.sqrt(np.maximum(np.diag(self.inner), 0.0))
+        return np.divide(left, self.lengths, out=np.zeros_like(left), where=self.lengths > 0.0)
+
+    def explained(self) -> tuple[np.ndarray, float]:
+        """Least-squares coefficients (k,), and the sum of squares that they explain.
+
+        A column of which nothing is left explains nothing: what rounding leaves of it would, by chance.
+        """
+        values = np.zeros(len(self.towards))
+        kept = np.flatnonzero(self.left > ROUNDING)
+        if not len(kept):
+            return values, 0.0
+        norms = np.sqrt(np.diag(self.inner)[kept])
+        normal = self.inner[np.ix_(kept, kept)] / np.outer(norms, norms)
+        right = self.towards[kept] / norms
+        found = np.linalg.lstsq(normal, right, rcond=COLLINEAR)[0]
+        values[kept] = found / norms
+        return values, float(right @ found)
+
+
+@dataclass(frozen=True)
+class PartialRegression:
+    """The linearised system of the currents' errors with all its columns taken out of everything else.
+
+    The unknowns are [theta, g], or theta alone where the gains are fixed. columns (n, M, f): weighted, motor by motor,
+    zero where a joint stands still; basis (f, r): combines them so that they are orthonormal over all motors; remainder
+    (M, n): minus the weighted error; weights (n,): one over each motor's error in torque; moving (M, n).
+    """
+
+    columns: np.ndarray
+    basis: np.ndarray
+    remainder: np.ndarray
+    weights: np.ndarray
+    moving: np.ndarray
+
+    def products(self, columns: np.ndarray) -> Products:
+        """Inner products of further columns (M, n, k), weighted, without what the basis explains of them."""
+        k = columns.shape[2]
+        whole, across, towards = np.zeros((k, k)), np.zeros((len(self.basis), k)), np.zeros(k)
+        for j in np.flatnonzero(columns.any(axis=(0, 2))):
+            rows = columns[:, j] * (self.moving[:, j] * self.weights[j])[:, None]
+            whole += rows.T @ rows
+            across += self.columns[j].T @ rows
+            towards -= self.remainder[:, j] @ rows
+        within = self.basis.T @ across
+        return Products(whole - within.T @ within, towards, np.sqrt(np.diag(whole)))
+
+    def explained(self, columns: np.ndarray) -> tuple[np.ndarray, float]:
+        """Least-squares coefficients (k,) of further columns, and the sum of squares that they explain."""
+        return self.products(columns).explained()
+
+    @property
+    def sum_of_squares(self) -> float:
+        """What is left of the right side, weighted."""
+        return float((self.remainder**2).sum())
+
+
+def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
+    """Prepare the questions about a solved system, linearised about its current-domain `solution`.
+
+    The residual is current - (phi theta + kappa) / g. A further column of torque enters divided by -g; one that
+    only scales everything, as a known payload does, is in the span of phi and the gains' columns.
+    """
+    samples, n, p = stack.phi.shape
+    modelled = (stack.phi @ solution.theta + stack.kappa) / solution.gains
+    error = (stack.current - modelled) * stack.moving
+    rms = np.sqrt((error**2).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
+    own = 1.0 / np.maximum(rms, 1e-12 * rms.max() + np.finfo(float).tiny)
+    weights = own / solution.gains
+    size = p + (n if solution.gains_fitted else 0)
+    columns, factors = np.zeros((n, samples, size)), np.zeros((n, p + 2, size))
+    of_gain = np.append(solution.theta, [1.0, 0.0]) / solution.gains[:, None]
+    for j in range(n):
+        columns[j, :, :p] = stack.phi[:, j] * weights[j]
+        factors[j, :, :p] = stack.factors[j, :, :p] * weights[j]
+        if solution.gains_fitted:
+            columns[j, :, p + j] = -modelled[:, j] * weights[j]
+            factors[j, :, p + j] = -(stack.factors[j] @ of_gain[j]) * weights[j]
+    basis = _orthonormal(factors.reshape(-1, size))
+    target = -(error * own)
+    for _ in range(2):  # the second time for what rounding left of the first
+        explained = basis @ (basis.T @ sum(one.T @ target[:, j] for j, one in enumerate(columns)))
+        target = target - np.stack([one @ explained for one in columns], axis=1)
+    return PartialRegression(columns, basis, target, weights, stack.moving)
+
+
+def _orthonormal(factor: np.ndarray) -> np.ndarray:
+    """How columns (R, f) are combined to orthonormal ones (f, r) of the same span."""
+    norms = np.linalg.norm(factor, axis=0)
+    norms[norms == 0.0] = 1.0
+    _, singular, vectors = np.linalg.svd(factor / norms, full_matrices=False)
+    kept = singular > 1e-10 * singular[0]
+    return np.asarray(vectors[kept].T / singular[kept] / norms[:, None])

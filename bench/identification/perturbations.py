@@ -1,0 +1,248 @@
+"""Small changes of motion, geometry and gravity at little cost, for a search over many effects.
+
+What a small change adds to the observation matrix follows the motion smoothly, whatever the model's parameters. So it
+is computed once for a dataset, at as few samples as the motion needs, of all recordings together; each model that is
+tried then costs a product with its parameters. A shift of an active joint counts to second order.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.interpolation import cubic_spline
+from bench.effects import RobotSignals
+from bench.effects.motor_link_difference import motion_band
+from bench.effects.row_cache import KeptRows
+from bench.effects.signals import OVERSAMPLING
+from bench.identification.effect_columns import PresentModel
+from bench.identification.filtered import Measured
+from bench.identification.perturbed_observation import geometry_key
+from bench.model.geometry import Geometry
+from bench.model.model import IdentificationModel
+from bench.model.motion import Motion, motion_beside
+from bench.model.regressor import payload_transform, projected_regressor
+from bench.signals.decimation import fit_band
+
+TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
+MOTION = 0.999  # of a velocity's power inside the fit's band: the rest is taken for noise, or for little
+FINENESS = 10.0  # samples in a period of the highest frequency of the motion
+SHARE = 0.1  # of the RMS speed, likewise
+OWN = ("passing", "noted")  # what signals keep of their own, for changes that are exact
+MOST_BYTES = 80_000_000  # of what is kept
+KEPT = np.float32  # small changes need no more digits
+
+
+class Nearby:
+    """The observation matrices of motions and geometries beside those of all recordings, at few samples.
+
+    few: of every recording, the samples taken; part: where they stand among all (K,). Matrices (K, n, nb + 10) have the
+    base parameters' columns, then those of a payload in the tool frame, zero without a tool.
+    """
+
+    def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
+        self.few = tuple(_few_samples(one) for one in measured)
+        ends = np.cumsum([0, *map(len, self.few)])
+        self.part = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
+        self._model = model
+        every = list(zip(measured, self.few, strict=True))
+        self._active = [
+            np.concatenate([getattr(one, name)[few] for one, few in every])
+            for name in ("position", "velocity", "acceleration")
+        ]
+        trees = [one.tree.at(few) for one, few in every]
+        parts = ("time", "q", "v", "a", "jacobian")
+        self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
+        self._kept = KeptRows(MOST_BYTES)
+        self._barred: dict[bytes, str] = {}
+        self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
+
+    def shifted(self, order: int, motor: int) -> np.ndarray:
+        """Derivative of the matrix by one active position (order 0), velocity (1) or acceleration (2).
+
+        Raises BenchError where the loops cannot be closed beside the motion.
+        """
+        return self._differences(order, motor)[0]
+
+    def bent(self, motor: int) -> np.ndarray:
+        """Second derivative of the matrix by one active position. Raises BenchError as `shifted` does."""
+        return self._differences(0, motor)[1]
+
+    def _differences(self, order: int, motor: int) -> list[np.ndarray]:
+        keys = [(order, motor, 1)] if order else [(order, motor, 1), (order, motor, 2)]
+        kept = [self._kept.get(key) for key in keys]
+        found = [rows for rows in kept if rows is not None]
+        if len(found) < len(keys):
+            step = self._step(order, motor)
+            more, less = (self._moved(order, motor, sign * step) for sign in (1.0, -1.0))
+            found = [((more - less) / (2.0 * step)).astype(KEPT)]
+            if not order:
+                found.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT))
+            for key, rows in zip(keys, found, strict=True):
+                self._kept.keep(key, rows)
+        return found
+
+    def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
+        """Every recording, `seen` beside the present model, as effects see it that are searched for."""
+        if self._seen is None or self._seen[0] is not present:
+            self._seen = present, tuple(self._nearby(present, i, one) for i, one in enumerate(seen))
+        return self._seen[1]
+
+    def _nearby(self, present: PresentModel, index: int, seen: RobotSignals) -> RobotSignals:
+        given = {one.name: getattr(seen, one.name) for one in fields(RobotSignals) if one.name not in OWN}
+        load = np.zeros(10) if seen.payload is None else present.payloads[seen.payload]
+        return NearbySignals(
+            **given, nearby=self, index=index, parameters=np.concatenate((present.base, load))
+        )
+
+    def turned(self, axis: int) -> np.ndarray:
+        """What one m/s2 more of gravity along an axis of the world adds to the matrix."""
+        own = self._model.geometry
+        key = ("gravity", axis)
+        rows = self._kept.get(key)
+        if rows is None:
+            more = replace(own, gravity=own.gravity + np.eye(3)[axis])
+            rows = (self._rows(more, self._tree) - self._own).astype(KEPT)
+            self._kept.keep(key, rows)
+        return rows
+
+    def changed(self, geometry: Geometry) -> np.ndarray:
+        """What other lengths add to the matrix. Raises BenchError where the loops cannot be closed with them."""
+        key = geometry_key(geometry)
+        if key in self._barred:
+            raise BenchError(self._barred[key])
+        rows = self._kept.get(key)
+        if rows is None:
+            try:
+                tree = motion_beside(geometry, self._tree, *self._active)
+            except BenchError as error:
+                self._barred[key] = str(error)
+                raise
+            rows = (self._rows(geometry, tree) - self._own).astype(KEPT)
+            self._kept.keep(key, rows)
+        return rows
+
+    @cached_property
+    def _own(self) -> np.ndarray:
+        return self._rows(self._model.geometry, self._tree)
+
+    def _step(self, order: int, motor: int) -> float:
+        own = self._model.geometry
+        if order:
+            values = self._active[order][:, motor]
+            return SHARE * float(np.sqrt((values**2).mean())) or SHARE
+        slides = {joint.v.start for joint in own.joints if joint.kind == "slide"}
+        return SLIDE if int(own.active[motor]) in slides else TURN
+
+    def _moved(self, order: int, motor: int, step: float) -> np.ndarray:
+        moved = list(self._active)
+        moved[order] = moved[order].copy()
+        moved[order][:, motor] += step
+        geometry = self._model.geometry
+        return self._rows(geometry, motion_beside(geometry, self._tree, *moved))
+
+    def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
+        own = self._model.base.columns
+        rows = np.zeros((len(tree.time), len(geometry.active), len(own) + 10))
+        if geometry.tool is None:
+            rows[:, :, :-10] = projected_regressor(geometry, tree, own)
+            return rows
+        found = projected_regressor(geometry, tree, np.concatenate((own, self._model.payload_columns)))
+        rows[:, :, :-10] = found[:, :, :-10]
+        rows[:, :, -10:] = found[:, :, -10:] @ payload_transform(geometry.tool)
+        return rows
+
+
+@dataclass(frozen=True, kw_only=True)
+class NearbySignals(RobotSignals):
+    """A recording as effects see it that are searched for: changes of the torque are small and smooth.
+
+    nearby: of all recordings, of which this is the one with this index; parameters (nb + 10,): of the present model and
+    of what this recording carries.
+    """
+
+    expands = True
+
+    nearby: Nearby
+    index: int
+    parameters: np.ndarray
+
+    def coarse_change(
+        self,
+        shift: np.ndarray | None = None,
+        *,
+        gravity: np.ndarray | None = None,
+        geometry: Geometry | None = None,
+    ) -> np.ndarray:
+        """As `RobotSignals.coarse_change`; a shift comes alone."""
+        if shift is None:
+            return self._smooth(self._change(gravity, geometry), self.coarse.time)
+        change = np.zeros_like(self.coarse.torque)
+        for order, motor in zip(*np.nonzero(shift.any(axis=1)), strict=True):
+            values = shift[order, :, motor, None]
+            slope, bend = self._slopes(int(order), int(motor))
+            change += values * (slope + 0.5 * values * bend)
+        return change
+
+    def torque_change(
+        self,
+        shift: np.ndarray | None = None,
+        *,
+        gravity: np.ndarray | None = None,
+        geometry: Geometry | None = None,
+    ) -> np.ndarray:
+        """As `RobotSignals.torque_change`; a shift comes alone."""
+        if shift is None:
+            return self._smooth(self._change(gravity, geometry), self.time)
+        return self.refined(self.coarse_change(shift))
+
+    def _change(self, gravity: np.ndarray | None, geometry: Geometry | None) -> np.ndarray:
+        """What another gravity or geometry adds to the torque at the few samples."""
+        nearby = self.nearby
+        if geometry is not None:
+            rows = nearby.changed(geometry)
+        else:
+            more = np.zeros(3) if gravity is None else gravity - self.geometry.gravity
+            rows = sum(
+                (by * nearby.turned(axis) for axis, by in enumerate(more) if by),
+                np.zeros((nearby.part[-1].stop, len(self.joints), len(self.parameters))),
+            )
+        return np.asarray(rows[nearby.part[self.index]] @ self.parameters)
+
+    def _slopes(self, order: int, motor: int) -> tuple[np.ndarray, np.ndarray | float]:
+        """First and second derivatives (K, n) of the torque by a shift, at the coarse samples.
+
+        Velocities and accelerations enter in proportion, or nearly so.
+        """
+        keys = ("slope", order, motor), ("bend", order, motor)
+        if keys[0] not in self.noted:
+            self.noted[keys[0]] = self._noted(self.nearby.shifted(order, motor))
+            if not order:
+                self.noted[keys[1]] = self._noted(self.nearby.bent(motor))
+        return self.noted[keys[0]], self.noted.get(keys[1], 0.0)
+
+    def _noted(self, rows: np.ndarray) -> np.ndarray:
+        return self._smooth(rows[self.nearby.part[self.index]] @ self.parameters, self.coarse.time)
+
+    def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
+        few = self.nearby.few[self.index]
+        if len(few) == len(time):
+            return values
+        return cubic_spline(self.time[few], values)(time)
+
+
+def _few_samples(measured: Measured) -> np.ndarray:
+    """Samples of a recording between which its motion is smooth, first and last included.
+
+    What noise adds to a small change is far smaller than itself, and need not be followed.
+    """
+    rate, samples = measured.recording.rate, len(measured.time)
+    band = fit_band(rate, measured.settings.decimation)
+    coarse = max(1, int(rate / (OVERSAMPLING * band)))
+    velocity = measured.velocity[::coarse]
+    highest = max(motion_band(one, coarse / rate, band, MOTION) for one in velocity.T)
+    step = coarse * max(1, int(rate / (FINENESS * highest) / coarse))
+    return np.unique(np.append(np.arange(0, samples, step), samples - 1))

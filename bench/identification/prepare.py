@@ -1,0 +1,164 @@
+"""From a dataset to equations: model, filters, and every recording as rows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset
+from bench.dataset.recording import Recording
+from bench.effects import Effect, EffectInstance, RobotSignals, catalogue_for, places_in, select_effects
+from bench.identification.effect_columns import PresentModel, declared_parameters, robot_signals
+from bench.identification.effect_rows import effect_rows
+from bench.identification.filtered import Measured, measure
+from bench.identification.layout import ParameterLayout, parameter_layout
+from bench.identification.observation import Observation, observe
+from bench.identification.payload_parameters import payload_columns
+from bench.identification.perturbations import Nearby
+from bench.model.guess import guessed_parameters
+from bench.model.model import IdentificationModel, build_model
+from bench.signals.settings import FilterSettings, choose_settings
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A dataset made ready to be fitted: the model, the filters, and every recording as equations.
+
+    measured and observations go together, one for each recording that can be used. present: the model that
+    effects are linearised about; signals: what they see of each recording. settled: whether effects that are not
+    linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
+    taken from, in place of what effects compute exactly.
+    """
+
+    dataset: Dataset
+    model: IdentificationModel
+    settings: FilterSettings
+    effects: tuple[EffectInstance, ...]
+    measured: tuple[Measured, ...]
+    observations: tuple[Observation, ...]
+    layout: ParameterLayout
+    present: PresentModel
+    signals: tuple[RobotSignals, ...]
+    settled: bool = False
+    nearby: Nearby | None = None
+
+    @property
+    def left_aside(self) -> tuple[str, ...]:
+        """Recordings whose payload nothing tells of: not declared in full, and carried by none that is fitted."""
+        used = {one.name for one in self.observations}
+        return tuple(one.name for one in self.dataset.recordings if one.name not in used)
+
+    @property
+    def logs(self) -> tuple[str, ...]:
+        """The fitted recordings, by name: of them effects may have a value each."""
+        return logs_of([one.recording for one in self.measured if one.recording.use == "identify"])
+
+    @property
+    def fitted(self) -> tuple[Observation, ...]:
+        """The observations of recordings to identify from."""
+        return tuple(one for one in self.observations if one.use == "identify")
+
+
+def prepare(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    *,
+    fitted_only: bool = True,
+    catalogue: Mapping[str, Effect] | None = None,
+    logs: Sequence[str] | None = None,
+) -> Prepared:
+    """Build the model and turn every recording into equations, filtered and decimated alike.
+
+    The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
+    from all. A recording whose payload no such recording carries is left aside, unless all parameters of
+    the payload are declared. catalogue: the effects by name, the built-in ones and the dataset's own by default.
+    logs: those of which effects may have a value each; by default the fitted ones.
+    """
+    fitted = [one for one in dataset.recordings if one.use == "identify" or not fitted_only]
+    if not fitted:
+        raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
+    model = build_model(dataset.robot)
+    weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
+    known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
+    each = logs_of(fitted) if logs is None else logs
+    instances = select_effects(effects, places_in(model.geometry, weighed), known, each)
+    if isinstance(filters, FilterSettings):
+        settings = filters
+    else:
+        chosen = choose_settings(
+            [one.position for one in fitted], [one.current for one in fitted], fitted[0].rate
+        )
+        settings = replace(chosen, **(filters or {}))
+    carried = [one.payload for one in fitted]
+    declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]
+    layout = parameter_layout(model, dataset.payloads, [*carried, *declared], 0)
+    usable = [one for one in dataset.recordings if one.payload is None or one.payload in layout.payloads]
+    measured = tuple(measure(model, recording, settings) for recording in usable)
+    present = _first_model(dataset, model, measured)
+    prepared = Prepared(
+        dataset=dataset,
+        model=model,
+        settings=settings,
+        effects=(),
+        measured=measured,
+        observations=tuple(observe(model, one) for one in measured),
+        layout=layout,
+        present=present,
+        signals=tuple(robot_signals(model, one, present) for one in measured),
+    )
+    return with_effects(prepared, instances)
+
+
+def logs_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """The logs of recordings or of parts of them, each once."""
+    return tuple(dict.fromkeys(one.log for one in recordings))
+
+
+def with_effects(
+    prepared: Prepared, effects: Sequence[EffectInstance], present: PresentModel | None = None
+) -> Prepared:
+    """The same recordings with the columns of these effects, linearised about another model where given."""
+    signals = prepared.signals
+    if present is None or present is prepared.present:
+        present = prepared.present
+    else:
+        signals = tuple(robot_signals(prepared.model, one, present) for one in prepared.measured)
+        if prepared.nearby is not None:
+            signals = prepared.nearby.signals(present, signals)
+    observations = tuple(
+        replace(observation, effects=effect_rows(seen, prepared.settings.decimation, effects))
+        for seen, observation in zip(signals, prepared.observations, strict=True)
+    )
+    count = sum(len(one.effect.parameters) for one in effects)
+    layout = replace(prepared.layout, effects=count)
+    return replace(
+        prepared,
+        effects=tuple(effects),
+        observations=observations,
+        layout=layout,
+        present=present,
+        signals=signals,
+        settled=False,
+    )
+
+
+def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
+    """The same with small changes of the torque taken from what is known nearby."""
+    signals = nearby.signals(prepared.present, prepared.signals)
+    return replace(prepared, signals=signals, nearby=nearby, settled=False)
+
+
+def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:
+    """Nominal gains and guessed masses, until a fit has better ones."""
+    fitted = [one for one in measured if one.recording.use == "identify"] or list(measured)
+    declared = declared_parameters(dataset.payloads)
+    return PresentModel(
+        gains=dataset.robot.nominal_gains,
+        base=model.base.grouping @ guessed_parameters(model.geometry),
+        payloads=declared,
+        declared=declared,
+        speeds=np.sqrt(np.concatenate([one.velocity**2 for one in fitted]).mean(axis=0)),
+    )

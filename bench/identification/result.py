@@ -1,0 +1,172 @@
+"""An identified model, with all that is needed to trust it, to save it and to apply it to other recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.identification.finding import Finding, Unknown
+from bench.identification.finding_words import note
+from bench.identification.frame import data_frame
+from bench.identification.standard_errors import Deviations, StdFrom
+from bench.signals.settings import FilterSettings
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A value with its standard deviation, both in `unit`; `std` is 0 where the value was given."""
+
+    value: float
+    std: float
+    unit: str
+
+    @property
+    def relative_std(self) -> float:
+        """Standard deviation as a share of the value's size."""
+        return self.std / abs(self.value) if self.value else float("inf")
+
+
+@dataclass(frozen=True)
+class DriveGain(Quantity):
+    """An actuator's drive gain, with its nominal value."""
+
+    nominal: float
+
+
+@dataclass(frozen=True)
+class Parameter(Quantity):
+    """A base or payload parameter; `grouping` says which standard parameters it stands for."""
+
+    name: str
+    grouping: str
+
+
+@dataclass(frozen=True)
+class ErrorSummary:
+    """RMS(measured - modelled current) / RMS(measured current), at the rate and bandwidth of the fit."""
+
+    identify: float | None
+    validate: float | None
+    by_actuator: Mapping[str, float]
+    by_actuator_validate: Mapping[str, float]
+    by_recording: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class CurrentSeries:
+    """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
+
+    moving: False where a joint stands still; errors are not judged there. by_effect: the torque or force (M, n) that
+    the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint stands
+    still, since such rows are bridged, not modelled.
+    """
+
+    name: str
+    use: str
+    payload: str | None
+    time: np.ndarray
+    measured: np.ndarray
+    modelled: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    moving: np.ndarray
+    by_effect: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def error(self) -> np.ndarray:
+        """Measured minus modelled current (M, n)."""
+        return self.measured - self.modelled
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The answer of `identify`.
+
+    gains_fitted is False where no payload of known mass gave the scale: the gains are nominal, and all
+    parameters scale with their error. effect_parameters: effect -> place -> parameter, the place being a joint, or
+    joint@recording for the value of one recording. covariance (P, P), its rows named by covariance_rows; those of given
+    values and of parameters that were left out are zero. left_out: names of the base parameters without which the fit
+    is as good, when only essential ones were asked for. findings: what limits the answer.
+    std_from: what standard deviations stand for.
+    """
+
+    robot: str
+    robot_folder: str
+    method: str
+    effects: tuple[str, ...]
+    drive_gains: Mapping[str, DriveGain]
+    gains_fitted: bool
+    parameters: tuple[Parameter, ...]
+    effect_parameters: Mapping[str, Mapping[str, Mapping[str, Quantity]]]
+    covariance: np.ndarray
+    covariance_rows: tuple[Unknown, ...]
+    rank: int
+    unknowns: int
+    condition: float
+    scaled_condition: float
+    error: ErrorSummary
+    settings: FilterSettings
+    deviations: Deviations
+    recordings: tuple[CurrentSeries, ...]
+    left_out: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    std_from: StdFrom = "noise"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What limits the answer, in words."""
+        return tuple(map(note, self.findings))
+
+    def rows(self) -> list[dict[str, str | float]]:
+        """Gains, parameters and effect parameters as a table: one row with kind, name, value, std and unit each."""
+        named: list[tuple[str, str, Quantity]] = [
+            ("drive gain", joint, gain) for joint, gain in self.drive_gains.items()
+        ]
+        named += [("parameter", one.name, one) for one in self.parameters]
+        for effect, joints in self.effect_parameters.items():
+            for joint, values in joints.items():
+                named += [(effect, f"{name}({joint})", value) for name, value in values.items()]
+        return [
+            {"kind": kind, "name": name, "value": one.value, "std": one.std, "unit": one.unit}
+            for kind, name, one in named
+        ]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The same as a data frame. Needs pandas."""
+        rows = self.rows()
+        return data_frame({name: [row[name] for row in rows] for name in rows[0]})
+
+
+def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) -> float | None:
+    """RMS(measured - modelled) / RMS(measured) over recordings, for one motor or all; None without any."""
+    if not series:
+        return None
+    chosen = slice(None) if motor is None else slice(motor, motor + 1)
+    error = sum(float(((one.error * one.moving)[:, chosen] ** 2).sum()) for one in series)
+    measured = sum(float(((one.measured * one.moving)[:, chosen] ** 2).sum()) for one in series)
+    return float(np.sqrt(error / measured)) if measured else float("nan")
+
+
+def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> ErrorSummary:
+    """Errors of all recordings by use, motor and recording."""
+    fitted = [one for one in series if one.use == "identify"]
+    checked = [one for one in series if one.use == "validate"]
+
+    def by_actuator(chosen: Sequence[CurrentSeries]) -> dict[str, float]:
+        values = {joint: relative_error(chosen, j) for j, joint in enumerate(joints)}
+        return {joint: value for joint, value in values.items() if value is not None}
+
+    return ErrorSummary(
+        identify=relative_error(fitted),
+        validate=relative_error(checked),
+        by_actuator=by_actuator(fitted),
+        by_actuator_validate=by_actuator(checked),
+        by_recording={one.name: value for one in series if (value := relative_error([one])) is not None},
+    )

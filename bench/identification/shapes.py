@@ -1,0 +1,115 @@
+"""The shape in which an effect explains most of what a model leaves."""
+
+from collections.abc import Callable, Sequence
+from itertools import product
+
+import numpy as np
+
+from bench.effects import Bracket, EffectInstance, JointSamples, ShapeParameter
+from bench.identification.bounded import minimum_between
+from bench.identification.joint_samples import joint_samples
+from bench.identification.newton import NEARBY, within_reach
+from bench.identification.partial_regression import PartialRegression, Products
+from bench.identification.prepare import Prepared
+from bench.identification.solve_only import candidate_columns, reshaped
+
+TOLERANCE = 1e-4  # relative, of a shape parameter
+NODES = 7  # at which a search evaluates columns within a bracket
+LOGARITHMIC = 2.0  # ratio of a bracket's ends from which nodes are spread by their logarithm
+
+
+def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialRegression) -> EffectInstance:
+    """The instance with the shape values that explain most of what is left.
+
+    Every combination of discrete values is tried, and with each the other parameters, one after the other.
+    """
+    samples = joint_samples(prepared, instance, partial)
+    shape = instance.effect.shape
+    free = [parameter for parameter in shape if not parameter.discrete]
+    if not free:
+        free = list(shape)
+    choices = [list(one.candidates) for one in shape if one not in free]
+    best, least = instance, np.inf
+    for chosen in product(*choices):
+        names = [one.name for one in shape if one not in free]
+        tried = reshaped(instance, dict(zip(names, chosen, strict=True)))
+        for parameter in free:
+            tried, cost = _searched(prepared, tried, parameter, samples, partial)
+        if cost < least:
+            best, least = tried, cost
+    return best
+
+
+def _searched(
+    prepared: Prepared,
+    instance: EffectInstance,
+    parameter: ShapeParameter,
+    samples: tuple[JointSamples, ...],
+    partial: PartialRegression,
+) -> tuple[EffectInstance, float]:
+    """One shape parameter at its best value, and minus the squares that are explained with it.
+
+    The present value competes, so that what the effect explains never becomes less.
+    """
+
+    def columns(values: Sequence[float]) -> np.ndarray:
+        return candidate_columns(prepared, [reshaped(instance, {parameter.name: x}) for x in values])
+
+    brackets = instance.effect.brackets(parameter, samples)
+    if not parameter.discrete and any(low < high for low, _, high in brackets):
+        present = instance.effect.shape_values()[parameter.name]
+        low, high = within_reach(present, brackets)
+        near = (max(present * (1.0 - NEARBY), low), present, min(present * (1.0 + NEARBY), high))
+        brackets = (*brackets, near)
+    tried = np.split(columns([value for _, value, _ in brackets]), len(brackets), axis=2)
+    costs = [-partial.explained(one)[1] for one in tried]
+    best = int(np.argmin(costs))
+    (low, found, high), cost = brackets[best], costs[best]
+    if low < high:
+        if all(seen.expands for seen in prepared.signals):
+            unexplained = _between_nodes(columns, brackets[best], partial)
+        else:
+            unexplained = _exactly(columns, partial)
+        place, value = minimum_between(unexplained, low, high, TOLERANCE * max(abs(low), abs(high)))
+        if value < cost:
+            found, cost = place, value
+    return reshaped(instance, {parameter.name: found}), cost
+
+
+def _exactly(
+    columns: Callable[[Sequence[float]], np.ndarray], partial: PartialRegression
+) -> Callable[[float], float]:
+    """Minus the squares that are explained with a value, of columns computed for it."""
+    return lambda value: -partial.explained(columns([float(value)]))[1]
+
+
+def _between_nodes(
+    columns: Callable[[Sequence[float]], np.ndarray], bracket: Bracket, partial: PartialRegression
+) -> Callable[[float], float]:
+    """Minus the squares that are explained with a value, of columns interpolated between a bracket's Chebyshev points.
+
+    Interpolated by the polynomial through them (Berrut and Trefethen, "Barycentric Lagrange interpolation", SIAM
+    Review 46(3), 2004), of the value or of its logarithm.
+    """
+    low, _, high = bracket
+    logarithmic = low > 0.0 and high > LOGARITHMIC * low
+    ends = np.log([low, high]) if logarithmic else np.array([low, high])
+    steps = np.arange(NODES)
+    places = ends.mean() - 0.5 * (ends[1] - ends[0]) * np.cos(np.pi * steps / (NODES - 1))
+    nodes = np.clip(np.exp(places) if logarithmic else places, low, high)
+    signs = (-1.0) ** steps
+    signs[[0, -1]] *= 0.5
+    every = partial.products(columns(nodes.tolist()))
+    count = len(every.towards) // NODES
+    inner, towards = every.inner.reshape(NODES, count, NODES, count), every.towards.reshape(NODES, count)
+    lengths = every.lengths.reshape(NODES, count)
+
+    def unexplained(value: float) -> float:
+        off = (np.log(value) if logarithmic else value) - places
+        near = np.abs(off) < 1e-14 * max(abs(ends[0]), abs(ends[1]))
+        weights = near.astype(float) if near.any() else signs / off
+        weights /= weights.sum()
+        normal = np.einsum("a,aibj,b->ij", weights, inner, weights)
+        return -Products(normal, weights @ towards, np.abs(weights) @ lengths).explained()[1]
+
+    return unexplained

@@ -1,0 +1,30 @@
+"""Recordings that are short beside the low-pass on positions."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.dataset.recording import Recording
+from bench.identification.finding import Code, Finding
+from bench.signals.settings import SETTLING, FilterSettings
+
+DISTURBED = 0.05  # of a recording: more at either end is much, and no more is dropped unasked
+
+
+def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) -> list[Finding]:
+    """Where the ends that the filter disturbs are more than a twentieth of a fitted recording each."""
+    settling = SETTLING / settings.position_cutoff
+    short = {
+        one.name: float(np.ptp(one.time))
+        for one in recordings
+        if one.use == "identify" and settling > DISTURBED * float(np.ptp(one.time))
+    }
+    if not short:
+        return []
+    numbers = {
+        "shortest": min(short.values()),
+        "cutoff": settings.position_cutoff,
+        "settling": SETTLING,
+        "needed": settling / DISTURBED,
+    }
+    return [Finding(Code.SHORT, tuple(short), numbers=numbers)]

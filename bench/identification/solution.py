@@ -1,0 +1,61 @@
+"""What every estimator returns, and the torque equations that they share."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lstsq
+
+from bench.identification.compressed import Stack
+
+
+@dataclass(frozen=True)
+class Solution:
+    """theta (p,) and drive gains (n,) with what their deviations need.
+
+    weights (n,): what a motor's equation was multiplied by; 1 / (unit of its residual). domain: the
+    residual's unit, "torque" (diag(v) g - Phi theta - kappa) or "current" (that divided by -g).
+    """
+
+    theta: np.ndarray
+    gains: np.ndarray
+    weights: np.ndarray
+    domain: str
+    gains_fitted: bool
+
+
+def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Rows A and right side b of A x = b in torque, from compressed factors (n, p + 2, p + 2).
+
+    With gains (n,): x = theta, b = diag(v) g - kappa. With None: x = [theta, g], b = kappa
+    (equation 12, the gains among the unknowns).
+    """
+    n, size, _ = factors.shape
+    p = size - 2
+    phi, kappa, current = factors[:, :, :p], factors[:, :, p], factors[:, :, p + 1]
+    if gains is not None:
+        return phi.reshape(-1, p), (current * gains[:, None] - kappa).reshape(-1)
+    rows = np.zeros((n, size, p + n))
+    rows[:, :, :p] = -phi
+    rows[np.arange(n), :, p + np.arange(n)] = current
+    return rows.reshape(-1, p + n), kappa.reshape(-1)
+
+
+def weighted(factors: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The factors with every motor's equation multiplied by its weight."""
+    return factors * weights[:, None, None]
+
+
+def torque_residual_rms(stack: Stack, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:
+    """RMS of diag(v) g - Phi theta - kappa for every motor, (n,), N*m or N."""
+    combination = np.broadcast_to(np.append(-theta, [-1.0, 0.0]), (len(gains), len(theta) + 2)).copy()
+    combination[:, -1] = gains
+    residual = np.einsum("jrc,jc->jr", stack.factors, combination)
+    return np.sqrt((residual**2).sum(axis=1) / len(stack.current))
+
+
+def scaled_lstsq(rows: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Least squares with every column scaled to unit length, so that units do not decide the rank."""
+    norms = np.linalg.norm(rows, axis=0)
+    norms[norms == 0.0] = 1.0
+    found = lstsq(rows / norms, right, cond=1e-13, lapack_driver="gelsy", check_finite=False)[0]
+    return np.asarray(found / norms)

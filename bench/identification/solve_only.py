@@ -1,0 +1,64 @@
+"""Prepared equations solved without deviations, and columns of effects that they do not have."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.effects import EffectInstance
+from bench.identification.compressed import Stack, stack_observations
+from bench.identification.current_error import current_error
+from bench.identification.effect_rows import effect_rows
+from bench.identification.essential_parameters import reduced, with_zeros
+from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.least_squares import weighted_least_squares
+from bench.identification.prepare import Prepared
+from bench.identification.solution import Solution
+
+
+def solved_quickly(prepared: Prepared, fit_gains: bool) -> tuple[Stack, Solution]:
+    """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
+    stack = stack_observations(prepared.fitted, prepared.layout, prepared.dataset.payloads)
+    kept = identifiable_columns(stack, prepared.layout, fit_gains)
+    return stack, solved_with(stack, kept, prepared.dataset.robot.nominal_gains, fit_gains)
+
+
+def solved_with(stack: Stack, kept: np.ndarray, nominal: np.ndarray, fit_gains: bool) -> Solution:
+    """The current-domain solution with some columns of phi only, kept (k,); zero for the others."""
+    size = stack.phi.shape[2]
+    smaller = stack if len(kept) == size else reduced(stack, kept)
+    solution = current_error(smaller, weighted_least_squares(smaller, nominal, fit_gains))
+    return replace(solution, theta=with_zeros(solution.theta, kept, size))
+
+
+def spread(stack: Stack, solution: Solution) -> np.ndarray:
+    """RMS of each motor's error (n,), in drive units."""
+    error = stack.current - (stack.phi @ solution.theta + stack.kappa) / solution.gains
+    return np.sqrt((error**2 * stack.moving).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
+
+
+def linearised(instances: Sequence[EffectInstance], values: np.ndarray) -> tuple[EffectInstance, ...]:
+    """The effects linearised about these values (k,) of their parameters, one after the other."""
+    found, at = [], 0
+    for one in instances:
+        names = [parameter.name for parameter in one.effect.parameters]
+        own = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
+        found.append(replace(one, effect=one.effect.about(own)))
+        at += len(names)
+    return tuple(found)
+
+
+def reshaped(instance: EffectInstance, values: Mapping[str, float]) -> EffectInstance:
+    """The effect with other values of its shape parameters."""
+    return replace(instance, effect=replace(instance.effect, **values))
+
+
+def candidate_columns(prepared: Prepared, effects: Sequence[EffectInstance]) -> np.ndarray:
+    """Columns (M, n, k) of effects over all fitted recordings, in the order of the stack."""
+    return np.concatenate(
+        [
+            effect_rows(signals, prepared.settings.decimation, effects)
+            for signals, measured in zip(prepared.signals, prepared.measured, strict=True)
+            if measured.recording.use == "identify"
+        ]
+    )

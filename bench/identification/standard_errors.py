@@ -1,0 +1,211 @@
+"""Covariance of an estimate, with errors that are alike from one sample to the next."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from bench.identification.blocks import Block, block_scatter, blocks_in
+from bench.identification.compressed import Stack
+from bench.identification.solution import Solution
+
+FEWEST_LAGS = 6  # of the autocovariance; what the low-pass of the fit makes of white noise dies out sooner
+MOST_LAGS = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the movement
+ALIKE = 3.0  # deviations of a correlation that is none
+
+Deviations = Literal["autocorrelated", "independent"]
+StdFrom = Literal["noise", "blocks", "models"]
+"""What standard deviations stand for: the error as a noise, the scatter of the estimate between parts of the
+recordings, or the spread over models that explain the data as well."""
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """covariance (p + n, p + n) of [theta, g] (gains zero where fixed); rank and condition of the system of so
+    many unknowns.
+
+    condition: of the weighted Jacobian, columns as they are; scaled_condition: with columns of unit length. std_from:
+    the error as a noise, or what each part of the recordings does to the estimate.
+    """
+
+    covariance: np.ndarray
+    rank: int
+    unknowns: int
+    condition: float
+    scaled_condition: float
+    std_from: StdFrom = "noise"
+
+
+def residual_series(stack: Stack, solution: Solution) -> np.ndarray:
+    """The error (M, n) that the estimator made small, in torque or current units."""
+    modelled = stack.phi @ solution.theta + stack.kappa
+    if solution.domain == "torque":
+        return np.asarray(stack.current * solution.gains - modelled)
+    return np.asarray(stack.current - modelled / solution.gains)
+
+
+def jacobian_series(stack: Stack, solution: Solution) -> np.ndarray:
+    """Derivative (M, n, P) of the modelled side by [theta] or [theta, g], in the residual's unit."""
+    n = len(solution.gains)
+    if solution.domain == "torque":
+        rigid, by_gain = stack.phi, -stack.current
+    else:
+        rigid = stack.phi / solution.gains[:, None]
+        by_gain = -(stack.phi @ solution.theta + stack.kappa) / solution.gains**2
+    if not solution.gains_fitted:
+        return rigid
+    full = np.zeros((*rigid.shape[:2], rigid.shape[2] + n))
+    full[:, :, : rigid.shape[2]] = rigid
+    full[:, np.arange(n), rigid.shape[2] + np.arange(n)] = by_gain
+    return full
+
+
+def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Uncertainty:
+    """Standard deviations of the estimate from its residual.
+
+    "autocorrelated": the residual's autocovariance, of every motor and within every recording, is carried
+    through the linearised estimator (Newey and West 1987, with Bartlett's window), so that neighbouring
+    samples do not count as independent. "independent": the field's customary formula (Gautier 1997), with
+    the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
+    nothing, such as the damping of a drive without a compliance, are left out, with variances of zero.
+
+    Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
+    own error is at work, and the deviations are those of that scatter, wherever they are larger.
+    """
+    triangle = np.concatenate(
+        [
+            weight * _by_unknowns(factor, solution, j)
+            for j, (factor, weight) in enumerate(zip(stack.factors, solution.weights, strict=True))
+        ]
+    )
+    lengths = np.linalg.norm(triangle, axis=0)
+    seen = np.flatnonzero(lengths)
+    size, lengths = len(seen), lengths[seen]
+    unit = triangle[:, seen] / lengths
+    singular = np.linalg.svd(np.linalg.qr(unit, mode="r"), compute_uv=False)
+    rank = int((singular > 1e-10 * singular[0]).sum())
+    inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-18, hermitian=True)
+    residual = residual_series(stack, solution) * solution.weights
+    std_from: StdFrom = "noise"
+    if deviations == "independent":
+        middle = inverse * float(residual[stack.moving].var(ddof=1))
+    else:
+        equations = int(stack.moving.sum())
+        freedom = equations / max(equations - size, 1)
+        middle = inverse @ _score(stack, solution, residual, seen, lengths) @ inverse * freedom
+        scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
+        if scatter is not None and scatter.beyond(middle):
+            middle, std_from = _widened(middle, scatter.covariance), "blocks"
+    covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
+    covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
+    raw = np.linalg.svd(np.linalg.qr(triangle[:, seen], mode="r"), compute_uv=False)
+    return Uncertainty(
+        covariance,
+        rank,
+        size,
+        float(raw[0] / max(raw[-1], np.finfo(float).tiny)),
+        float(singular[0] / max(singular[-1], np.finfo(float).tiny)),
+        std_from,
+    )
+
+
+def _widened(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """A covariance (P, P) with the deviations of another where these are larger, and its own correlations."""
+    own, larger = (np.sqrt(np.maximum(np.diag(one), 0.0)) for one in (covariance, other))
+    times = np.maximum(larger / np.where(own > 0.0, own, np.inf), 1.0)
+    return covariance * np.outer(times, times)
+
+
+def _by_unknowns(rows: np.ndarray, solution: Solution, motor: int) -> np.ndarray:
+    """A motor's rows (K, p + 2) of [phi, kappa, current] as derivatives (K, P) of its modelled side."""
+    p, gain = len(solution.theta), solution.gains[motor]
+    columns = np.zeros((len(rows), p + (len(solution.gains) if solution.gains_fitted else 0)))
+    columns[:, :p] = rows[:, :p] if solution.domain == "torque" else rows[:, :p] / gain
+    if solution.gains_fitted and solution.domain == "torque":
+        columns[:, p + motor] = -rows[:, p + 1]
+    elif solution.gains_fitted:
+        columns[:, p + motor] = -(rows[:, :p] @ solution.theta + rows[:, p]) / gain**2
+    return columns
+
+
+def _weighted_rows(
+    stack: Stack, solution: Solution, motor: int, rows: slice, seen: np.ndarray, lengths: np.ndarray
+) -> np.ndarray:
+    """The derivatives of a motor's weighted rows by the unknowns seen, each divided by its length."""
+    part = (stack.phi[rows, motor], stack.kappa[rows, motor], stack.current[rows, motor])
+    derivatives = _by_unknowns(np.column_stack(part), solution, motor)
+    return np.asarray(solution.weights[motor] * derivatives[:, seen] / lengths)
+
+
+def _blocks(
+    stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
+) -> list[Block]:
+    """The normal equations of every block, for the unknowns seen, each divided by its length."""
+    found = []
+    for rows in blocks_in(stack.starts, len(residual)):
+        normal, score = np.zeros((len(seen),) * 2), np.zeros(len(seen))
+        for j in range(len(solution.weights)):
+            jacobian = _weighted_rows(stack, solution, j, rows, seen, lengths)
+            normal += jacobian.T @ jacobian
+            score += jacobian.T @ residual[rows, j]
+        found.append(Block(normal, score))
+    return found
+
+
+def _score(
+    stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
+) -> np.ndarray:
+    """J' Sigma J (P, P) of the weighted derivatives by the unknowns seen, each divided by its length."""
+    ends = (*stack.starts[1:], len(residual))
+    total = np.zeros((len(seen),) * 2)
+    for j in range(len(solution.weights)):
+        covariances = _covariances(residual[:, j], stack.moving[:, j], stack.starts)
+        for a, b in zip(stack.starts, ends, strict=True):
+            jacobian = _weighted_rows(stack, solution, j, slice(a, b), seen, lengths)
+            own = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
+            total[np.ix_(own, own)] += _autocorrelated(jacobian[:, own], covariances)
+    return total
+
+
+def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ...]) -> np.ndarray:
+    """Tapered autocovariances (L + 1,) of one motor's residual (M,), zero where not moving, over all recordings.
+
+    Lags beyond FEWEST_LAGS are taken as long as the errors are still alike there: a longer window than needed
+    would see the lack of error at the few frequencies of the movement, which the fit takes up.
+    """
+    ends = (*starts[1:], len(residual))
+    shortest = min(b - a for a, b in zip(starts, ends, strict=True))
+    most = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), MOST_LAGS, shortest - 1)
+    values, counts = np.zeros(most + 1), np.ones(most + 1)
+    counted = moving.astype(float)
+    for lag in range(most + 1):
+        pairs = count = 0.0
+        for a, b in zip(starts, ends, strict=True):
+            pairs += float(residual[a : b - lag] @ residual[a + lag : b])
+            count += float(counted[a : b - lag] @ counted[a + lag : b])
+        values[lag], counts[lag] = pairs / max(count, 1.0), max(count, 1.0)
+    alike = np.abs(values) > ALIKE * values[0] / np.sqrt(counts)
+    lags = min(FEWEST_LAGS, most)
+    while lags < most and alike[lags + 1 : lags + 4].any():
+        lags += 1
+    return values[: lags + 1] * (1.0 - np.arange(lags + 1) / (lags + 1.0))
+
+
+def _autocorrelated(jacobian: np.ndarray, covariances: np.ndarray) -> np.ndarray:
+    """J' Sigma J (P, P) for derivatives J (M, P) and a stationary residual with these autocovariances.
+
+    Sigma J goes by blocks of rows: the same band of Sigma times the rows in its reach.
+    """
+    samples, size = jacobian.shape
+    lags = len(covariances) - 1
+    block = max(2 * lags, 32)
+    count = -(-samples // block)
+    reached = np.zeros((count * block + 2 * lags, size))
+    reached[lags : lags + samples] = jacobian
+    apart = np.abs(np.arange(block + 2 * lags) - lags - np.arange(block)[:, None])
+    band = np.append(covariances, 0.0)[np.minimum(apart, lags + 1)]
+    windows = sliding_window_view(reached, block + 2 * lags, axis=0)[::block].swapaxes(1, 2)
+    spread = (band @ windows).reshape(-1, size)[:samples]
+    total = jacobian.T @ spread
+    return np.asarray(0.5 * (total + total.T))

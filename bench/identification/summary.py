@@ -1,0 +1,163 @@
+"""A solution in the user's words: gains, parameters, effects and errors with their names and units."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.effects import EffectInstance
+from bench.effects.select import ROBOT as ROBOT
+from bench.identification.by_recording import without_own_values
+from bench.identification.finding import Unknown
+from bench.identification.findings import with_findings
+from bench.identification.layout import known_rows, payload_parameter_names, regressor_rows
+from bench.identification.observation import Observation
+from bench.identification.prepare import Prepared
+from bench.identification.result import (
+    CurrentSeries,
+    DriveGain,
+    Identification,
+    Parameter,
+    Quantity,
+    error_summary,
+)
+from bench.identification.solution import Solution
+from bench.identification.standard_errors import Deviations, Uncertainty
+from bench.model.regressor import PARAMETERS, UNITS
+
+
+def summarise(
+    prepared: Prepared,
+    method: str,
+    solution: Solution,
+    spread: Uncertainty,
+    deviations: Deviations,
+    kept: np.ndarray,
+    outside: Sequence[EffectInstance] = (),
+) -> Identification:
+    """The answer. spread: covariance of [theta, gains, shape parameters]; kept: columns not left out; outside: effects
+    that the data ask to be beyond their bounds.
+    """
+    robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
+    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
+    p, n = layout.size, len(solution.gains)
+    gains = {
+        actuator.joint: DriveGain(
+            float(solution.gains[j]), float(std[p + j]), actuator.gain_unit, actuator.gain
+        )
+        for j, actuator in enumerate(robot.actuators)
+    }
+    names = list(zip(base.names, base.units, base.descriptions, strict=True))
+    for payload, index in layout.payloads.items():
+        for i, name in zip(index, payload_parameter_names(payload, index), strict=True):
+            names.append((name, UNITS[i], f"{PARAMETERS[i]} of payload {payload} in the tool frame"))
+    parameters = tuple(
+        Parameter(float(solution.theta[i]), float(std[i]), unit, name, grouping)
+        for i, (name, unit, grouping) in enumerate(names)
+        if i in kept
+    )
+    joints = [actuator.joint for actuator in robot.actuators]
+    return with_findings(
+        Identification(
+            robot=robot.name,
+            robot_folder=str(robot.folder),
+            method=method,
+            effects=tuple(dict.fromkeys(instance.request for instance in prepared.effects)),
+            drive_gains=gains,
+            gains_fitted=solution.gains_fitted,
+            parameters=parameters,
+            effect_parameters=_effects(prepared, solution, std, kept, p + n),
+            covariance=spread.covariance,
+            covariance_rows=_rows(prepared, [name for name, _, _ in names]),
+            rank=spread.rank,
+            unknowns=spread.unknowns,
+            condition=spread.condition,
+            scaled_condition=spread.scaled_condition,
+            error=error_summary(series, joints),
+            settings=prepared.settings,
+            deviations=deviations,
+            recordings=series,
+            left_out=tuple(name for i, (name, _, _) in enumerate(names) if i not in kept),
+            findings=(),
+            std_from=spread.std_from,
+        ),
+        prepared.left_aside,
+        outside,
+        without_own_values(prepared),
+    )
+
+
+def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
+    """Measured and modelled currents of one recording."""
+    torque = regressor_rows(observation, prepared.layout) @ solution.theta
+    torque += known_rows(observation, prepared.dataset.payloads)
+    return CurrentSeries(
+        name=observation.name,
+        use=observation.use,
+        payload=observation.payload_name,
+        time=observation.time,
+        measured=observation.current,
+        modelled=torque / solution.gains,
+        position=observation.position,
+        velocity=observation.velocity,
+        acceleration=observation.acceleration,
+        moving=observation.moving,
+        by_effect=_effect_torques(prepared, observation, solution),
+    )
+
+
+def _rows(prepared: Prepared, parameters: Sequence[str]) -> tuple[Unknown, ...]:
+    """What the covariance's rows are of, in the order of [theta, gains, shape parameters]."""
+    linear = [
+        Unknown("effect", one.name, instance.place, instance.effect.name)
+        for instance in prepared.effects
+        for one in instance.effect.parameters
+    ]
+    shapes = [
+        Unknown("effect", one.name, instance.place, instance.effect.name)
+        for instance in prepared.effects
+        for one in instance.effect.shape
+        if not one.discrete
+    ]
+    gains = [Unknown("gain", "gain", joint) for joint in prepared.dataset.robot.joints]
+    return (*(Unknown("parameter", name) for name in parameters), *linear, *gains, *shapes)
+
+
+def _effect_torques(
+    prepared: Prepared, observation: Observation, solution: Solution
+) -> dict[str, np.ndarray]:
+    """The torque (M, n) of each effect, all its places together."""
+    by_effect: dict[str, np.ndarray] = {}
+    values = solution.theta[prepared.layout.size - prepared.layout.effects :]
+    at = 0
+    for instance in prepared.effects:
+        where = slice(at, at + len(instance.effect.parameters))
+        at = where.stop
+        torque = np.where(observation.moving, observation.effects[:, :, where] @ values[where], np.nan)
+        name = instance.effect.name
+        by_effect[name] = by_effect[name] + torque if name in by_effect else torque
+    return by_effect
+
+
+def _effects(
+    prepared: Prepared, solution: Solution, std: np.ndarray, kept: np.ndarray, shape_at: int
+) -> dict[str, dict[str, dict[str, Quantity]]]:
+    rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
+    drives = {one.joint: one.gain_unit.partition("/")[2] for one in prepared.dataset.robot.actuators}
+    found: dict[str, dict[str, dict[str, Quantity]]] = {}
+    at = prepared.layout.size - prepared.layout.effects
+    for instance in prepared.effects:
+        values = {}
+        turning, drive = rotates.get(instance.joint, True), drives.get(instance.joint, "A")
+        for parameter in instance.effect.parameters:
+            unit = parameter.unit_at(turning, drive)
+            spread = float(std[at]) if at in kept else float("inf")
+            values[parameter.name] = Quantity(float(solution.theta[at]), spread, unit)
+            at += 1
+        for shape in instance.effect.shape:
+            value = instance.effect.shape_values()[shape.name]
+            spread = 0.0 if shape.discrete else float(std[shape_at]) or float("inf")
+            values[shape.name] = Quantity(float(value), spread, shape.unit_at(turning, drive))
+            shape_at += not shape.discrete
+        found.setdefault(instance.effect.name, {})[instance.place] = values
+    return found

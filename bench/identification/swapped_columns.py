@@ -1,0 +1,120 @@
+"""Whether two motors' columns of a log were taken for each other: tried where the model explains little."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.identification.compressed import triangular_factors
+from bench.identification.current_error import minimised, squared_errors
+from bench.identification.finding import Code, Finding
+from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.observation import Observation, all_currents
+from bench.identification.prepare import Prepared, prepare
+from bench.identification.result import Identification
+from bench.identification.solution import scaled_lstsq, torque_system
+
+LARGE = 0.05  # relative error from which it is worth a try
+BETTER = 0.5  # of the error: what a swap must bring it down to
+
+
+@on_one_thread
+def swapped_columns(
+    dataset: Dataset, result: Identification, prepared: Prepared | None = None
+) -> list[Finding]:
+    """The two motors whose columns, exchanged, bring the error down most; none where none do.
+
+    Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
+    and viscous friction beside the rigid bodies, lest it hide the swap. The error must fall far below that of the
+    result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
+    prepared: the dataset's equations with these filters, where they are at hand.
+    """
+    error = result.error.identify
+    joints = list(result.drive_gains)
+    if error is None or error < LARGE or len(joints) < 2:
+        return []
+    if prepared is None:
+        prepared = prepare(dataset, (), result.settings)
+    trial = _Trial(prepared, result.gains_fitted)
+    names, a, b = min(
+        _swaps(tuple(trial.parts), len(joints)), key=lambda swap: trial.error(trial.exchanged(*swap))
+    )
+    reached = trial.error(trial.exchanged(names, a, b), least=True)
+    if not reached < BETTER * min(error, trial.error(trial.exchanged((), a, b), least=True), 1.0):
+        return []
+    first, second = joints[a], joints[b]
+    where = () if len(names) == len(trial.parts) else (names[0],)
+    return [Finding(Code.COLUMNS_SWAPPED, (first, second, *where), numbers={"error": reached})]
+
+
+def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...], int, int]]:
+    """Names of recordings, and the two motors whose columns may be exchanged in them."""
+    for chosen in dict.fromkeys([names, *((name,) for name in names)]):
+        for a, b in combinations(range(motors), 2):
+            yield chosen, a, b
+
+
+class _Trial:
+    """The equations of all fitted recordings with every motor's current beside every motor's rows, and friction.
+
+    parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an
+    exchange only picks other ones of the currents. Currents are bridged where the motor of the rows stands still.
+    """
+
+    def __init__(self, prepared: Prepared, fit_gains: bool) -> None:
+        n = len(prepared.dataset.robot.nominal_gains)
+        layout = replace(prepared.layout, effects=2 * n)
+        self.size = layout.size
+        self.fit_gains = fit_gains
+        self.nominal = prepared.dataset.robot.nominal_gains
+        self.parts: dict[str, np.ndarray] = {}
+        for one, measured in zip(prepared.observations, prepared.measured, strict=True):
+            if one.use != "identify":
+                continue
+            rows = np.empty((len(one.time), n, self.size + 1 + n))
+            rows[:, :, : self.size] = regressor_rows(replace(one, effects=_friction(one)), layout)
+            rows[:, :, self.size] = known_rows(one, prepared.dataset.payloads)
+            rows[:, :, self.size + 1 :] = all_currents(measured)
+            rows *= one.moving[:, :, None]
+            self.parts[one.name] = triangular_factors(rows)
+
+    def exchanged(self, names: Sequence[str], a: int, b: int) -> np.ndarray:
+        """Factors (n, p + 2, p + 2) of [phi, kappa, current] with two motors' currents exchanged in some recordings."""
+        motors = np.arange(len(self.nominal))
+        turned = motors.copy()
+        turned[[a, b]] = b, a
+        p = self.size
+        picked = [
+            np.concatenate(
+                (
+                    part[:, :, : p + 1],
+                    part[motors, :, p + 1 + (turned if name in names else motors)][:, :, None],
+                ),
+                axis=2,
+            )
+            for name, part in self.parts.items()
+        ]
+        return triangular_factors(np.concatenate(picked, axis=1).swapaxes(0, 1))
+
+    def error(self, factors: np.ndarray, *, least: bool = False) -> float:
+        """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
+        rows, right = torque_system(factors, None if self.fit_gains else self.nominal)
+        found = scaled_lstsq(rows, right)
+        theta, gains = found[: self.size], found[self.size :] if self.fit_gains else self.nominal
+        if least:
+            theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.fit_gains)
+        return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))
+
+
+def _friction(observation: Observation) -> np.ndarray:
+    """Dry and viscous friction of every motor at the fit's rate, (M, n, 2 n): nearly every machine has them."""
+    motors = np.arange(observation.velocity.shape[1])
+    columns = np.zeros((*observation.velocity.shape, 2 * len(motors)))
+    columns[:, motors, 2 * motors] = np.sign(observation.velocity)
+    columns[:, motors, 2 * motors + 1] = observation.velocity
+    return columns

@@ -1,0 +1,42 @@
+"""Whether files are still those that they were: digests of a dataset with all that it names, and of single files."""
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import DATASET_FILE, Dataset
+
+SIZE = 16  # bytes
+
+
+def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
+    """Of dataset.toml, the recordings, the robot's description and mechanism, and the files with effects.
+
+    The mechanism is taken as MuJoCo compiles it, so that files that the MJCF includes count as well. effect_files:
+    those beside the dataset's own.
+    """
+    robot = dataset.robot
+    recordings = [dataset.folder / name for name in dict.fromkeys(one.log for one in dataset.recordings)]
+    files = [dataset.folder / DATASET_FILE, *recordings, robot.folder / "robot.toml"]
+    files += [*dataset.effect_files, *effect_files]
+    found = hashlib.blake2b(digest_size=SIZE)
+    for path in files:
+        found.update(bytes.fromhex(file_digest(path)))
+    model = robot.mjcf_model()
+    mechanism = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, mechanism)
+    found.update(mechanism.tobytes())
+    return found.hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """Of a file's bytes. Raises BenchError where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=SIZE)).hexdigest()
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror or error}") from None

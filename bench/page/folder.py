@@ -1,0 +1,263 @@
+"""What a result folder keeps so that its page can be written again without working anything out.
+
+report.json names the command and the dataset, and holds what a diagnosis says; beside it lie the models, the currents
+that they give (series.parquet), and what the workbench of a diagnosis shows (workbench.json). It is written last, and
+knows what the other files have to be.
+"""
+
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.result import Diagnosis, Differing, EffectVerdict, LadderStep, Superfluous, Unexplained
+from bench.diagnosis.split import with_judged_parts
+from bench.effects import Effect, catalogue_for
+from bench.files.atomic import finite, write_json_atomically, write_text_atomically
+from bench.identification.model_file import load_model, read_identification, save_model
+from bench.identification.result import CurrentSeries, Identification, Quantity
+from bench.page.digest import dataset_digest, file_digest
+from bench.page.section_run import Run
+from bench.page.series_file import read_series, write_series
+from bench.studies.sweep.versions import Versions, versions
+from bench.workbench.page_data import VERSION as WORKBENCH_VERSION
+
+RUN_FILE = "report.json"
+MODEL_FILE, AFTER_FILE, BEFORE_FILE = "model.json", "model_after.json", "model_before.json"
+SERIES_FILE, WORKBENCH_FILE = "series.parquet", "workbench.json"
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A result, of this process or read from its folder.
+
+    model: name of the model that was applied, "" for one that was fitted there. workbench: data of a diagnosis's page,
+    None where they have to be worked out. by: the versions that worked the result out. said: why something that the
+    folder keeps was not taken from it, in a line; "" where everything was.
+    """
+
+    run: Run
+    dataset: Dataset
+    after: Identification
+    diagnosis: Diagnosis | None
+    model: str
+    workbench: dict[str, Any] | None = None
+    by: Versions = field(default_factory=versions)
+    said: str = ""
+
+    @property
+    def judged(self) -> Dataset:
+        """The dataset with the recordings that the currents are of: of a diagnosis, cut as it was judged."""
+        return self.dataset if self.diagnosis is None else with_judged_parts(self.dataset)[0]
+
+    @property
+    def catalogue(self) -> Mapping[str, Effect]:
+        """The effects that were known, the user's own included."""
+        return catalogue_for(self.dataset.effect_files, self.effect_files)
+
+    @property
+    def effect_files(self) -> list[Path]:
+        """Effects of the user's own that the command named, beside the dataset's."""
+        return [Path(one) for one in self.run.effect_files]
+
+
+def keep_run(folder: Path, kept: Kept) -> None:
+    """Write report.json and what belongs to it, each whole or not at all."""
+    dataset, diagnosis = kept.dataset, kept.diagnosis
+    joints = dataset.robot.joints
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "run": asdict(kept.run),
+        "dataset": os.path.relpath(dataset.folder, folder),
+        "model": kept.model,
+        "digest": dataset_digest(dataset, kept.effect_files),
+        "versions": asdict(kept.by),
+        "workbench": WORKBENCH_VERSION,
+    }
+    written = [MODEL_FILE if diagnosis is None else AFTER_FILE, SERIES_FILE]
+    save_model(kept.after, folder / written[0], dataset.folder)
+    models = [kept.after.recordings]
+    if diagnosis is not None:
+        save_model(diagnosis.before, folder / BEFORE_FILE, dataset.folder)
+        written.append(BEFORE_FILE)
+        content["diagnosis"] = _told(diagnosis)
+        between = [diagnosis.ladder[i].recordings for i in content["diagnosis"]["between"]]
+        bare = [tuple(replace(one, by_effect={}) for one in series) for series in between]
+        models += [diagnosis.before.recordings, *bare]
+    write_series(folder / SERIES_FILE, models, joints)
+    if kept.workbench is not None:
+        write_text_atomically(folder / WORKBENCH_FILE, json.dumps(finite(kept.workbench), allow_nan=False))
+        written.append(WORKBENCH_FILE)
+    content["files"] = {name: file_digest(folder / name) for name in written}
+    write_json_atomically(folder / RUN_FILE, finite(content))
+
+
+def _told(diagnosis: Diagnosis) -> dict[str, Any]:
+    """What a diagnosis says, beside its models. between: the steps of its ladder whose currents are kept as well."""
+    ladder = diagnosis.ladder
+    return {
+        "split": diagnosis.split,
+        "missing": diagnosis.missing,
+        "ladder": [
+            {"effects": one.effects, "identify": one.identify, "validate": one.validate} for one in ladder
+        ],
+        "ranking": [asdict(one) for one in diagnosis.ranking],
+        "unexplained": asdict(diagnosis.unexplained),
+        "differs": [asdict(one) for one in diagnosis.differs],
+        "superfluous": [asdict(one) for one in diagnosis.superfluous],
+        "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
+    }
+
+
+def read_run(folder: Path) -> Kept:
+    """Read a result folder; nothing is fitted or searched.
+
+    If the dataset is not any more what it was, the models are applied to it anew. Raises BenchError naming what is
+    missing or damaged, the dataset included.
+    """
+    path = folder / RUN_FILE
+    content = read_json(path)
+    try:
+        known = dict(content["run"])
+        known |= {name: tuple(known[name]) for name in ("effects", "effect_files")}
+        run, data, model = Run(**known), folder / content["dataset"], str(content["model"])
+        digest, files = content.get("digest"), dict(content.get("files", {}))
+        told, by = content.get("diagnosis"), _versions(content.get("versions"))
+        current = content.get("workbench") == WORKBENCH_VERSION
+    except (KeyError, TypeError, ValueError) as error:
+        raise _damaged(path, error) from None
+    if not data.is_dir():
+        raise BenchError(f"{path}: its dataset is not there any more: {data}")
+    dataset = load_dataset(data)
+    effect_files = [Path(one) for one in run.effect_files]
+    catalogue = catalogue_for(dataset.effect_files, effect_files)
+    for name, expected in files.items():
+        if file_digest(folder / name) != expected:
+            raise BenchError(
+                f"{folder / name}: not what was written beside {RUN_FILE}: damaged, or changed since"
+            )
+    said = ""
+    if digest is None:
+        said = f"{folder}: written by an earlier version, which kept less: worked out anew"
+    elif digest != dataset_digest(dataset, effect_files):
+        said = (
+            f"{folder}: its dataset, robot or effects have changed since: its models are applied to them anew"
+        )
+    judged = with_judged_parts(dataset)[0] if told is not None else dataset
+    names = [MODEL_FILE] if told is None else [AFTER_FILE, BEFORE_FILE]
+    paths = [folder / name for name in names]
+    if said:
+        models = [read_identification(one, judged, catalogue) for one in paths]
+        diagnosis = None if told is None else _diagnosis(path, told, models, {})
+        return Kept(run, dataset, models[0], diagnosis, model, said=said)
+    between = _between(path, told)
+    saved = [load_model(one) for one in paths]
+    effects = [tuple(one.model.effect_parameters) for one in saved]
+    series = read_series(folder / SERIES_FILE, judged, [*effects, *(() for _ in between)])
+    models = [one.beside(judged, its) for one, its in zip(saved, series, strict=False)]
+    rungs = dict(zip(between, series[len(paths) :], strict=True))
+    diagnosis = None if told is None else _diagnosis(path, told, models, rungs)
+    workbench = None
+    if WORKBENCH_FILE in files:
+        if current:
+            workbench = _read_object(folder / WORKBENCH_FILE)
+        else:
+            said = f"{folder}: written by another version: the workbench is worked out anew"
+    return Kept(run, dataset, models[0], diagnosis, model, workbench, by or versions(), said)
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """A JSON file that holds a table of this format. Raises BenchError that names it."""
+    content = _read_object(path)
+    if content.get("format") != FORMAT:
+        raise BenchError(f"{path}: not a file that this version of bench wrote")
+    return content
+
+
+def _read_object(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror or error}") from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: not a JSON file ({error})") from None
+    if not isinstance(content, dict):
+        raise BenchError(f"{path}: not a file that this version of bench wrote")
+    return content
+
+
+def _diagnosis(
+    path: Path,
+    told: dict[str, Any],
+    models: Sequence[Identification],
+    between: Mapping[int, tuple[CurrentSeries, ...]],
+) -> Diagnosis:
+    """models: after, before. between: currents of steps of the ladder, by number."""
+    after, before = models
+    try:
+        last = len(told["ladder"]) - 1
+        series = {last: after.recordings, 0: before.recordings, **between}
+        return Diagnosis(
+            robot=after.robot,
+            split=str(told["split"]),
+            missing=tuple(told["missing"]),
+            ladder=tuple(
+                LadderStep(tuple(one["effects"]), one["identify"], one["validate"], series.get(i, ()))
+                for i, one in enumerate(told["ladder"])
+            ),
+            ranking=tuple(_verdict(one) for one in told["ranking"]),
+            unexplained=Unexplained(
+                **{**told["unexplained"], "depends_on": tuple(told["unexplained"]["depends_on"])}
+            ),
+            before=before,
+            after=after,
+            differs=tuple(_differing(one) for one in told.get("differs", ())),
+            superfluous=tuple(Superfluous(**one) for one in told.get("superfluous", ())),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise _damaged(path, error) from None
+
+
+def _differing(one: dict[str, Any]) -> Differing:
+    values = {
+        log: Quantity(value["value"], _number(value["std"]), value["unit"])
+        for log, value in one["values"].items()
+    }
+    return Differing(**{**one, "values": values})
+
+
+def _between(path: Path, told: dict[str, Any] | None) -> list[int]:
+    if told is None:
+        return []
+    try:
+        return [int(one) for one in told["between"]]
+    except (KeyError, TypeError, ValueError) as error:
+        raise _damaged(path, error) from None
+
+
+def _versions(content: dict[str, Any] | None) -> Versions | None:
+    if content is None:
+        return None
+    packages = tuple((str(name), str(number)) for name, number in content["packages"])
+    return Versions(str(content["python"]), packages, str(content["commit"]))
+
+
+def _verdict(one: dict[str, Any]) -> EffectVerdict:
+    numbers = {name: _number(one[name]) for name in ("error_before", "error_after", "evidence")}
+    lists = {name: tuple(one[name]) for name in ("actuators", "alternatives")}
+    return EffectVerdict(**{**one, **numbers, **lists})
+
+
+def _number(value: Any) -> float:
+    """A number; null is what JSON has for infinity."""
+    return math.inf if value is None else float(value)
+
+
+def _damaged(path: Path, error: Exception) -> BenchError:
+    return BenchError(f"{path}: damaged: {type(error).__name__} at {error}")

@@ -1,0 +1,151 @@
+"""The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
+
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.unexplained import relative_noise_floor
+from bench.effects import CATALOGUE, Effect
+from bench.identification.model_file import Comparison
+from bench.identification.result import CurrentSeries, Identification
+from bench.page.model_errors import shown
+from bench.page.parts import Page, Section
+from bench.page.section_effects import gains_section, not_ranked_section, ranking_section
+from bench.page.section_errors import currents_section, errors_section, errors_table, ladder_section
+from bench.page.section_parameters import conditioning_section, parameters_section
+from bench.page.section_residuals import where_section
+from bench.page.section_run import Made, limits_section, run_section
+from bench.page.verdict import (
+    comparison_tiles,
+    comparison_verdict,
+    diagnosis_tiles,
+    diagnosis_verdict,
+    identification_tiles,
+    identification_verdict,
+)
+from bench.page.words import plural, typeset
+from bench.studies.sweep.versions import versions
+
+AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
+
+
+def diagnosis_page(
+    diagnosis: Diagnosis,
+    dataset: Dataset,
+    made: Made,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+) -> Page:
+    """What the model lacks, and all that stands behind it.
+
+    made: how the page came about. catalogue: the effects by name.
+    """
+    before, after = diagnosis.before, diagnosis.after
+    judged = _with_series_of(dataset, after.recordings)
+    models = [shown(COMPLETED, "after", judged, after, after.settings)]
+    if diagnosis.missing:
+        models.insert(0, shown(AS_IT_IS, "before", judged, before, before.settings))
+    else:
+        models = [shown("", "error", judged, after, after.settings)]
+    noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
+    ladder = ladder_section(diagnosis)
+    ladder = Section(
+        ladder.id,
+        ladder.title,
+        ladder.lead,
+        (*ladder.parts, errors_table(models[-1], after.recordings, noise)),
+        "Ladder",
+    )
+    old = before if diagnosis.missing else None
+    return Page(
+        title=f"What the model of {diagnosis.robot} is missing",
+        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {diagnosis.split}")),
+        verdict=diagnosis_verdict(diagnosis),
+        tiles=diagnosis_tiles(diagnosis),
+        sections=(
+            ladder,
+            currents_section(models),
+            where_section(models),
+            ranking_section(diagnosis, catalogue),
+            gains_section(after, old),
+            parameters_section(after, old),
+            conditioning_section(after),
+            limits_section(after, diagnosis, dataset, after.settings),
+            run_section(dataset, after.settings, after, made),
+        ),
+        generator=_generator(),
+        footer=_footer(),
+    )
+
+
+def identification_page(result: Identification, dataset: Dataset, made: Made) -> Page:
+    """An identified model: its errors, its gains, its parameters."""
+    model = shown("", "error", dataset, result, result.settings)
+    noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
+    return Page(
+        title=f"Drive gains and parameters of {result.robot}",
+        facts=_facts(dataset, f"estimator {result.method}", ", ".join(result.effects) or "rigid bodies only"),
+        verdict=identification_verdict(result, model.where, noise),
+        tiles=identification_tiles(result, noise),
+        sections=(
+            errors_section(model, result.recordings, noise),
+            currents_section([model]),
+            where_section([model]),
+            not_ranked_section(),
+            gains_section(result, None),
+            parameters_section(result, None),
+            conditioning_section(result),
+            limits_section(result, None, dataset, result.settings),
+            run_section(dataset, result.settings, result, made),
+        ),
+        generator=_generator(),
+        footer=_footer(),
+    )
+
+
+def comparison_page(comparison: Comparison, dataset: Dataset, saved: Identification, made: Made) -> Page:
+    """A saved model beside recordings that it may never have seen: its errors, and where they are."""
+    settings = saved.settings
+    model = shown("", "error", dataset, comparison, settings)
+    noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
+    return Page(
+        title=f"Where a model of {comparison.robot} fails",
+        facts=_facts(dataset, f"model {comparison.model}", "nothing fitted"),
+        verdict=comparison_verdict(comparison.error, comparison.model, model.where, noise),
+        tiles=comparison_tiles(comparison.error, model.where, noise),
+        sections=(
+            errors_section(model, comparison.recordings, noise),
+            currents_section([model]),
+            where_section([model]),
+            not_ranked_section(),
+            gains_section(saved, None),
+            parameters_section(saved, None),
+            limits_section(None, None, dataset, settings),
+            run_section(dataset, settings, None, made),
+        ),
+        generator=_generator(),
+        footer=_footer(),
+    )
+
+
+def _with_series_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
+    """The dataset whose recordings the series are of: with the ends kept apart where they were judged on."""
+    names = {one.name for one in dataset.recordings}
+    return dataset if all(one.name in names for one in series) else with_judged_parts(dataset)[0]
+
+
+def _facts(dataset: Dataset, *more: str) -> tuple[str, ...]:
+    loads = sorted({one.payload for one in dataset.recordings if one.payload is not None})
+    payload = f"payload {', '.join(loads)}" if loads else "no payload"
+    count = plural(len(dataset.recordings), "recording")
+    return (f"robot {dataset.robot.name}", f"dataset {dataset.folder.name}", count, payload, *more)
+
+
+def _generator() -> str:
+    return f"parabench {dict(versions().packages)['parabench']}".rstrip()
+
+
+def _footer() -> str:
+    today = datetime.now(UTC).date()
+    return f"Written by {_generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."

@@ -1,0 +1,88 @@
+"""A page as one HTML file that asks for nothing: style, script and data inside, held by a content-security policy."""
+
+import base64
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from bench.files.atomic import finite
+from bench.page.parts import Figure, Page
+
+ASSETS = Path(__file__).with_name("assets")
+CHARTS = ("chart_basics.js", "chart_series.js", "charts.js")
+
+
+@dataclass(frozen=True)
+class Workbench:
+    """What the page lets one try: data for `script`, which defines `window.Workbench.start(section, data, Charts)`.
+
+    style: rules of its own. after: id of the section below which it stands.
+    """
+
+    data: dict[str, Any]
+    script: str
+    style: str = field(default="")
+    after: str = "ranking"
+
+
+def asset(name: str) -> str:
+    """A file of the page's own, as text."""
+    return (ASSETS / name).read_text(encoding="utf-8")
+
+
+def render_page(page: Page, workbench: Workbench | None = None) -> str:
+    """The file's text. The policy allows the scripts and the style in it by their hashes, and nothing else."""
+    scripts = [*map(asset, CHARTS), *([workbench.script] if workbench else []), asset("page.js")]
+    style = asset("page.css") + (workbench.style if workbench else "")
+    # a script ends at its end tag, wherever it stands: none of ours may hold one
+    if any("</" in text for text in (*scripts, style)):
+        raise ValueError("a script or style of the page holds '</', which would end it")
+    after = [i for i, section in enumerate(page.sections) if workbench and section.id == workbench.after]
+    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(
+        asset("page.html.j2")
+    )
+    return template.render(
+        page=page,
+        policy=policy(scripts, style),
+        style=Markup(style),
+        scripts=[Markup(one) for one in scripts],
+        figures=_data(_figures(page)),
+        workbench=workbench is not None,
+        workbench_after=after[0] if after else 0,
+        workbench_data=_data(workbench.data) if workbench else "",
+    )
+
+
+def policy(scripts: Sequence[str], style: str) -> str:
+    """The content-security policy: nothing from anywhere, and of what is inside only what has these hashes."""
+    allowed = " ".join(_hash(one) for one in scripts)
+    return (
+        f"default-src 'none'; script-src {allowed}; style-src {_hash(style)}; img-src data:; base-uri 'none'; "
+        "form-action 'none'"
+    )
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _figures(page: Page) -> dict[str, Any]:
+    """What the figures show, by the place at which the template puts them."""
+    return {
+        f"{section.id}-{i}": asdict(part)
+        for section in page.sections
+        for i, part in enumerate(section.parts)
+        if isinstance(part, Figure)
+    }
+
+
+def _data(value: Any) -> Markup:
+    """JSON that may stand in a script element: no tag can begin in it."""
+    text = json.dumps(finite(value), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))

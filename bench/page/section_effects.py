@@ -1,0 +1,147 @@
+"""Sections on effects and gains: the ranking with its reasons, and the drive gains before and after."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.diagnosis.result import Diagnosis, EffectVerdict
+from bench.diagnosis.summary import reason
+from bench.document import table as document
+from bench.document.diagnosis import gains_before_after, ranking_table
+from bench.document.identification import gains_table
+from bench.document.numbers import gain_change
+from bench.effects import Effect
+from bench.identification.result import Identification
+from bench.page.parts import Column, Items, Part, Section, Table, one_figure, row
+from bench.page.tables import on_page
+from bench.page.thinned import significant
+from bench.page.words import effect_name, typeset
+
+UNSUPPORTED = ("not supported", "absorbed")
+VERDICTS_AID = (
+    "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
+    "alternatives. resembles: it fits, and leaves much that no effect explains. "
+    "Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong."
+)
+LAWS_AID = (
+    "τ: torque or force that the motors have to overcome beside the rigid bodies'; q, q̇, q̈: a joint's position, "
+    "velocity and acceleration; sign: of a number, as +1 or −1."
+)
+
+
+def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Section:
+    """Every effect with its verdict, those that count in full, the others folded; and the laws of what was found."""
+    shown = [one for one in diagnosis.ranking if one.verdict not in UNSUPPORTED]
+    rest = [one for one in diagnosis.ranking if one.verdict == "not supported"]
+    absorbed = [one for one in diagnosis.ranking if one.verdict == "absorbed"]
+    parts: list[Part] = []
+    if shown:
+        parts.append(on_page(ranking_table(diagnosis, shown), "Effects that count", VERDICTS_AID))
+        parts += _laws(diagnosis, catalogue)
+        parts.append(
+            Items("Why", "", tuple(typeset(reason(diagnosis, one)) for one in shown)),
+        )
+    else:
+        parts.append(Items("Effects that count", "", ("None: no effect of the catalogue is supported.",)))
+    if rest:
+        title = f"{len(rest)} effects that the data do not support"
+        parts.append(
+            on_page(
+                _with_reasons(diagnosis, rest),
+                title,
+                "Adding one of them gains nothing that is sure.",
+                folded=True,
+            )
+        )
+    if absorbed:
+        title = f"{len(absorbed)} effects that no data of this robot could show"
+        rows = tuple(row(effect_name(one.effect), typeset(one.why)) for one in absorbed)
+        aid = "The model's own parameters take them up completely, so they do no harm to its currents."
+        parts.append(
+            Table(title, aid, (Column("effect", "keep"), Column("reason", "words")), rows, folded=True)
+        )
+    lead = (
+        f"Every effect of the catalogue, and every set of a few, was fitted and judged on {diagnosis.split}."
+    )
+    return Section("ranking", "Which effects are missing", typeset(lead), tuple(parts), "Missing effects")
+
+
+def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
+    """What the found effects do, as far as their classes tell it."""
+    known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
+    rows = tuple(row(effect_name(one.name), one.law, one.symbols) for one in known if one.law)
+    columns = (Column("effect", "keep"), Column("law", "words"), Column("symbols", "words"))
+    return [Table("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
+
+
+def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> document.Table:
+    """The ranking of some effects with the sentence on each."""
+    table = ranking_table(diagnosis, chosen)
+    kept = [one for one in table.columns if one.header != "verdict"]
+    reasons = document.Column("reason", [one.why for one in chosen], "sentence")
+    return replace(table, columns=(*kept, reasons))
+
+
+def not_ranked_section() -> Section:
+    """Says that nothing was looked for."""
+    said_so = (
+        "This run fitted or applied a model; which effects it lacks was not looked for. bench diagnose does."
+    )
+    return Section(
+        "ranking", "Which effects are missing", "", (Items("", "", (said_so,)),), "Missing effects"
+    )
+
+
+def gains_section(after: Identification, before: Identification | None) -> Section:
+    """Drive gains with their 95 % intervals beside the nominal values; before: without what is missing."""
+    if not after.gains_fitted:
+        lead = (
+            "No fitted recording carries a payload of known mass, which alone gives the gains their scale: they stay "
+            "at their nominal values, and every parameter is wrong by the same share as the gain that scales it."
+        )
+        aid = "As the maker's sheet gives them; not identified."
+        return Section("gains", "Drive gains", lead, (on_page(gains_table(after), "Nominal gains", aid),))
+    models: list[tuple[str, str, Identification]] = [("after", "completed model", after)]
+    if before is None:
+        models = [("after", "identified", after)]
+    else:
+        models.insert(0, ("before", "model as it is", before))
+    lead = "What a motor really gives for its current, fitted together with the dynamic parameters."
+    if before is not None:
+        lead += " A model that lacks an effect bends the gains to make up for it."
+    aid = "After ±: the standard deviation, under rel. std in percent. 95 % intervals are twice as wide."
+    values = gains_table(after) if before is None else gains_before_after(before, after)
+    table = on_page(values, "The same in numbers", aid)
+    return Section("gains", "Drive gains", lead, (_gains_figure(models), table))
+
+
+def _gains_figure(models: list[tuple[str, str, Identification]]) -> Part:
+    joints = list(models[-1][2].drive_gains)
+    series = []
+    for i, (role, name, model) in enumerate(models):
+        gains = list(model.drive_gains.values())
+        value = np.array([gain_change(gain) for gain in gains])
+        half = WITHIN_95 * np.array([gain.std / abs(gain.nominal) for gain in gains])
+        series.append(
+            {
+                "kind": "intervals",
+                "role": role,
+                "name": name,
+                "y": list(range(len(joints))),
+                "x": significant(value),
+                "low": significant(value - half),
+                "high": significant(value + half),
+                "shift": 0.0 if len(models) == 1 else 0.3 * (i - 0.5),
+            }
+        )
+    rule = {"kind": "rule", "role": "noise", "name": "nominal value", "axis": "x", "at": 0.0}
+    spec = {
+        "label": "Drive gains against their nominal values",
+        "height": 76 + (38 if len(models) > 1 else 28) * len(joints),
+        "x": {"label": "difference to the nominal gain [%]", "percent": True, "room": True},
+        "panels": [{"y": {"scale": "band", "categories": joints}, "series": [rule, *series]}],
+    }
+    aid = "Whiskers: 95 % intervals, where they are wider than a dot. A maker's sheet is often wrong by a tenth."
+    return one_figure("Drive gains against their nominal values", aid, spec)

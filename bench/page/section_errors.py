@@ -1,0 +1,169 @@
+"""Sections on the size of the errors: the ladder, errors by recording and motor, the currents themselves."""
+
+from collections.abc import Sequence
+
+from bench.diagnosis.result import Diagnosis
+from bench.document import identification as document
+from bench.document.diagnosis import ladder_table, step_labels
+from bench.document.numbers import USES
+from bench.identification.result import CurrentSeries
+from bench.page.chart_motor import currents_spec
+from bench.page.model_errors import Shown
+from bench.page.parts import (
+    Chart,
+    Choice,
+    Figure,
+    Section,
+    Table,
+    Text,
+    Variant,
+    one_figure,
+)
+from bench.page.tables import on_page
+from bench.page.thinned import significant
+from bench.page.words import plural, share, typeset
+from bench.residuals.motor import MotorSeries
+
+MOST_NUMBERS = 45_000  # of all curves of the currents together: about 0.4 MB
+MOST_POINTS, FEWEST_POINTS = 1200, 120  # of one curve
+MOST_FIGURES = 240  # motors times recordings
+ON_PAPER = 8  # currents that are printed
+ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current), where the joint moves."
+
+
+def ladder_section(diagnosis: Diagnosis) -> Section:
+    """The error after each added effect."""
+    steps = diagnosis.ladder
+    names = step_labels([one.effects for one in steps])
+    floor = diagnosis.unexplained.noise_floor
+    lines = []
+    for role, name, values in (
+        ("before", "fitted", [one.identify for one in steps]),
+        ("after", "not fitted", [one.validate for one in steps]),
+    ):
+        known = [float("nan") if value is None else value for value in values]
+        if any(value is not None for value in values):
+            lines.append(
+                {
+                    "kind": "line",
+                    "role": role,
+                    "name": name,
+                    "marker": True,
+                    "x": {"start": 0, "step": 1},
+                    "y": significant(known),
+                    "texts": [share(value) if name == "not fitted" else "" for value in values],
+                }
+            )
+    rule = {"kind": "rule", "role": "noise", "name": "noise of the currents", "axis": "y", "at": floor}
+    spec = {
+        "label": "Error after each added effect",
+        "height": 300,
+        "x": {"label": "", "scale": "band", "categories": names},
+        "panels": [
+            {
+                "y": {"label": "error of the current [%]", "scale": "log", "percent": True, "room": True},
+                "series": [rule, *lines],
+            }
+        ],
+    }
+    lead = f"How the error falls as effects are added, the one that helps most first; judged on {diagnosis.split}."
+    aid = "Down to the grey line: nothing is left but noise. Where only the fitted error falls, the model fits noise."
+    figure: Figure | Text = one_figure("Error after each added effect", aid, spec)
+    if len(steps) == 1:
+        lead = f"No effect helps beyond chance; judged on {diagnosis.split}."
+        only = steps[0].identify if steps[0].validate is None else steps[0].validate
+        said = f"No effect was added: the model as it is leaves an error of {share(only)}, noise alone {share(floor)}."
+        figure = Text("", (typeset(said),))
+    title = "The same in numbers" if len(steps) > 1 else "In numbers"
+    table = on_page(ladder_table(diagnosis), title, ERROR_AID)
+    return Section("ladder", "The ladder", typeset(lead), (figure, table))
+
+
+def errors_section(shown: Shown, recordings: Sequence[CurrentSeries], noise: float) -> Section:
+    """The errors of one model, by recording and motor."""
+    title, lead = "Errors", "How far the modelled currents are from the measured ones, beside their noise."
+    return Section("errors", title, lead, (errors_table(shown, recordings, noise),))
+
+
+def errors_table(shown: Shown, recordings: Sequence[CurrentSeries], noise: float) -> Table:
+    """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all together."""
+    joints = list(shown.what.joints)
+    many = len(joints) > 1
+    by_motor = [one.noise for one in shown.where.motors]
+    noises = (by_motor, noise) if many and len(by_motor) == len(joints) else None
+    title = "Error by recording and motor" if many else "Error by recording"
+    if shown.name:
+        title += f", {shown.name}"
+    return on_page(document.errors_table(recordings, joints, noises), title, ERROR_AID)
+
+
+def currents_section(models: Sequence[Shown]) -> Section:
+    """Measured against modelled current of every motor in every recording, the errors below."""
+    last = models[-1]
+    joints = last.joints
+    names = list(dict.fromkeys(one.recording for one in last.what.series if one.joint in joints))
+    dropped = max(0, len(joints) * len(names) - MOST_FIGURES)
+    if dropped:
+        names = names[: max(1, MOST_FIGURES // len(joints))]
+    curves = 2 + len(models) + (len(models) > 1)
+    most = MOST_NUMBERS // max(1, curves * len(joints) * len(names))
+    most = min(max(most, FEWEST_POINTS), MOST_POINTS)
+    variants, widths = {}, set()
+    for j, joint in enumerate(joints):
+        for k, name in enumerate(names):
+            found = [(one.role, one.name, series) for one in models if (series := one.one(joint, name))]
+            if len(found) < len(models):
+                variants[f"{j}|{k}"] = Variant((), (f"{joint} hardly moves in {name}: nothing to show.",))
+                continue
+            label = f"Current of {joint} in {name}"
+            spec, width = currents_spec(found, last.what.units[joint], label, most)
+            widths.add(width)
+            variants[f"{j}|{k}"] = Variant((Chart("", "", spec),), (_facts(joint, found),))
+    worst = [_worst(last, joint, names) for joint in joints]
+    first = worst[0] if worst else 0
+    loads = {one.recording: one for one in last.what.series}
+    options = tuple(
+        f"{name} ({USES[loads[name].use]}{', ' + str(loads[name].payload) if loads[name].payload else ''})"
+        for name in names
+    )
+    aid = "Modelled should lie on measured; an error inside the grey band is noise."
+    if any(len(one.row) and one.row[-1] - one.row[0] >= len(one.row) for one in last.what.series):
+        aid += " Gaps: the joint stands still or reverses, which is neither fitted nor judged."
+    if widths and max(widths) > 1:
+        aid += f" Of every {max(widths)} rows the smallest and the largest value are drawn: no outlier is left out."
+    if dropped:
+        aid += f" The first {len(names)} recordings are shown; the tables count all."
+    figure = Figure(
+        "Current and error over time",
+        aid,
+        True,
+        (Choice("Motor", joints), Choice("Recording", options, first)),
+        variants,
+        tuple(f"{j}|{k}" for j, k in enumerate(worst))[:ON_PAPER],
+    )
+    lead = "Every motor in every recording, at the rate and bandwidth of the fit."
+    return Section("currents", "Measured against modelled", lead, (figure,), "Measured, modelled")
+
+
+def _facts(joint: str, curves: Sequence[tuple[str, str, MotorSeries]]) -> str:
+    """Errors of one motor in one recording in words."""
+    errors = []
+    for _, name, one in curves:
+        measured = float(one.measured @ one.measured)
+        value = float(one.error @ one.error / measured) ** 0.5 if measured else None
+        errors.append(f"{share(value)}{' ' + name if name else ''}")
+    one = curves[-1][2]
+    measured = float(one.measured @ one.measured)
+    noise = one.noise * (len(one.time) / measured) ** 0.5 if measured else None
+    said_of = f"with payload {one.payload}" if one.payload else "without payload"
+    rows = plural(len(one.time), "row")
+    return f"{joint} in {one.recording}, {said_of}: error {', '.join(errors)}; noise {share(noise)}; {rows} that move."
+
+
+def _worst(shown: Shown, joint: str, names: Sequence[str]) -> int:
+    """The number of the recording that is modelled worst, among those not fitted where there are any."""
+    by_name = {one.recording: one for one in shown.what.of(joint) if one.recording in names}
+    unseen = [one for one in by_name.values() if one.use == "validate"] or list(by_name.values())
+    errors = next(one.by_recording for one in shown.where.motors if one.joint == joint)
+    worst = max(unseen, key=lambda one: errors[one.recording][0])
+    return names.index(worst.recording)

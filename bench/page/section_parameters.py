@@ -1,0 +1,204 @@
+"""Sections on the parameters: values, deviations, groupings, conditioning, and what was not excited."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from bench.document.identification import effects_table, parameters_table
+from bench.document.numbers import (
+    POOR,
+    current_unit,
+    flat_effects,
+    is_poor,
+    settings_lines,
+)
+from bench.identification.finding import Unknown
+from bench.identification.result import CurrentSeries, Identification
+from bench.page.parts import Column, Items, Part, Section, Table, one_figure, row
+from bench.page.tables import on_page
+from bench.page.thinned import significant
+from bench.page.words import effect_name, plural, share, short, typeset
+
+ALIKE = 0.95  # correlation of two estimates from which on one can stand for the other
+MOST_PAIRS = 10
+REVERSALS = 3  # fewer in all recordings tell little of friction
+
+
+def parameters_section(after: Identification, before: Identification | None) -> Section:
+    """Base, payload and effect parameters with their relative deviations and groupings."""
+    aid = (
+        "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
+        f"where the deviation is above {POOR:.0%} of the value: then it says little."
+    ).replace("%", " %")
+    parts: list[Part] = [_deviations_figure(after)] if len(after.parameters) > 1 else []
+    table = parameters_table(after, before=before)
+    parts.append(on_page(table, "Base and payload parameters", aid))
+    if after.effect_parameters:
+        aid = "The laws stand in bench/effects/README.md."
+        parts.append(on_page(effects_table(after), "Parameters of the effects", aid))
+    if after.left_out:
+        parts.append(Items("Left out, as the data do not need them", "", after.left_out))
+    scale = "" if after.gains_fitted else " They scale with the nominal gains."
+    count = plural(len(after.parameters), "parameter")
+    lead = f"All that the rigid bodies do in these recordings, in {count}.{scale}"
+    return Section("parameters", "Dynamic parameters", lead, tuple(parts), "Parameters")
+
+
+def _deviations_figure(result: Identification) -> Part:
+    deviations = [one.relative_std if one.std else float("nan") for one in result.parameters]
+    points = {
+        "kind": "intervals",
+        "role": "after",
+        "y": list(range(len(deviations))),
+        "x": significant(np.array(deviations), 3),
+    }
+    rule = {
+        "kind": "rule",
+        "role": "before",
+        "name": f"{100 * POOR:.0f} %: says little",
+        "axis": "x",
+        "at": POOR,
+        "dashed": True,
+    }
+    spec = {
+        "label": "Relative deviations",
+        "height": 66 + 18 * len(deviations),
+        "x": {
+            "label": "standard deviation in percent of the value, logarithmic",
+            "scale": "log",
+            "percent": True,
+        },
+        "panels": [
+            {
+                "y": {"scale": "band", "categories": [one.name for one in result.parameters]},
+                "series": [rule, points],
+            }
+        ],
+    }
+    aid = "The farther left, the better known."
+    return one_figure("How well each is determined", aid, spec)
+
+
+def conditioning_section(result: Identification) -> Section:
+    """Rank and conditioning, what the motors did, and what they did not do enough."""
+    facts = [typeset(f"{line[:1].upper()}{line[1:]}.") for line in settings_lines(result)[:-1]]
+    parts: list[Part] = [
+        Items(
+            "The equations",
+            "A condition number with columns of unit length below about 100 is comfortable, above 1000 it is not.",
+            tuple(facts),
+        ),
+        _motion_table(result),
+    ]
+    pairs = _alike(result)
+    if pairs:
+        columns = (Column("one", "keep"), Column("other", "keep"), Column("correlation", "right"))
+        rows = tuple(row(a, b, short(value, 3)) for a, b, value in pairs[:MOST_PAIRS])
+        more = f" {len(pairs) - MOST_PAIRS} more pairs are not shown." if len(pairs) > MOST_PAIRS else ""
+        aid = f"Estimates that only their sum or difference is well known of.{more}"
+        parts.append(Table("Pairs that the data hardly tell apart", aid, columns, rows))
+    parts.append(Items("Not excited", "", tuple(_not_excited(result))))
+    lead = "Whether the movements were rich enough to tell the unknowns apart."
+    return Section("conditioning", "Conditioning and excitation", lead, tuple(parts), "Conditioning")
+
+
+def _fitted(result: Identification) -> list[CurrentSeries]:
+    return [one for one in result.recordings if one.use == "identify"] or list(result.recordings)
+
+
+def _reversals(series: CurrentSeries, j: int) -> int:
+    """How often a motor changes its direction while it moves."""
+    signs = np.sign(series.velocity[:, j][series.moving[:, j]])
+    return sum(a * b < 0 for a, b in pairwise(signs.tolist()))
+
+
+def _motion_table(result: Identification) -> Table:
+    fitted = _fitted(result)
+    columns = (
+        Column("motor"),
+        Column("position", "right"),
+        Column("speed, RMS and largest", "right"),
+        Column("acceleration, RMS", "right"),
+        Column("current, RMS", "right"),
+        Column("reversals", "right"),
+        Column("moves", "right"),
+    )
+    rows = []
+    for j, (joint, gain) in enumerate(result.drive_gains.items()):
+        position, velocity, acceleration, measured, moving = (
+            np.concatenate([getattr(one, name)[:, j] for one in fitted])
+            for name in ("position", "velocity", "acceleration", "measured", "moving")
+        )
+        unit = "rad" if gain.unit.startswith("N*m") else "m"
+        rows.append(
+            row(
+                joint,
+                f"{_at(position.min(), position)} to {_at(position.max(), position)} {unit}",
+                f"{short(_rms(velocity), 3)} and {short(np.abs(velocity).max(), 3)} {unit}/s",
+                f"{short(_rms(acceleration), 3)} {unit}/s²",
+                f"{short(_rms(measured), 3)} {current_unit(gain.unit)}",
+                str(sum(_reversals(one, j) for one in fitted)),
+                share(float(moving.mean())),
+            )
+        )
+    aid = (
+        "Over the fitted recordings, after the filters of the fit. moves: share of the rows in which it does."
+    )
+    return Table("What the motors did", aid, columns, tuple(rows))
+
+
+def _at(value: float, values: np.ndarray) -> str:
+    """A position to a thousandth of the range."""
+    extent = float(np.ptp(values)) or 1.0
+    return typeset(f"{value:.{max(0, 3 - int(np.ceil(np.log10(extent))))}f}")
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _not_excited(result: Identification) -> list[str]:
+    said = []
+    fitted = _fitted(result)
+    for j, joint in enumerate(result.drive_gains):
+        count = sum(_reversals(one, j) for one in fitted)
+        if count < REVERSALS:
+            said.append(
+                f"{joint} reverses {count} times: friction and offset can hardly be told apart there."
+            )
+    poor = [one.name for one in result.parameters if is_poor(one)]
+    if poor:
+        said.append(
+            f"Poorly determined (deviation above {100 * POOR:.0f} % of the value): {', '.join(poor)}."
+        )
+    unknown = [
+        f"{name} of {effect.replace('_', ' ')} at {joint}"
+        for effect, joint, name, one in flat_effects(result)
+        if not np.isfinite(one.std)
+    ]
+    if unknown:
+        said.append(f"Taken up by other parameters: {', '.join(unknown)}.")
+    if result.rank < result.unknowns:
+        said.append(f"{result.unknowns - result.rank} of {result.unknowns} unknowns are open.")
+    return said or ["Nothing: every motor reverses, and every parameter is determined."]
+
+
+def _alike(result: Identification) -> list[tuple[str, str, float]]:
+    """Pairs of estimates whose errors are all but one, the closest first."""
+    names = [_named(one) for one in result.covariance_rows]
+    if not names:  # a model file of an earlier version does not tell them
+        return []
+    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
+    safe = np.where(std > 0, std, np.inf)
+    correlation = result.covariance / np.outer(safe, safe)
+    pairs = [
+        (names[i], names[j], float(correlation[i, j]))
+        for i, j in zip(*np.nonzero(np.triu(np.abs(correlation) > ALIKE, 1)), strict=True)
+    ]
+    return sorted(pairs, key=lambda one: -abs(one[2]))
+
+
+def _named(one: Unknown) -> str:
+    if one.kind == "gain":
+        return f"gain of {one.place}"
+    return one.name if one.kind == "parameter" else f"{one.name} of {effect_name(one.effect)} at {one.place}"

@@ -1,0 +1,48 @@
+"""The section on where a model fails: each motor's error against everything that it may depend on."""
+
+from collections.abc import Sequence
+
+from bench.page.chart_motor import error_charts
+from bench.page.model_errors import Shown
+from bench.page.parts import Choice, Figure, Section, Variant
+from bench.page.words import typeset
+from bench.residuals.words import finding_sentences, level_sentence
+
+ON_PAPER = 6  # motors that are printed
+
+
+def where_section(models: Sequence[Shown]) -> Section:
+    """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
+    joints = models[-1].joints
+    options = tuple(one.name.removeprefix("of the ").capitalize() for one in models)
+    variants = {}
+    for m, model in enumerate(models):
+        by_joint = {one.joint: one for one in model.where.motors}
+        for j, joint in enumerate(joints):
+            motor = by_joint[joint]
+            notes = tuple(
+                typeset(f"{'Motor' + one[5:] if one.startswith('motor ') else one}.")
+                for one in (level_sentence(motor), *finding_sentences(motor))
+            )
+            charts = error_charts(model.what.of(joint), model.what.units[joint])
+            key = f"{j}|{m}" if len(models) > 1 else f"{j}"
+            variants[key] = Variant(charts, notes)
+    loud = [m for m, model in enumerate(models) if any(one.above_noise for one in model.where.motors)]
+    first = loud[-1] if loud else len(models) - 1
+    motors = models[first].where.motors
+    worst = max(motors, key=lambda one: one.error / max(one.noise, 1e-12), default=None)
+    choices = [Choice("Motor", joints, joints.index(worst.joint) if worst is not None else 0)]
+    if len(models) > 1:
+        choices.append(Choice("Model", options, first))
+    paper = f"|{first}" if len(models) > 1 else ""
+    figure = Figure(
+        "Error of one motor, all recordings together",
+        "Line and dots: means of bins with equally many rows. Shade: their standard deviation. Thin lines: the "
+        "smallest and the largest error in each bin, none left out. Grey: ± noise of the current.",
+        False,
+        tuple(choices),
+        variants,
+        tuple(f"{j}{paper}" for j in range(len(joints)))[:ON_PAPER],
+    )
+    lead = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
+    return Section("where", "Where it fails", lead, (figure,))

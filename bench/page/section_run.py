@@ -1,0 +1,233 @@
+"""Sections on the run itself: its limits, its settings, and how to run it again."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.result import Diagnosis
+from bench.document.numbers import STD_FROM, USES, fit_rate
+from bench.identification.result import Identification
+from bench.page.parts import Column, Commands, Items, Part, Section, Table, row
+from bench.page.words import effect_name, short, typeset
+from bench.signals.settings import FilterSettings
+from bench.studies.sweep.versions import Versions, versions
+
+OPTIONS = {
+    "position_cutoff": "--position-cutoff",
+    "decimation": "--decimation",
+    "filter_order": "--filter-order",
+    "difference_order": "--difference-order",
+    "keep_standstill": "--keep-standstill",
+    "border": "--border",
+    "method": "--method",
+    "deviations": "--deviations",
+    "gains": "--gains",
+    "essential": "--essential",
+    "model": "--model",
+    "data": "--data",
+}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A command as it was given, so that it can be given again. options: settings by name, as in `OPTIONS`."""
+
+    command: str
+    dataset: str
+    effects: tuple[str, ...] = ()
+    effect_files: tuple[str, ...] = ()
+    options: dict[str, Any] = field(default_factory=dict)
+    output: str = ""
+
+    def line(self) -> str:
+        """The command line."""
+        words = ["bench", self.command, self.dataset]
+        words += [word for one in self.effects for word in ("--with", one)]
+        words += [word for one in self.effect_files for word in ("--effect-file", one)]
+        for name, value in self.options.items():
+            if value is True:
+                words.append(OPTIONS[name])
+            elif value not in (None, False):
+                text = ",".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
+                words += [OPTIONS[name], text]
+        if self.output:
+            words += ["-o", self.output]
+        return " ".join(quoted(word) for word in words)
+
+
+@dataclass(frozen=True)
+class Made:
+    """How a page came about. again: the commands that give it; by: the versions that worked it out."""
+
+    again: tuple[str, ...]
+    by: Versions = field(default_factory=versions)
+
+
+def quoted(word: str | Path) -> str:
+    """A word as a shell takes it."""
+    word = str(word)
+    return (
+        word if all(c.isalnum() or c in "-_./:=,+~" for c in word) else "'" + word.replace("'", "'\\''") + "'"
+    )
+
+
+def limits_section(
+    result: Identification | None,
+    diagnosis: Diagnosis | None,
+    dataset: Dataset,
+    settings: FilterSettings,
+) -> Section:
+    """What this run cannot say."""
+    found: list[str] = list(dict.fromkeys(result.notes)) if result is not None else []
+    validated = any(one.use == "validate" for one in dataset.recordings)
+    if not validated and diagnosis is not None:
+        found.append(
+            typeset(f"No recording is kept for validation: judged on {diagnosis.split}.")
+            + " Another movement is a harder judge."
+        )
+    elif not validated:
+        found.append(
+            "No recording is kept for validation: every error here is of recordings that were fitted. Give one "
+            'use = "validate" in dataset.toml.'
+        )
+    band = settings.band(dataset.recordings[0].rate)
+    found.append(
+        f"The fit sees nothing above {band:.3g} Hz. What lies there, such as vibrations or the corners of friction, "
+        "is filtered out of both sides and shows in no error."
+    )
+    if not settings.keep_standstill:
+        found.append("Rows of a joint that stands still are not judged: friction may take any value there.")
+    found.append(
+        "The noise of the currents is read off their spectra above the band of the motion and taken as white. Noise "
+        "that a controller passes on from the encoders below it counts as error."
+    )
+    if diagnosis is not None:
+        hidden = [effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "absorbed"]
+        if hidden:
+            found.append(f"No data of this robot with these payloads could show: {', '.join(hidden)}.")
+        doubtful = [
+            effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "indistinguishable"
+        ]
+        if doubtful:
+            found.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
+        if diagnosis.unexplained.significant:
+            found.append(typeset(f"{diagnosis.unexplained.why[:1].upper()}{diagnosis.unexplained.why[1:]}."))
+    else:
+        found.append("Which physical effects the model lacks was not looked for: bench diagnose does.")
+    lead = "What these recordings and this model cannot say."
+    return Section("limits", "Known limits of this run", lead, (Items("", "", tuple(found)),), "Known limits")
+
+
+def run_section(
+    dataset: Dataset,
+    settings: FilterSettings,
+    result: Identification | None,
+    made: Made,
+) -> Section:
+    """Recordings, settings, versions, and the commands that give this page again."""
+    parts: list[Part] = [_recordings_table(dataset)]
+    if dataset.payloads:
+        parts.append(_payloads_table(dataset))
+    parts += [
+        _settings_table(settings, result, dataset),
+        _versions_table(made.by),
+        Commands("Run it again", "In the folder from which it was run, with the same version.", made.again),
+    ]
+    lead = "All that is needed to get the same page from the same recordings."
+    return Section(
+        "run", "Settings, versions, and how to run it again", lead, tuple(parts), "Settings, versions"
+    )
+
+
+def _recordings_table(dataset: Dataset) -> Table:
+    rows = tuple(
+        row(
+            one.name,
+            USES[one.use],
+            one.payload or "none",
+            str(len(one.time)),
+            short(float(one.time[-1] - one.time[0]), 5),
+            short(one.rate, 6),
+        )
+        for one in dataset.recordings
+    )
+    columns = (
+        Column("file"),
+        Column("use", "keep"),
+        Column("payload"),
+        Column("samples", "right"),
+        Column("duration [s]", "right"),
+        Column("rate [Hz]", "right"),
+    )
+    return Table("Recordings", "As dataset.toml lists them.", columns, rows)
+
+
+def _payloads_table(dataset: Dataset) -> Table:
+    rows = []
+    for name, one in dataset.payloads.items():
+        mass = "estimated" if one.mass is None else short(one.mass, 6)
+        center, inertia = (
+            "estimated" if values is None else ", ".join(short(float(v), 5) for v in values)
+            for values in (one.center_of_mass, one.inertia)
+        )
+        rows.append(row(name, mass, center, inertia))
+    columns = (
+        Column("payload"),
+        Column("mass [kg]", "right"),
+        Column("centre of mass, tool frame [m]"),
+        Column("inertia Ixx Iyy Izz Ixy Ixz Iyz [kg·m²]"),
+    )
+    return Table(
+        "Payloads", "What dataset.toml declares; what it does not is estimated.", columns, tuple(rows)
+    )
+
+
+def _settings_table(settings: FilterSettings, result: Identification | None, dataset: Dataset) -> Table:
+    rows = []
+    if result is not None:
+        rows += [
+            ("estimator", result.method),
+            ("effects in the model", ", ".join(result.effects) or "none: rigid bodies only"),
+            ("drive gains", "fitted" if result.gains_fitted else "nominal"),
+            ("standard deviations", f"for {result.deviations} errors; from {STD_FROM[result.std_from]}"),
+        ]
+        rate = fit_rate(result)
+        rows.append(("rate of the fit", "–" if rate is None else f"{rate:.4g} Hz"))
+    rows += [
+        ("position low-pass", f"{settings.position_cutoff:.4g} Hz, order {settings.filter_order}, both ways"),
+        ("differences", f"central, order {settings.difference_order}"),
+        ("decimation", f"one sample in {settings.decimation}"),
+        ("dropped at the ends", f"{settings.border[0]} and {settings.border[1]} samples"),
+        ("rows at standstill", "kept" if settings.keep_standstill else "left out"),
+        ("random numbers", "none in the fit; tests against chance use a fixed seed"),
+    ]
+    if dataset.effect_files:
+        rows.append(("own effects", ", ".join(path.name for path in dataset.effect_files)))
+    columns = (Column("setting", "keep"), Column("value"))
+    aid = "Chosen from the spectra of the data unless they were given."
+    return Table("Settings", aid, columns, tuple(row(*one) for one in rows))
+
+
+def _versions_table(by: Versions) -> Table:
+    rows = [("Python", by.python), *(one for one in by.packages if one[1])]
+    if by.commit:
+        rows.append(("commit", by.commit))
+    return _versions(rows)
+
+
+def versions_of(columns: Mapping[str, Sequence[Any]]) -> Table:
+    """The versions that made the rows of a table: of its columns commit and version.PACKAGE."""
+    rows = []
+    for name, values in columns.items():
+        different = sorted({str(value) for value in values if value not in (None, "")})
+        if different:
+            rows.append((name.removeprefix("version."), ", ".join(different)))
+    return _versions(rows)
+
+
+def _versions(rows: Sequence[tuple[str, str]]) -> Table:
+    columns = (Column("package", "keep"), Column("version"))
+    aid = "What computed this page. A commit with + had files that differ from it."
+    return Table("Versions", aid, columns, tuple(row(*one) for one in rows), folded=True)

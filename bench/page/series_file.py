@@ -1,0 +1,106 @@
+"""The currents of one or of several models of the same recordings as one Parquet file, to the last digit.
+
+Columns: recording, time, KIND.JOINT for what was measured, then for model k of the file modelled.k.JOINT and, for each
+of its effects, effect.k.NAME.JOINT.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset
+from bench.files.atomic import atomic_path
+from bench.identification.result import CurrentSeries
+
+MEASURED = ("measured", "position", "velocity", "acceleration", "moving")
+
+
+def write_series(path: Path, models: Sequence[Sequence[CurrentSeries]], joints: Sequence[str]) -> None:
+    """Write the models' currents, whole or not at all. Raises ValueError where they are not of the same rows."""
+    first = models[0]
+    _check_same(models)
+    lengths = [len(one.time) for one in first]
+    names = pa.array([one.name for one in first], pa.string())
+    columns: dict[str, pa.Array] = {
+        "recording": pa.DictionaryArray.from_arrays(np.repeat(np.arange(len(first)), lengths), names),
+        "time": pa.array(np.concatenate([one.time for one in first])),
+    }
+
+    def add(name: str, blocks: Sequence[np.ndarray]) -> None:
+        values = np.concatenate(blocks)
+        for j, joint in enumerate(joints):
+            columns[f"{name}.{joint}"] = pa.array(values[:, j])
+
+    for kind in MEASURED:
+        add(kind, [getattr(one, kind) for one in first])
+    for k, model in enumerate(models):
+        add(f"modelled.{k}", [one.modelled for one in model])
+        for effect in model[0].by_effect:
+            add(f"effect.{k}.{effect}", [one.by_effect[effect] for one in model])
+    with atomic_path(path) as partial:
+        pq.write_table(pa.table(columns), partial)
+
+
+def read_series(
+    path: Path, dataset: Dataset, effects: Sequence[Sequence[str]]
+) -> tuple[tuple[CurrentSeries, ...], ...]:
+    """The models' currents in the dataset's recordings. effects: names of each model's effects.
+
+    Raises BenchError where the file cannot be read, or is of other recordings, joints or models.
+    """
+    try:
+        table = pq.read_table(path)
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror or 'not a Parquet file'}") from None
+    except pa.ArrowException:
+        raise BenchError(f"{path}: not a Parquet file") from None
+    joints = dataset.robot.joints
+    kinds = [*MEASURED, *(f"modelled.{k}" for k in range(len(effects)))]
+    kinds += [f"effect.{k}.{name}" for k, names in enumerate(effects) for name in names]
+    expected = ["recording", "time", *(f"{kind}.{joint}" for kind in kinds for joint in joints)]
+    if sorted(table.column_names) != sorted(expected):
+        raise BenchError(f"{path}: of other joints or models than this result")
+    recording = np.asarray(table["recording"].cast(pa.string()), dtype=str)
+    if set(recording.tolist()) != {one.name for one in dataset.recordings}:
+        raise BenchError(f"{path}: of other recordings than this result")
+    values = {
+        kind: np.column_stack([table[f"{kind}.{joint}"].to_numpy() for joint in joints]) for kind in kinds
+    }
+    time = table["time"].to_numpy()
+    found = []
+    for k, names in enumerate(effects):
+        model = []
+        for one in dataset.recordings:
+            rows = recording == one.name
+            measured, position, velocity, acceleration, moving = (values[kind][rows] for kind in MEASURED)
+            by_effect = {name: values[f"effect.{k}.{name}"][rows] for name in names}
+            modelled = values[f"modelled.{k}"][rows]
+            model.append(
+                CurrentSeries(
+                    one.name,
+                    one.use,
+                    one.payload,
+                    time[rows],
+                    measured,
+                    modelled,
+                    position,
+                    velocity,
+                    acceleration,
+                    moving,
+                    by_effect,
+                )
+            )
+        found.append(tuple(model))
+    return tuple(found)
+
+
+def _check_same(models: Sequence[Sequence[CurrentSeries]]) -> None:
+    for model in models[1:]:
+        for one, other in zip(models[0], model, strict=True):
+            same = all(np.array_equal(getattr(one, kind), getattr(other, kind)) for kind in MEASURED)
+            if one.name != other.name or not same:
+                raise ValueError(f"{other.name}: measured in other rows than {one.name}")

@@ -1,0 +1,304 @@
+"""The page of a sweep: what was varied, the metrics against it, what failed, how to run it again."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from bench.basics.errors import BenchError
+from bench.diagnosis.summary import and_list
+from bench.page.figures_sweep import PERCENT, metric_label, plot_figure, spread_figure
+from bench.page.parts import Cell, Column, Commands, Items, Page, Part, Row, Section, Table, Tile, row
+from bench.page.section_run import versions_of
+from bench.page.words import plural, share, short, typeset
+from bench.studies.sweep.axes import DrawnAxis
+from bench.studies.sweep.measure import METRICS
+from bench.studies.sweep.plan import Plan
+from bench.studies.sweep.results import default_plots, table_in
+from bench.studies.sweep.run_sweep import FILE, RECORD
+from bench.studies.sweep.summary import Line, Spread, Summary, is_share, summarise
+from bench.studies.sweep.sweep_file import load_sweep
+from bench.studies.sweep.table import column_names, read_table
+from bench.studies.sweep.versions import versions
+
+MOST_LINES = 200  # of a table on the page; the file beside it has all
+MOST_REASONS = 20
+MOST_TILES = 3
+FEW_SEEDS = 5
+MOST_VALUES = 12
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """A sweep's folder, read. plan: of its file; name: that of the file when it was run."""
+
+    folder: Path
+    name: str
+    plan: Plan
+    table: Path
+    metrics: tuple[str, ...]
+    summary: Summary
+    overall: Line
+
+
+def read_sweep(folder: Path) -> SweepResult:
+    """Read the folder of a sweep that has ended. Raises BenchError that names what is missing or damaged."""
+    plan = Plan(load_sweep(folder / FILE))
+    table = table_in(folder)
+    known = column_names(table)
+    metrics = tuple(metric for metric in plan.sweep.table.show if metric in known)
+    try:
+        name = str(json.loads((folder / RECORD).read_text(encoding="utf-8"))["sweep"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise BenchError(f"{folder / RECORD}: cannot be read: {error}") from None
+    summary = summarise(table, [axis.name for axis in plan.sweep.grid], metrics)
+    overall = summarise(table, [], metrics)
+    if not overall.lines:
+        raise BenchError(f"{table}: holds no run")
+    return SweepResult(folder, name, plan, table, metrics, summary, overall.lines[0])
+
+
+def sweep_page(found: SweepResult, again: Sequence[str]) -> Page:
+    """What a sweep shows. again: the commands that give this page."""
+    sweep = found.plan.sweep
+    return Page(
+        title=f"Sweep {found.name}",
+        facts=(
+            f"base scenario {sweep.table.base}",
+            plural(found.overall.runs, "run"),
+            plural(len(sweep.seeds), "seed"),
+        ),
+        verdict=_verdict(found),
+        tiles=_tiles(found),
+        sections=(
+            _plots_section(found),
+            _numbers_section(found),
+            _runs_section(found),
+            _failures_section(found),
+            _plan_section(found),
+            _limits_section(found),
+            _again_section(found, again),
+        ),
+        generator=generator(),
+        footer=footer(),
+    )
+
+
+def generator() -> str:
+    """The program, with its version."""
+    return f"parabench {dict(versions().packages)['parabench']}".rstrip()
+
+
+def footer() -> str:
+    """Who wrote the page, and when."""
+    today = datetime.now(UTC).date()
+    return f"Written by {generator()} on {today:%d %B %Y}. This file is complete: it asks for nothing from anywhere."
+
+
+def _verdict(found: SweepResult) -> tuple[str, ...]:
+    """Three sentences: how many runs came to an answer, what they gave, where they were worst."""
+    all_runs = found.overall
+    ended = all_runs.runs - all_runs.failed
+    about = found.plan.sweep.table.description.rstrip(".")
+    said = [
+        f"{about or found.name}: {plural(all_runs.runs, 'run')}, "
+        + ("all came to an answer." if not all_runs.failed else f"{ended} came to an answer.")
+    ]
+    metrics = [metric for metric in found.metrics if all_runs.spreads[metric].count]
+    if not metrics:
+        return (*said, "None of the metrics asked for was recorded.")
+    said.append(_over_all(metrics[0], all_runs.spreads[metrics[0]]))
+    known = [line for line in found.summary.lines if line.spreads[metrics[0]].count]
+    if len(known) > 1:
+        ranked = sorted(known, key=lambda line: _middle(metrics[0], line.spreads[metrics[0]]))
+        low, high = (
+            f"{value_text(metrics[0], _middle(metrics[0], line.spreads[metrics[0]]))} at {_place(found, line)}"
+            for line in (ranked[0], ranked[-1])
+        )
+        kind = "mean" if is_share(metrics[0]) else "median"
+        said.append(f"The {kind} of a combination goes from {low} to {high}.")
+    elif len(metrics) > 1:
+        said.append(_over_all(metrics[1], all_runs.spreads[metrics[1]]))
+    return tuple(typeset(one) for one in said)
+
+
+def _over_all(metric: str, spread: Spread) -> str:
+    what = METRICS.get(metric.split(".", maxsplit=1)[0], metric).split(";")[0]
+    low, high = value_text(metric, spread.low), value_text(metric, spread.high)
+    if is_share(metric):
+        return f"{metric} ({what}) is {value_text(metric, spread.mean)}, 95 % interval {low} to {high}."
+    middle = value_text(metric, spread.median)
+    return f"{metric} ({what}) is {middle} in the median; nine runs in ten lie between {low} and {high}."
+
+
+def _middle(metric: str, spread: Spread) -> float:
+    return spread.mean if is_share(metric) else spread.median
+
+
+def _place(found: SweepResult, line: Line) -> str:
+    return and_list([f"{axis} {_label(v)}" for axis, v in zip(found.summary.axes, line.values, strict=True)])
+
+
+def _label(value: Any) -> str:
+    return short(value, 5) if isinstance(value, float) else str(value)
+
+
+def value_text(metric: str, value: float) -> str:
+    """A metric's value as it is set: relative ones in percent."""
+    return share(value) if _in_percent(metric) else short(value, 3)
+
+
+def _in_percent(metric: str) -> bool:
+    return metric.split(".", maxsplit=1)[0] in PERCENT
+
+
+def _tiles(found: SweepResult) -> tuple[Tile, ...]:
+    ended = found.overall.runs - found.overall.failed
+    failed = "none failed" if not found.overall.failed else f"{found.overall.failed} failed"
+    tiles = [Tile("Runs that came to an answer", str(ended), failed)]
+    for metric in found.metrics[:MOST_TILES]:
+        spread = found.overall.spreads[metric]
+        if spread.count:
+            kind = "95 % interval" if is_share(metric) else "middle 90 %"
+            note = f"{kind}: {value_text(metric, spread.low)} to {value_text(metric, spread.high)}"
+            name = f"{metric}, {'mean' if is_share(metric) else 'median'}"
+            tiles.append(Tile(name, value_text(metric, _middle(metric, spread)), typeset(note)))
+    return tuple(tiles)
+
+
+def _plots_section(found: SweepResult) -> Section:
+    known = column_names(found.table)
+    plots = found.plan.sweep.table.plots or default_plots(found.plan)
+    parts = [
+        plot_figure(found.table, plot.x, plot.y, plot.lines)
+        for plot in plots
+        if {plot.x, plot.y, *([plot.lines] if plot.lines else [])} <= set(known)
+    ]
+    none: tuple[Part, ...] = (Items("", "", ("None of the metrics asked for was recorded.",)),)
+    lead = "As the sweep's file asks for it; the first metrics against the first axis where it does not."
+    return Section("plots", "Metrics against what was varied", lead, tuple(parts) or none, "Metrics")
+
+
+def _numbers_section(found: SweepResult) -> Section:
+    summary = found.summary
+    columns = [Column(axis, "keep") for axis in summary.axes]
+    failed = any(line.failed for line in summary.lines)
+    columns += [Column("runs", "right"), *([Column("failed", "right")] if failed else [])]
+    columns += [
+        Column(metric if _in_percent(metric) else metric_label(metric), "right") for metric in summary.metrics
+    ]
+    rows = tuple(_line(summary, line, failed=failed) for line in summary.lines[:MOST_LINES])
+    aid = "Median, and in brackets the middle 90 % of the runs."
+    if any(map(is_share, summary.metrics)):
+        aid += " Of a share: the mean, and in brackets its 95 % interval (Jeffreys)."
+    if len(summary.lines) > MOST_LINES:
+        aid += f" The first {MOST_LINES} of {len(summary.lines)} lines; summary.md has all."
+    table = Table("Every combination", aid, tuple(columns), rows)
+    return Section("numbers", "In numbers", "", (table,))
+
+
+def _line(summary: Summary, line: Line, *, failed: bool) -> Row:
+    cells: list[str | Cell] = [_label(value) for value in line.values]
+    cells.append(str(line.runs))
+    if failed:
+        cells.append(Cell(str(line.failed), "poor" if line.failed else ""))
+    return row(*cells, *(_spread_text(metric, line.spreads[metric]) for metric in summary.metrics))
+
+
+def _spread_text(metric: str, spread: Spread) -> str:
+    if not spread.count:
+        return "–"
+    middle = value_text(metric, _middle(metric, spread))
+    if spread.count == 1 and not is_share(metric):
+        return middle
+    return f"{middle} [{value_text(metric, spread.low)}, {value_text(metric, spread.high)}]"
+
+
+def _runs_section(found: SweepResult) -> Section:
+    numbers = [one for one in found.metrics if not is_share(one) and found.overall.spreads[one].count > 1]
+    lead = "How the metrics spread over all runs, whatever was varied."
+    if not numbers:
+        return Section("spread", "All runs together", "", (Items("", "", ("One run only.",)),), "All runs")
+    part = spread_figure(read_table(found.table, numbers), numbers)
+    return Section("spread", "All runs together", lead, (part,), "All runs")
+
+
+def _failures_section(found: SweepResult) -> Section:
+    if not found.overall.failed:
+        return Section("failures", "Runs that failed", "", (Items("", "", ("None.",)),), "Failures")
+    columns = read_table(found.table, ["run", "status", "reason"])
+    reasons: dict[str, list[int]] = {}
+    for run, status, reason in zip(*columns.values(), strict=True):
+        if status != "ok":
+            reasons.setdefault(str(reason), []).append(run)
+    ranked = sorted(reasons.items(), key=lambda one: -len(one[1]))
+    rows = tuple(row(str(len(runs)), str(runs[0]), reason) for reason, runs in ranked[:MOST_REASONS])
+    aid = "The most frequent first; the column reason of runs.parquet has every one."
+    heads = (Column("runs", "right"), Column("first", "right"), Column("reason", "words"))
+    return Section("failures", "Runs that failed", "", (Table("Reasons", aid, heads, rows),), "Failures")
+
+
+def _plan_section(found: SweepResult) -> Section:
+    sweep = found.plan.sweep
+    rows = []
+    for axis in sweep.axes:
+        if isinstance(axis, DrawnAxis):
+            told = ", ".join(f"{k} {_label(v)}" for k, v in axis.draw.model_dump(by_alias=True).items())
+            rows.append(row(axis.name, "drawn for each seed", told))
+            continue
+        values = [_label(point.label) for point in axis.points]
+        more = f" … {values[-1]}" if len(values) > MOST_VALUES else ""
+        rows.append(row(axis.name, str(len(values)), ", ".join(values[:MOST_VALUES]) + more))
+    seeds = list(sweep.seeds)
+    rows.append(
+        row("seed", str(len(seeds)), f"{seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else str(seeds[0]))
+    )
+    heads = (Column("axis", "keep"), Column("values", "keep"), Column("which", "words"))
+    aid = "Every combination was run with every seed. A seed gives the noise and whatever else is drawn."
+    identify = sweep.table.identify
+    settings = [
+        ("base scenario", sweep.table.base),
+        (
+            "trajectories",
+            "designed once" if sweep.table.design == "once" else "designed for each payload and limit",
+        ),
+        ("estimator", identify.method),
+        ("effects in the model", ", ".join(identify.effects) or "none: rigid bodies only"),
+        ("recorded", ", ".join(sweep.table.record)),
+        *((f"changed: {key}", json.dumps(value)) for key, value in sweep.table.scenario.items()),
+    ]
+    parts = (
+        Table("What was varied", aid, heads, tuple(rows)),
+        Table(
+            "What all runs share",
+            "Unless an axis says otherwise.",
+            (Column("setting", "keep"), Column("value", "words")),
+            tuple(row(*one) for one in settings),
+        ),
+    )
+    return Section("plan", "The plan", "", parts)
+
+
+def _limits_section(found: SweepResult) -> Section:
+    said = ["Every run is a simulation: it shows what the method can do, not what a real machine is like."]
+    if len(found.plan.sweep.seeds) < FEW_SEEDS:
+        count = plural(len(found.plan.sweep.seeds), "seed")
+        said.append(f"{count} for each combination: the spread within one says little.")
+    if found.overall.failed:
+        said.append("Runs that failed are in no median.")
+    return Section("limits", "Known limits", "", (Items("", "", tuple(said)),))
+
+
+def _again_section(found: SweepResult, again: Sequence[str]) -> Section:
+    names = [one for one in column_names(found.table) if one == "commit" or one.startswith("version.")]
+    columns = read_table(found.table, names)
+    aid = (
+        "Started again on the same folder, a sweep goes on where it was; on another, it gives the same table."
+    )
+    parts: tuple[Part, ...] = (
+        versions_of(columns),
+        Commands("Run it again", aid, tuple(again)),
+    )
+    return Section("run", "Versions, and how to run it again", "", parts, "Versions")

@@ -1,0 +1,39 @@
+"""A table of the document on the page."""
+
+from collections.abc import Mapping
+
+from bench.document import table as document
+from bench.document.table import RIGHT
+from bench.page.parts import Cell, Column, Kind, Row, Table
+from bench.page.words import typeset
+
+KINDS: Mapping[str, Kind] = {
+    "sentence": "words",
+    "effect": "keep",
+    "unit": "keep",
+    "terms": "small",
+    "quantity": "right",
+}
+MARKS = {"": "", "strong": "strong", "weak": "weak", "poor": "weak"}
+
+
+def on_page(table: document.Table, title: str, aid: str, *, folded: bool = False) -> Table:
+    """The table with its title and a line on how to read it."""
+    columns = [one for one in table.columns if one.kind != "bar"]
+    heads = tuple(
+        Column(one.header, "right" if one.kind in RIGHT else KINDS.get(one.kind, "")) for one in columns
+    )
+    rows = zip(table.mark_of_rows, *(_cells(one) for one in columns), strict=True)
+    return Table(title, aid, heads, tuple(Row(tuple(cells), MARKS[mark]) for mark, *cells in rows), folded)
+
+
+def _cells(one: document.Column) -> list[Cell]:
+    if one.kind == "verdict":
+        return [Cell(text, f"badge {text}") for text in one.texts]
+    if one.kind == "text":
+        return [Cell(text) for text in one.texts]
+    if one.kind == "terms":
+        return [Cell(text.replace("- ", "− ") or "alone") for text in one.texts]
+    return [
+        Cell(typeset(text), "poor" if poor else "") for text, poor in zip(one.texts, one.poor, strict=True)
+    ]

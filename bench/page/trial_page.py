@@ -1,0 +1,326 @@
+"""The page of a blind trial: what was reached, what was named for what, misses by size, intervals, errors left."""
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.basics.errors import BenchError
+from bench.diagnosis.summary import and_list
+from bench.page.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
+from bench.page.parts import Cell, Column, Commands, Items, Page, Part, Section, Table, Tile, row
+from bench.page.section_run import quoted, versions_of
+from bench.page.sweep_page import footer, generator
+from bench.page.tables import on_page
+from bench.page.words import plural, typeset
+from bench.studies.sweep.journal import Row
+from bench.studies.sweep.table import column_names, read_table
+from bench.studies.trial.cases import DATASETS_A_SEED, KINDS
+from bench.studies.trial.markdown import (
+    COUNTED,
+    MAIN,
+    WORDS,
+    absorbed_table,
+    confusion_table,
+    coverage_table,
+    failures_table,
+    misses_table,
+    percent,
+    target_cells,
+)
+from bench.studies.trial.summary import TrialSummary, summarised
+from bench.studies.trial.target import NO, TOO_FEW, YES, Figure, Share, Target
+
+NEEDED = (
+    "status",
+    "reason",
+    "kind",
+    "hidden",
+    "missing",
+    "absorbed",
+    "least_own_error_over_floor",
+    "intervals",
+)
+SUFFIX = ".parquet"
+FEW = 20  # cases, below which a share says little
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """The table of a trial, read."""
+
+    table: Path
+    robot: str
+    rows: tuple[Row, ...]
+    summary: TrialSummary
+
+
+def trial_table(source: Path) -> Path | None:
+    """The table of a trial, from its folder or its own path; None where this is none.
+
+    Raises BenchError for a folder that holds the trials of several robots.
+    """
+    found = sorted(source.glob(f"*{SUFFIX}")) if source.is_dir() else [source]
+    tables = [path for path in found if path.suffix == SUFFIX and path.is_file() and _is_trial(path)]
+    if len(tables) > 1:
+        commands = ", ".join(f"bench report {quoted(path)}" for path in tables)
+        raise BenchError(
+            f"{source}: holds trials of {len(tables)} robots, each with a page of its own: {commands}"
+        )
+    return tables[0] if tables else None
+
+
+def read_trial(table: Path) -> TrialResult:
+    """Read the table of a trial. Raises BenchError for one without a case."""
+    columns = read_table(table)
+    count = len(columns["status"])
+    if not count:
+        raise BenchError(f"{table}: holds no case")
+    rows = tuple({name: values[i] for name, values in columns.items()} for i in range(count))
+    return TrialResult(table, table.stem, rows, summarised(table.stem, rows))
+
+
+def trial_page(found: TrialResult, again: Sequence[str]) -> Page:
+    """How far a diagnosis of this robot can be trusted. again: the commands that give this page."""
+    summary = found.summary
+    return Page(
+        title=f"How far a diagnosis of {found.robot} can be trusted",
+        facts=(f"robot {found.robot}", plural(summary.rows, "blind dataset"), "simulated"),
+        verdict=_verdict(summary),
+        tiles=_tiles(summary),
+        sections=(
+            _targets_section(summary),
+            _confusion_section(summary),
+            _misses_section(summary),
+            _coverage_section(summary),
+            _errors_section(found),
+            _failures_section(summary),
+            _limits_section(found),
+            _again_section(found, again),
+        ),
+        generator=generator(),
+        footer=footer(),
+    )
+
+
+def again_line(found: TrialResult) -> str:
+    """The command that runs the trial again, as far as its folder tells."""
+    counts = Counter(row["kind"] for row in found.rows)
+    kinds = [kind for kind in KINDS if counts[kind]]
+    each = Counter((row["kind"], row["hidden"]) for row in found.rows if row["kind"] in ("one", "outside"))
+    seeds = max(
+        [*each.values(), *(-(-counts[k] // DATASETS_A_SEED) for k in kinds if k not in ("one", "outside"))]
+    )
+    kept = _kept_beside(found, kinds)
+    given = kept.get("given", {})
+    words = ["bench trial", quoted(given.get("robot", found.robot))]
+    if "scenario" in given:
+        words += ["--scenario", quoted(given["scenario"])]
+    if "duration" in given:
+        words += ["--duration", f"{given['duration']:g}"]
+    if len(kinds) < len(KINDS):
+        words += ["--kinds", ",".join(kinds)]
+    if kept.get("effects"):
+        words += ["--effects", ",".join(kept["effects"])]
+    return " ".join([*words, "--seeds", str(seeds), "-o", quoted(found.table.parent)])
+
+
+def _kept_beside(found: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
+    """What the trial's folder keeps of its command: the effects that it drew from (none: all), and `given`."""
+    for kind in kinds:
+        path = found.table.with_suffix("") / f"{kind}.json"
+        if path.is_file():
+            try:
+                kept = json.loads(path.read_text(encoding="utf-8"))
+                return {
+                    "effects": [str(one) for one in kept["effects"]],
+                    "given": dict(kept.get("given", {})),
+                }
+            except (ValueError, KeyError, TypeError) as error:
+                raise BenchError(f"{path}: damaged: {error}") from None
+    return {}
+
+
+def _is_trial(path: Path) -> bool:
+    return set(NEEDED) <= set(column_names(path))
+
+
+def _verdict(summary: TrialSummary) -> tuple[str, ...]:
+    """Three sentences: what is named, false alarms, and what the answers are worth."""
+    by_figure = {one.figure: one for one in summary.targets}
+    told = [
+        (by_figure[Figure.ONE_FIRST], "a single hidden effect is named first in"),
+        (by_figure[Figure.TWO_EXACT], "two are found exactly in"),
+        (by_figure[Figure.THREE_EXACT], "three in"),
+    ]
+    found = [f"{words} {_of(one.share)}" for one, words in told if one.share is not None and one.share.of]
+    first = f"{and_list(found)} of the cases." if found else "No effect that counts was hidden."
+    alarms = by_figure[Figure.ALARM].share
+    outside = by_figure[Figure.OUTSIDE_HONEST].share
+    said = []
+    if alarms is not None and alarms.of:
+        said.append(f"with nothing hidden, {alarms.count} of {plural(alarms.of, 'dataset')} raised an alarm")
+    if outside is not None and outside.of:
+        said.append(
+            f"an effect that no model knows was left unexplained, without a wrong name, in {_of(outside)}"
+        )
+    second = f"{'; '.join(said)}." if said else "False alarms were not tried."
+    judged = [
+        one for one in summary.targets if one.reached is not None and (one.least, one.most) != (None, None)
+    ]
+    kept = sum(one.verdict == YES for one in judged)
+    if not judged:
+        third = "No case counts, so nothing is said: longer recordings or more seeds help."
+        return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
+    third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
+    for verdict, words in ((NO, "not kept"), (TOO_FEW, "too few cases to say")):
+        names = [WORDS[one.figure] for one in judged if one.verdict == verdict]
+        third += f"; {words}: {and_list(names)}" if names else ""
+    third += "."
+    return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
+
+
+def _of(share: Share | None) -> str:
+    assert share is not None
+    return f"{percent(share)} ({share.count} of {share.of})"
+
+
+def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
+    wanted = {
+        Figure.ONE_FIRST: "One effect: named first",
+        Figure.TWO_EXACT: "Two: the set exactly",
+        Figure.THREE_EXACT: "Three: the set exactly",
+        Figure.ALARM: "Nothing hidden: alarms",
+    }
+    tiles = []
+    for one in summary.targets:
+        if one.figure in wanted and one.share is not None and one.share.of:
+            bound = target_cells(one)[2]
+            note = f"{one.share.count} of {one.share.of}" + (f", must be {bound}" if bound else "")
+            tiles.append(Tile(wanted[one.figure], typeset(percent(one.share)), typeset(note)))
+    return tuple(tiles)
+
+
+def _targets_section(summary: TrialSummary) -> Section:
+    columns = (
+        Column("figure", "words"),
+        Column("reached", "right"),
+        Column("must be", "keep"),
+        Column(""),
+        Column("cases", "right"),
+        Column("95 % interval", "keep"),
+    )
+    rows = []
+    for one in summary.targets:
+        name, reached, bound, _, cases, interval = target_cells(one)
+        kept = Cell("") if not bound or one.reached is None else _kept(one)
+        first = typeset(name.replace("`", ""))
+        texts = (typeset(cell) for cell in (reached or "–", bound))
+        rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
+    parts = (Table("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
+    lead = "A wide interval means too few cases: more seeds add to what is there."
+    return Section("reached", "What was reached", lead, parts)
+
+
+def _kept(one: Target) -> Cell:
+    if one.verdict == YES:
+        return Cell("kept", "badge missing")
+    return Cell("not kept" if one.verdict == NO else one.verdict, "badge indistinguishable")
+
+
+def _confusion_section(summary: TrialSummary) -> Section:
+    if not summary.confusion:
+        return Section("confusion", "What was named for what", "", (Items("", "", ("No such case.",)),))
+    aid = "openly undecided: the hidden effect was listed as an alternative of the one that was named."
+    parts: list[Part] = [
+        confusion_figure(summary),
+        on_page(confusion_table(summary), "The same in words", aid),
+    ]
+    if summary.absorbed:
+        said = "No data of this robot can show these: the model's own parameters take them up, and diagnose says so."
+        parts.append(on_page(absorbed_table(summary), "Absorbed effects", said))
+    lead = "Cases with one effect hidden, with one that no model knows, and with nothing hidden."
+    return Section("confusion", "What was named for what", lead, tuple(parts), "Named for what")
+
+
+def _misses_section(summary: TrialSummary) -> Section:
+    if not any(one.first.of for one in summary.misses):
+        none: tuple[Part, ...] = (Items("", "", ("No single effect was hidden.",)),)
+        return Section("misses", "Misses by size of the effect", "", none, "Misses")
+    aid = "own error: that of a model which lacks this effect alone, on recordings that were not fitted."
+    parts = (misses_figure(summary), on_page(misses_table(summary), "The same in numbers", aid))
+    lead = "A small effect may be lost in the noise; a large one must be found."
+    return Section("misses", "Misses by size of the effect", lead, parts, "Misses")
+
+
+def _coverage_section(summary: TrialSummary) -> Section:
+    if not summary.coverage:
+        none: tuple[Part, ...] = (
+            Items("", "", ("No set that counts was found exactly: no interval to judge.",)),
+        )
+        return Section("coverage", "Intervals of the effects' parameters", "", none, "Intervals")
+    aid = "Where the deviations are right, the median is 0.67."
+    parts = (coverage_figure(summary), on_page(coverage_table(summary), "The same in numbers", aid))
+    lead = "Do the 95 % intervals hold the truth 95 % of the time? Of cases whose set was found exactly."
+    return Section("coverage", "Intervals of the effects' parameters", typeset(lead), parts, "Intervals")
+
+
+def _errors_section(found: TrialResult) -> Section:
+    figure = errors_figure(found.rows)
+    if figure is None:
+        none: tuple[Part, ...] = (Items("", "", ("No effect of the catalogue was hidden.",)),)
+        return Section("errors", "What is left of the error", "", none, "Error left")
+    lead = "Error of the current on recordings that were not fitted, before and after the found effects."
+    return Section("errors", "What is left of the error", lead, (figure,), "Error left")
+
+
+def _failures_section(summary: TrialSummary) -> Section:
+    if not summary.failed:
+        return Section("failures", "Cases that came to nothing", "", (Items("", "", ("None.",)),), "Failures")
+    part = on_page(failures_table(summary), "Reasons", "The most frequent first. They count nowhere else.")
+    return Section("failures", "Cases that came to nothing", "", (part,), "Failures")
+
+
+def _limits_section(found: TrialResult) -> Section:
+    said = [
+        "Every dataset is simulated, with laws of its own for the hidden effects: a real machine may have others.",
+        COUNTED,
+    ]
+    few = [
+        WORDS[one.figure]
+        for one in found.summary.targets
+        if one.share and 0 < one.share.of < FEW and one.figure in MAIN
+    ]
+    if few:
+        said.append(f"Fewer than {FEW} cases, so the shares say little: {'; '.join(few)}.")
+    untried = [kind for kind in KINDS if not any(row["kind"] == kind for row in found.rows)]
+    if untried:
+        said.append(f"Not tried: {', '.join(untried)}.")
+    return Section("limits", "Known limits", "", (Items("", "", tuple(map(typeset, said))),))
+
+
+def _again_section(found: TrialResult, again: Sequence[str]) -> Section:
+    columns: dict[str, list[Any]] = {
+        name: [row[name] for row in found.rows]
+        for name in found.rows[0]
+        if name == "commit" or name.startswith("version.")
+    }
+    counts = Counter(row["kind"] for row in found.rows)
+    heads = (Column("kind", "keep"), Column("datasets", "right"), Column("hidden", "words"))
+    hidden = {
+        "nothing": "nothing",
+        "one": "one effect of the catalogue",
+        "two": "two effects",
+        "three": "three effects",
+        "outside": "an effect that is not in the catalogue",
+    }
+    rows = tuple(row(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind])
+    aid = "More seeds add to what is there."
+    parts: tuple[Part, ...] = (
+        Table("Datasets", "Drawn from seeds; each was diagnosed without access to the truth.", heads, rows),
+        versions_of(columns),
+        Commands("Run it again", aid, tuple(again)),
+    )
+    return Section("run", "Datasets, versions, and how to run it again", "", parts, "Versions")

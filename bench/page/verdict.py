@@ -1,0 +1,147 @@
+"""The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.summary import and_list, found_effects, or_list, summary_of
+from bench.document.numbers import gain_change, pretty_unit
+from bench.identification.finding_words import note, sentence
+from bench.identification.findings import runaway
+from bench.identification.result import ErrorSummary, Identification
+from bench.page.parts import Tile
+from bench.page.words import effect_name, share, short, typeset
+from bench.residuals.residuals import WhereItFails
+from bench.residuals.words import motor_words
+
+
+def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Three sentences on a diagnosis."""
+    said = summary_of(diagnosis)
+    doubt = runaway(diagnosis.after)
+    middle = sentence(doubt) if doubt else said.nominal or said.moved or gains_sentence(diagnosis.after)
+    middle = middle.rstrip(".")
+    doubtful = [
+        f"instead of {effect_name(one.effect)} it could as well be {or_list(list(map(effect_name, one.alternatives)))}"
+        for one in found_effects(diagnosis)
+        if one.alternatives
+    ]
+    if doubtful:
+        middle += f"; {and_list(doubtful)}: these recordings cannot tell"
+    return tuple(typeset(one) for one in (said.verdict, f"{middle}.", said.left))
+
+
+def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
+    """Three sentences on an identified model."""
+    doubt = runaway(result)
+    gains = gains_sentence(result) if doubt is None else typeset(note(doubt))
+    return (*_level(result.error, noise, "The model"), gains, _failing(where))
+
+
+def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noise: float) -> tuple[str, ...]:
+    """Three sentences on a saved model beside other recordings."""
+    return (
+        *_level(error, noise, "Applied as it is, the saved model"),
+        f"Nothing was fitted here: the model comes from {model}.",
+        _failing(where),
+    )
+
+
+def gains_sentence(result: Identification) -> str:
+    """What became of the drive gains."""
+    if not result.gains_fitted:
+        return "The drive gains stay at their nominal values, as no payload of known mass gives their scale."
+    gains = result.drive_gains
+    far = max(gains, key=lambda one: abs(gain_change(gains[one])))
+    loose = max(gains, key=lambda one: gains[one].relative_std)
+    gain = gains[far]
+    change = share(gain_change(gain), signed=True)
+    much = f"The drive gain of {far} is {short(gain.value)} {pretty_unit(gain.unit)}, {change} from its nominal value"
+    if len(gains) > 1:
+        much += ", farther than any other"
+    known = share(WITHIN_95 * gains[loose].relative_std)
+    return f"{much}; {'all are' if len(gains) > 1 else 'it is'} known to ±{known} or better (95 %)."
+
+
+def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
+    """The numbers that count of a diagnosis."""
+    first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
+    known = [one.validate if one.validate is not None else one.identify for one in (first, last)]
+    kind = "not fitted" if last.validate is not None else "fitted"
+    before = f"from {share(known[0])} without" if diagnosis.missing else "nothing to add"
+    found = str(len(diagnosis.missing)) if diagnosis.missing else "none"
+    names = ", ".join(effect_name(one) for one in diagnosis.missing) or "that the catalogue knows"
+    return (
+        Tile(f"Error, {kind}", share(known[1]), before),
+        Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
+        Tile("Missing effects", found, names),
+        _gain_tile(diagnosis.after, diagnosis.before if diagnosis.missing else None),
+    )
+
+
+def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ...]:
+    """The numbers that count of an identification."""
+    checked = result.error.validate
+    error = checked if checked is not None else result.error.identify
+    fitted = share(result.error.identify)
+    note = f"fitted {fitted}" if checked is not None else "no recording kept for validation"
+    return (
+        Tile("Error, not fitted" if checked is not None else "Error, fitted", share(error), note),
+        Tile("Noise floor", share(noise), "of the currents, as an error"),
+        _gain_tile(result, None),
+        Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),
+    )
+
+
+def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> tuple[Tile, ...]:
+    """The numbers that count of a comparison."""
+    values = [value for value in (error.identify, error.validate) if value is not None]
+    use = "that were not fitted" if values and max(values) == error.validate else "for identification"
+    worst = max(where.motors, key=lambda one: one.error, default=None)
+    tiles = [
+        Tile("Error", share(max(values) if values else None), f"of the current, on recordings {use}"),
+        Tile("Noise floor", share(noise), "of the currents, as an error"),
+    ]
+    if worst is not None:
+        tiles.append(Tile("Worst motor", worst.joint, f"error {share(worst.error)}, all recordings"))
+    return tuple(tiles)
+
+
+def _gain_tile(result: Identification, before: Identification | None) -> Tile:
+    if not result.gains_fitted:
+        return Tile("Drive gains", "nominal", "no payload of known mass")
+    gains = result.drive_gains
+    if before is not None:
+        moves = {one: gain.value / before.drive_gains[one].value - 1.0 for one, gain in gains.items()}
+        joint = max(moves, key=lambda one: abs(moves[one]))
+        return Tile(
+            "Largest move of a gain", share(moves[joint], signed=True), f"{joint}, by what is missing"
+        )
+    joint = max(gains, key=lambda one: abs(gain_change(gains[one])))
+    return Tile(
+        "Largest gain change", share(gain_change(gains[joint]), signed=True), f"{joint}, from nominal"
+    )
+
+
+def _level(error: ErrorSummary, noise: float, subject: str) -> tuple[str]:
+    fitted, checked = error.identify, error.validate
+    parts = []
+    if checked is not None:
+        parts.append(f"{share(checked)} on recordings that were not fitted")
+    if fitted is not None:
+        parts.append(f"{share(fitted)} on those for identification")
+    size = " and ".join(parts) or "no error: no recording"
+    return (f"{subject} is off by {size}, in percent of the current, where noise leaves {share(noise)}.",)
+
+
+def _failing(where: WhereItFails) -> str:
+    loud = [one for one in where.motors if one.above_noise]
+    if not loud:
+        return "At no motor is more left than the noise of its current: there is nothing to find."
+    worst = max(loud, key=lambda one: one.error / one.noise if one.noise else one.error)
+    times = f", {short(worst.error / worst.noise, 3)} times its noise" if worst.noise > 0 else ""
+    more = (
+        f"More than noise remains at {and_list([motor_words(one.joint) for one in loud])}, most at {worst.joint} "
+        f"({share(worst.error)}{times})"
+        if len(loud) > 1
+        else f"More than noise remains at {motor_words(worst.joint)} ({share(worst.error)}{times})"
+    )
+    return f"{more}; bench diagnose tells which physical effect that may be."

@@ -1,0 +1,88 @@
+"""Write the page of a run, beside what is needed to write it again."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from bench.basics.progress import SILENT, Progress
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.result import Diagnosis
+from bench.files.atomic import write_text_atomically
+from bench.identification.model_file import Comparison
+from bench.identification.result import Identification
+from bench.page.folder import Kept, keep_run
+from bench.page.pages import comparison_page, diagnosis_page, identification_page
+from bench.page.parts import Page
+from bench.page.render import Workbench, render_page
+from bench.page.section_run import Made, Run, quoted
+from bench.page.sweep_page import read_sweep, sweep_page
+from bench.page.trial_page import again_line, read_trial, trial_page
+from bench.studies.sweep.run_sweep import FILE
+from bench.workbench.page_data import page_data
+from bench.workbench.page_files import script, style
+
+REPORT_FILE = "report.html"
+
+
+def write_page(path: Path, page: Page, workbench: Workbench | None = None) -> Path:
+    """Write a page, whole or not at all."""
+    write_text_atomically(path, render_page(page, workbench))
+    return path
+
+
+def write_diagnosis_report(
+    folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: Run, progress: Progress = SILENT
+) -> Path:
+    """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
+    progress.phase("preparing the workbench of the page")
+    kept = Kept(run, dataset, diagnosis.after, diagnosis, "")
+    kept = replace(kept, workbench=page_data(dataset, diagnosis, kept.catalogue))
+    keep_run(folder, kept)
+    return write_kept(folder / REPORT_FILE, kept, folder, progress)
+
+
+def write_identification_report(
+    folder: Path, result: Identification, dataset: Dataset, run: Run, model: str = ""
+) -> Path:
+    """Write report.html of an identification, or of a saved model that was applied (named `model`)."""
+    kept = Kept(run, dataset, result, None, model)
+    keep_run(folder, kept)
+    return write_kept(folder / REPORT_FILE, kept, folder)
+
+
+def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Progress = SILENT) -> Path:
+    """Write the page of a run, made just now or read from its folder."""
+    again = [kept.run.line()]
+    if folder is not None:
+        again.append(f"bench report {quoted(folder)} -o {quoted(path)}")
+    made = Made(tuple(again), kept.by)
+    after, workbench = kept.after, None
+    progress.phase("drawing the page")
+    if kept.diagnosis is not None:
+        page = diagnosis_page(kept.diagnosis, kept.dataset, made, kept.catalogue)
+        data = kept.workbench
+        if data is None:
+            progress.phase("preparing the workbench of the page")
+            data = page_data(kept.dataset, kept.diagnosis, kept.catalogue)
+        workbench = Workbench(data, script(), style())
+    elif kept.model:
+        comparison = Comparison(after.robot, kept.model, after.recordings, after.error)
+        page = comparison_page(comparison, kept.dataset, after, made)
+    else:
+        page = identification_page(after, kept.dataset, made)
+    return write_page(path, page, workbench)
+
+
+def write_sweep_report(folder: Path, output: Path) -> Path:
+    """Write the page of the sweep in a folder. Raises BenchError where it has not ended or cannot be read."""
+    found = read_sweep(folder)
+    again = [f"bench sweep {quoted(folder / FILE)} -o {quoted(folder)}"]
+    return write_page(
+        output, sweep_page(found, [*again, f"bench report {quoted(folder)} -o {quoted(output)}"])
+    )
+
+
+def write_trial_report(table: Path, output: Path) -> Path:
+    """Write the page of a trial from its table. Raises BenchError where it cannot be read."""
+    found = read_trial(table)
+    again = [again_line(found), f"bench report {quoted(table)} -o {quoted(output)}"]
+    return write_page(output, trial_page(found, again))

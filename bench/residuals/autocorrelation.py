@@ -1,0 +1,78 @@
+"""How alike neighbouring errors are: their autocorrelation, and how many rows count as one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.residuals.motor import MotorSeries
+
+LONGEST = 60  # rows
+
+
+@dataclass(frozen=True, eq=False)
+class Autocorrelation:
+    """lag (L,) s; value (L,), one at lag zero; band: 95 % of the values lie within ± band by chance.
+
+    memory: the integrated autocorrelation time in rows; so many rows count as one independent one.
+    """
+
+    lag: np.ndarray
+    value: np.ndarray
+    band: float
+    memory: float
+
+
+def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
+    """Autocorrelation of one motor's error over all recordings; gaps at standstill are left out."""
+    values = correlations([one.row for one in series], [one.error for one in series])
+    count = sum(len(one.time) for one in series)
+    rate = series[0].rate or 1.0
+    lag = np.arange(len(values)) / rate
+    return Autocorrelation(lag, values, WITHIN_95 / float(np.sqrt(max(count, 1))), memory(values))
+
+
+def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:
+    """Correlation of values with those some rows later, for 0, 1, 2 ... rows (at most 61,).
+
+    rows: the number of each value among evenly spaced rows, rising, some missing. The mean counts as error; each lag's
+    products are divided by the powers of the values in them, so that no correlation is above one.
+    """
+    lags = max(min(LONGEST, min(len(one) for one in rows) // 4), 1)
+    sums, powers = np.zeros(lags + 1), np.zeros((2, lags + 1))
+    for row, value in zip(rows, values, strict=True):
+        length = int(row[-1] - row[0]) + 1
+        filled, there = np.zeros(length), np.zeros(length)
+        filled[row - row[0]], there[row - row[0]] = value, 1.0
+        for lag in range(min(lags, length - 1) + 1):
+            sums[lag] += filled[: length - lag] @ filled[lag:]
+            powers[0, lag] += filled[: length - lag] ** 2 @ there[lag:]
+            powers[1, lag] += there[: length - lag] @ filled[lag:] ** 2
+    scale = np.sqrt(powers[0] * powers[1])
+    return (
+        np.divide(sums, scale, out=np.zeros(lags + 1), where=scale > 0)
+        if sums[0] > 0
+        else np.eye(1, lags + 1)[0]
+    )
+
+
+def memory(correlation: np.ndarray) -> float:
+    """Integrated autocorrelation time in rows, at least one.
+
+    Lags are summed in pairs until the correlation is lost in its own noise (Geyer, "Practical Markov chain Monte
+    Carlo", 1992: initial positive sequence).
+    """
+    total = 1.0
+    for lag in range(1, len(correlation) - 1, 2):
+        pair = float(correlation[lag] + correlation[lag + 1])
+        if pair <= 0.0:
+            break
+        total += 2.0 * pair
+    return max(total, 1.0)
+
+
+def independent_rows(series: Sequence[MotorSeries], values: Sequence[np.ndarray]) -> float:
+    """How many of the rows count as independent, for one value a row."""
+    count = sum(len(one) for one in values)
+    return count / memory(correlations([one.row for one in series], values))

@@ -1,0 +1,123 @@
+"""In which part of the motion a motor's squared error is concentrated, far beyond chance."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.residuals.autocorrelation import correlations
+from bench.residuals.motor import MotorSeries
+from bench.residuals.regions import Region
+
+CERTAIN = 14.0  # nats against chance for all regions together: odds of a million to one
+TELLING = 0.05  # nats a row; 33 % of the squared error in 20 % of the time is just more than that
+MOST = 2  # regions named for one motor
+
+
+@dataclass(frozen=True)
+class Concentration:
+    """A share of a motor's squared error in a share of its time.
+
+    evidence: nats against an error that is spread evenly. of_rest: shares are of what is left outside the
+    regions named before.
+    """
+
+    joint: str
+    region: str
+    words: str
+    error_share: float
+    time_share: float
+    evidence: float
+    of_rest: bool
+
+
+def concentrations(series: Sequence[MotorSeries], found: Sequence[Region]) -> list[Concentration]:
+    """The regions that hold far more of one motor's squared error than of its time, the most telling first.
+
+    A second one is looked for outside the first, since many regions overlap.
+    """
+    squares = [one.error**2 for one in series]
+    left = [np.ones(len(one), dtype=bool) for one in squares]
+    named: list[Concentration] = []
+    while len(named) < MOST:
+        independent = _independent_squares(series, squares, left)
+        best = max(
+            (
+                _concentration(series[0].joint, region, squares, left, independent, bool(named))
+                for region in found
+            ),
+            key=lambda one: _divergence(one.error_share, one.time_share),
+            default=None,
+        )
+        if best is None or not _counts(best, len(found)):
+            break
+        named.append(best)
+        region = next(one for one in found if one.name == best.region)
+        left = [kept & ~rows for kept, rows in zip(left, region.rows, strict=True)]
+    return named
+
+
+def shares(series: Sequence[MotorSeries], region: Region) -> tuple[float, float]:
+    """The share of one motor's squared error that lies in a region, and the region's share of the time."""
+    everywhere = [np.ones(len(one.time), dtype=bool) for one in series]
+    return _shares([one.error**2 for one in series], region.rows, everywhere)
+
+
+def _shares(
+    squares: Sequence[np.ndarray], inside: Sequence[np.ndarray], left: Sequence[np.ndarray]
+) -> tuple[float, float]:
+    """Shares of squares and of rows inside among those left."""
+    both = [rows & kept for rows, kept in zip(inside, left, strict=True)]
+    whole = sum(float(one[kept].sum()) for one, kept in zip(squares, left, strict=True))
+    part = sum(float(one[rows].sum()) for one, rows in zip(squares, both, strict=True))
+    rows, all_rows = sum(int(one.sum()) for one in both), sum(int(one.sum()) for one in left)
+    return part / whole if whole else 0.0, rows / all_rows if all_rows else 1.0
+
+
+def _concentration(
+    joint: str,
+    region: Region,
+    squares: Sequence[np.ndarray],
+    left: Sequence[np.ndarray],
+    independent: float,
+    of_rest: bool,
+) -> Concentration:
+    error_share, time_share = _shares(squares, region.rows, left)
+    evidence = independent * _divergence(error_share, time_share)
+    return Concentration(joint, region.name, region.words, error_share, time_share, evidence, of_rest)
+
+
+def _counts(one: Concentration, tried: int) -> bool:
+    telling = _divergence(one.error_share, one.time_share) > TELLING
+    return telling and one.evidence > CERTAIN + float(np.log(tried))
+
+
+def _divergence(error_share: float, time_share: float) -> float:
+    """How far the squared error is from an even spread: Kullback and Leibler's divergence, nats; zero below it.
+
+    So large a share or larger comes about by chance with a probability of at most exp(-n divergence) for n
+    independent squares (Chernoff).
+    """
+    if not 0.0 < time_share < 1.0 or error_share <= time_share:
+        return 0.0
+    outside = (
+        (1.0 - error_share) * np.log((1.0 - error_share) / (1.0 - time_share)) if error_share < 1 else 0.0
+    )
+    return float(error_share * np.log(error_share / time_share) + outside)
+
+
+def _independent_squares(
+    series: Sequence[MotorSeries], squares: Sequence[np.ndarray], left: Sequence[np.ndarray]
+) -> float:
+    """Effective number of independent squares left: of blocks as long as their memory, weighed by their size.
+
+    The squares of normal errors are correlated by the square of the errors' correlation.
+    """
+    alike = correlations([one.row for one in series], [one.error for one in series]) ** 2
+    length = max(int(np.ceil(2.0 * alike.sum() - 1.0)), 1)
+    kept = [one[rows] for one, rows in zip(squares, left, strict=True) if rows.any()]
+    if not kept:
+        return 0.0
+    blocks = np.concatenate([np.add.reduceat(one, np.arange(0, len(one), length)) for one in kept])
+    energy = float(blocks @ blocks)
+    return float(blocks.sum() ** 2 / energy) if energy else 0.0

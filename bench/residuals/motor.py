@@ -1,0 +1,173 @@
+"""Measured and modelled current of one motor in one recording, ready to be looked at."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.dataset.recording import Recording
+from bench.dataset.robot import Robot
+from bench.identification.result import CurrentSeries
+from bench.signals.decimation import noise_bandwidth
+from bench.signals.settings import FilterSettings
+from bench.signals.spectrum import noise_floor
+
+FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
+SWIFT = 3  # rows left aside between two directions: more is a standstill, not a reversal
+BESIDE = 1.5  # rows on either side of a reversal that belong to it
+
+
+@dataclass(frozen=True, eq=False)
+class MotorSeries:
+    """The rows of one recording in which one motor moves, M of them, at the fit's rate.
+
+    time s from the start of the recording; measured, modelled: current in the drive's unit; position,
+    velocity, acceleration: rad or m and their rates, each (M,). row (M,): number of each among all rows, so
+    that gaps, where the joint stands still, can be told. to_reversal (M,): rows to the nearest reversal, signed;
+    reversal, after_standstill (M,): whether a row lies beside one. noise: RMS of the current's noise in the
+    band of the fit, drive unit. rate: rows per second; band: the highest frequency that the fit sees, Hz.
+    """
+
+    joint: str
+    recording: str
+    use: str
+    payload: str | None
+    rate: float
+    band: float
+    noise: float
+    time: np.ndarray
+    row: np.ndarray
+    measured: np.ndarray
+    modelled: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    to_reversal: np.ndarray
+    beside_standstill: np.ndarray
+
+    @property
+    def error(self) -> np.ndarray:
+        """Measured minus modelled current (M,), drive unit."""
+        return self.measured - self.modelled
+
+    @property
+    def forwards(self) -> np.ndarray:
+        """Where the joint moves in its positive direction (M,)."""
+        return self.velocity > 0
+
+    @property
+    def at_reversal(self) -> np.ndarray:
+        """The rows beside a change of direction (M,)."""
+        return np.abs(self.to_reversal) <= BESIDE
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """All motors in all recordings. units: of current, position by joint, such as ("A", "rad")."""
+
+    robot: str
+    joints: tuple[str, ...]
+    units: dict[str, tuple[str, str]]
+    series: tuple[MotorSeries, ...]
+
+    def of(self, joint: str) -> tuple[MotorSeries, ...]:
+        """The recordings of one motor, without those in which it hardly moves."""
+        return tuple(one for one in self.series if one.joint == joint and len(one.time) >= FEWEST)
+
+
+def compared(
+    robot: Robot,
+    recordings: Sequence[Recording],
+    series: Sequence[CurrentSeries],
+    settings: FilterSettings,
+) -> Compared:
+    """Take measured and modelled currents apart by motor.
+
+    recordings: as logged, for their noise; settings: the filters that the series went through.
+    """
+    logged = {one.name: one for one in recordings}
+    units = {}
+    for actuator in robot.actuators:
+        effort, _, current = actuator.gain_unit.partition("/")
+        units[actuator.joint] = (current, "rad" if effort == "N*m" else "m")
+    found = []
+    for one in series:
+        noise, band = current_noise(logged[one.name], settings), settings.band(logged[one.name].rate)
+        found += [_motor(one, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
+    return Compared(robot.name, tuple(robot.joints), units, tuple(found))
+
+
+def current_noise(recording: Recording, settings: FilterSettings) -> np.ndarray:
+    """RMS of the noise of the currents after the fit's filters (n,), drive unit.
+
+    It is read off the spectra above the band of the motion and taken as white.
+    """
+    band = noise_bandwidth(settings.decimation) * recording.rate / 2
+    return noise_floor(recording.current, recording.rate, band)
+
+
+def relative_noise(series: Sequence[MotorSeries]) -> float:
+    """RMS of the noise over RMS of the measured current, all rows together."""
+    noise = sum(one.noise**2 * len(one.time) for one in series)
+    measured = sum(float(one.measured @ one.measured) for one in series)
+    return float(np.sqrt(noise / measured)) if measured else 0.0
+
+
+def relative_error_of(series: Sequence[MotorSeries]) -> float | None:
+    """RMS of the error over RMS of the measured current, all rows together; None without any."""
+    measured = sum(float(one.measured @ one.measured) for one in series)
+    error = sum(float(one.error @ one.error) for one in series)
+    return float(np.sqrt(error / measured)) if measured else None
+
+
+def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float) -> MotorSeries:
+    moving = series.moving[:, j]
+    row = np.flatnonzero(moving)
+    velocity = series.velocity[:, j]
+    still = _standstill(moving)
+    steps = np.diff(series.time)
+    return MotorSeries(
+        joint=joint,
+        recording=series.name,
+        use=series.use,
+        payload=series.payload,
+        rate=float(1.0 / np.median(steps)) if len(steps) else 0.0,
+        band=band,
+        noise=noise,
+        time=(series.time - series.time[0])[row] if len(row) else np.empty(0),
+        row=row,
+        measured=series.measured[row, j],
+        modelled=series.modelled[row, j],
+        position=series.position[row, j],
+        velocity=velocity[row],
+        acceleration=series.acceleration[row, j],
+        to_reversal=_to_nearest(row, _reversals(velocity, moving)),
+        beside_standstill=np.abs(_to_nearest(row, still.astype(float))) <= BESIDE + 1,
+    )
+
+
+def _standstill(moving: np.ndarray) -> np.ndarray:
+    """Rows of stretches in which the joint stands still for longer than a reversal takes."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~moving, [False])).astype(int)))
+    stretches = [np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > SWIFT]
+    return np.concatenate(stretches) if stretches else np.empty(0, dtype=int)
+
+
+def _reversals(velocity: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """Where the joint reverses, as row numbers with a fraction of one; SWIFT rows or fewer it may stand still."""
+    row = np.flatnonzero(moving)
+    before, after = row[:-1], row[1:]
+    turned = (velocity[before] * velocity[after] < 0) & (after - before <= SWIFT + 1)
+    before, after = before[turned], after[turned]
+    share = velocity[before] / (velocity[before] - velocity[after])
+    return np.asarray(before + (after - before) * share, dtype=float)
+
+
+def _to_nearest(row: np.ndarray, marks: np.ndarray) -> np.ndarray:
+    """Rows from the nearest mark to each row, negative before it; infinite without marks."""
+    if not len(marks):
+        return np.full(len(row), np.inf)
+    after = np.clip(np.searchsorted(marks, row), 0, len(marks) - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(np.abs(row - marks[before]) <= np.abs(row - marks[after]), before, after)
+    return np.asarray(row - marks[nearest], dtype=float)

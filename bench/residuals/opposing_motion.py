@@ -1,0 +1,92 @@
+"""Error that opposes the motion as friction does: at the start and the end, with and without payload."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bench.residuals.autocorrelation import correlations, memory
+from bench.residuals.motor import MotorSeries
+
+PART = 1.0 / 3.0  # of every recording: its start, and its end
+CERTAIN = 6.0  # deviations by which two means must differ
+WORTH_NAMING = 0.2  # of the RMS error: a smaller change is not worth a word
+
+
+@dataclass(frozen=True)
+class Opposing:
+    """Mean of error times sign of velocity with its deviation, drive unit, and the relative error, of one motor.
+
+    Positive: the motor needs more current to move than the model says, whatever the direction.
+    """
+
+    joint: str
+    part: str
+    mean: float
+    std: float
+    error: float | None
+
+
+@dataclass(frozen=True)
+class Change:
+    """Two parts whose opposing error differs far beyond chance. between: start and end, or two loads."""
+
+    between: Literal["warm-up", "load"]
+    first: Opposing
+    second: Opposing
+
+
+def over_warm_up(series: Sequence[MotorSeries]) -> tuple[Opposing, Opposing]:
+    """The first and the last third of all recordings of one motor."""
+    first = [np.flatnonzero(one.time <= PART * one.time[-1]) for one in series]
+    last = [np.flatnonzero(one.time >= (1.0 - PART) * one.time[-1]) for one in series]
+    return (
+        _opposing(series, first, "in the first third of the recordings"),
+        _opposing(series, last, "in the last third"),
+    )
+
+
+def by_load(series: Sequence[MotorSeries]) -> list[Opposing]:
+    """Each payload of one motor, and none."""
+    loads = list(dict.fromkeys(one.payload for one in series))
+    found = []
+    for load in loads:
+        rows = [np.arange(len(one.time) if one.payload == load else 0) for one in series]
+        found.append(_opposing(series, rows, f"with payload {load}" if load else "without payload"))
+    return found
+
+
+def changes(series: Sequence[MotorSeries]) -> list[Change]:
+    """Pairs of parts that differ: friction that changes over the recordings, or with the load."""
+    loads = by_load(series)
+    pairs: list[Change] = [Change("warm-up", *over_warm_up(series))]
+    pairs += [Change("load", loads[0], one) for one in loads[1:]]
+    rms = float(np.sqrt(np.mean(np.concatenate([one.error for one in series]) ** 2)))
+    return [
+        one
+        for one in pairs
+        if (by := abs(one.first.mean - one.second.mean)) > WORTH_NAMING * rms
+        and by > CERTAIN * float(np.hypot(one.first.std, one.second.std))
+    ]
+
+
+def _opposing(series: Sequence[MotorSeries], rows: Sequence[np.ndarray], part: str) -> Opposing:
+    used = [(one, chosen) for one, chosen in zip(series, rows, strict=True) if len(chosen) > 1]
+    if not used:
+        return Opposing(series[0].joint, part, 0.0, float("inf"), None)
+    values = [(one.error * np.sign(one.velocity))[chosen] for one, chosen in used]
+    whole = np.concatenate(values)
+    mean = float(whole.mean())
+    scatter = [_without_trend(v) for v in values]
+    alike = memory(correlations([one.row[chosen] for one, chosen in used], scatter))
+    std = float(np.concatenate(scatter).std() * np.sqrt(alike / len(whole)))
+    error = sum(float((one.error[chosen] ** 2).sum()) for one, chosen in used)
+    measured = sum(float((one.measured[chosen] ** 2).sum()) for one, chosen in used)
+    return Opposing(series[0].joint, part, mean, std, float(np.sqrt(error / measured)) if measured else None)
+
+
+def _without_trend(values: np.ndarray) -> np.ndarray:
+    """Values (N,) less the straight line through them: a steady change is no scatter of the mean."""
+    at = np.linspace(-1.0, 1.0, len(values))
+    return np.asarray(values - values.mean() - at * (at @ values) / (at @ at))

@@ -1,0 +1,166 @@
+"""The error's spectrum over time and over position: what repeats."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bench.residuals.autocorrelation import independent_rows
+from bench.residuals.motor import MotorSeries
+from bench.signals.spectrum import hann_spectrum
+
+SURPRISING = 1e-6  # probability of so strong a line by chance
+WORTH_NAMING = 0.15  # of the squared error
+FEWEST_CYCLES = 3.0  # in the record or in the travel: fewer are a trend, not a line
+LIKE_MOTION = (
+    0.25  # of the error's share: a line that the current itself has so strongly comes from the motion
+)
+FINEST = 400  # frequencies
+OVERSAMPLING = 2  # frequencies a resolvable line
+SEGMENT = 256  # rows
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Spectrum over time. frequency (F,) Hz; density (F,): of the error, drive unit² per Hz; noise: of the current."""
+
+    frequency: np.ndarray
+    density: np.ndarray
+    noise: float
+
+
+@dataclass(frozen=True, eq=False)
+class PositionSpectrum:
+    """cycles (K,) per rad or m; of the best sinusoid amplitude, drive unit, and share of the squared error, (K,)."""
+
+    cycles: np.ndarray
+    amplitude: np.ndarray
+    share: np.ndarray
+
+
+@dataclass(frozen=True)
+class Line:
+    """What repeats. frequency: cycles per rad, m or s; amplitude: drive unit."""
+
+    joint: str
+    over: Literal["time", "position"]
+    frequency: float
+    error_share: float
+    amplitude: float
+
+
+def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
+    """Welch's spectrum of one motor's error, averaged over its recordings; zero where it stands still."""
+    length = min(SEGMENT, *(int(one.row[-1] - one.row[0]) + 1 for one in series))
+    densities, weights = [], []
+    for one in series:
+        filled = np.zeros(int(one.row[-1] - one.row[0]) + 1)
+        filled[one.row - one.row[0]] = one.error
+        frequency, density = hann_spectrum(filled, one.rate, length, centred=False)
+        densities.append(density * len(filled) / len(one.row))
+        weights.append(len(one.row))
+    noise = np.average([one.noise**2 / one.band for one in series], weights=weights)
+    return Spectrum(frequency, np.average(densities, axis=0, weights=weights), float(noise))
+
+
+def position_spectrum(series: Sequence[MotorSeries]) -> PositionSpectrum:
+    """Amplitude of the best sinusoid over position, for every wave number that motion and filters let be seen."""
+    position = np.concatenate([one.position for one in series])
+    error = np.concatenate([one.error for one in series])
+    speed = float(np.sqrt(np.mean(np.concatenate([one.velocity for one in series]) ** 2)))
+    finest = max(one.rate for one in series) / max(speed, 1e-12)
+    cycles = _grid(float(np.ptp(position)), finest)
+    amplitude, share = _sinusoids(position, error, cycles)
+    return PositionSpectrum(cycles, amplitude, share)
+
+
+def lines(series: Sequence[MotorSeries]) -> list[Line]:
+    """Lines that stand out of one motor's error far beyond chance, at most one over position and one over time."""
+    count = independent_rows(series, [one.error for one in series])
+    found = []
+    over_position = position_spectrum(series)
+    travel = float(np.ptp(np.concatenate([one.position for one in series])))
+    best = _strongest(over_position.cycles, over_position.share, FEWEST_CYCLES / max(travel, 1e-12), count, 2)
+    if best is not None:
+        found.append(
+            Line(
+                series[0].joint,
+                "position",
+                float(over_position.cycles[best]),
+                float(over_position.share[best]),
+                float(over_position.amplitude[best]),
+            )
+        )
+    in_time = _time_line(series, count)
+    return [*found, *([in_time] if in_time else [])]
+
+
+def _time_line(series: Sequence[MotorSeries], independent: float) -> Line | None:
+    duration = min(float(np.ptp(one.time)) for one in series)
+    if duration <= 0:
+        return None
+    frequency = _grid(duration, series[0].rate / 2.0)
+
+    def shares(values: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        whole = sum(float(one @ one) for one in values)
+        taken, amplitude = np.zeros(len(frequency)), np.zeros(len(frequency))
+        for one, value in zip(series, values, strict=True):
+            sizes, share = _sinusoids(one.time, value, frequency)
+            taken += share * float(value @ value)
+            amplitude += sizes**2 / len(series)
+        return np.sqrt(amplitude), taken / whole if whole else taken
+
+    amplitude, share = shares([one.error for one in series])
+    _, of_motion = shares([one.measured for one in series])
+    _, of_speed = shares([one.velocity for one in series])
+    own = np.where(np.maximum(of_motion, of_speed) < LIKE_MOTION * share, share, 0.0)
+    best = _strongest(frequency, own, FEWEST_CYCLES / duration, independent, 2 * len(series))
+    if best is None:
+        return None
+    return Line(series[0].joint, "time", float(frequency[best]), float(share[best]), float(amplitude[best]))
+
+
+def _grid(extent: float, finest: float) -> np.ndarray:
+    """Frequencies from one cycle in the extent up to `finest`, half a cycle in the extent apart."""
+    step = 1.0 / (OVERSAMPLING * max(extent, 1e-12))
+    count = int(np.clip(finest / step, 1, FINEST))
+    return step * np.arange(OVERSAMPLING, max(count, OVERSAMPLING) + 1)
+
+
+def _sinusoids(x: np.ndarray, values: np.ndarray, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least-squares sinusoid of every frequency: amplitude (K,), and its share of the squares (K,).
+
+    frequencies: evenly spaced, so that few exponentials give all by their products.
+    Source: Lomb, "Least-squares frequency analysis of unequally spaced data", 1976.
+    """
+    count = len(frequencies)
+    width = int(np.ceil(np.sqrt(count)))
+    step = float(frequencies[1] - frequencies[0]) if count > 1 else 0.0
+    turn = 2.0j * np.pi * x
+    coarse = np.exp(np.outer(frequencies[::width], turn))
+    fine = np.exp(np.outer(step * np.arange(width), turn)).T
+    sums = ((coarse * values) @ fine).reshape(-1)[:count]
+    squares = ((coarse * coarse) @ (fine * fine)).reshape(-1)[:count]
+    cc, ss = (len(x) + squares.real) / 2.0, (len(x) - squares.real) / 2.0
+    cs = squares.imag / 2.0
+    pc, ps = sums.real, sums.imag
+    det = np.maximum(cc * ss - cs**2, 1e-9 * len(x) ** 2)
+    a, b = (ss * pc - cs * ps) / det, (cc * ps - cs * pc) / det
+    whole = float(values @ values)
+    share = np.clip((a * pc + b * ps) / whole, 0.0, 1.0) if whole else np.zeros(len(frequencies))
+    return np.hypot(a, b), share
+
+
+def _strongest(
+    frequency: np.ndarray, share: np.ndarray, least: float, independent: float, freedom: int
+) -> int | None:
+    """The strongest line of at least some frequency, if it is beyond chance and worth a word."""
+    allowed = np.where(frequency >= least, share, 0.0)
+    best = int(np.argmax(allowed))
+    if allowed[best] < WORTH_NAMING:
+        return None
+    # twice the log-likelihood ratio is about chi-squared; its tail falls like exp(-x / 2)
+    surprise = -independent / 2.0 * np.log(1.0 - min(float(allowed[best]), 1.0 - 1e-12))
+    certain = -np.log(SURPRISING / len(frequency)) + freedom
+    return best if surprise > certain else None

@@ -1,0 +1,144 @@
+"""The error against what it may depend on: means and spread in bins, and how much of it follows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bench.basics.chi_squared import tail
+from bench.residuals.autocorrelation import correlations, memory
+from bench.residuals.motor import MotorSeries
+
+Variable = Literal["time", "position", "velocity", "acceleration", "current", "direction", "constant"]
+VARIABLES: tuple[Variable, ...] = (
+    "constant",
+    "time",
+    "position",
+    "velocity",
+    "acceleration",
+    "current",
+    "direction",
+)
+BINS = 12
+SURPRISING = 1e-6  # probability of so strong a dependence by chance, all variables together
+AS_GOOD = 0.95  # of the best variable's share: a constant that takes up so much is preferred to it
+WORTH_NAMING = 0.2  # of the squared error
+MOST = 2  # variables named for one motor
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Error of one motor in bins of a variable: edges (B+1,); mean, spread (standard deviation), count (B,).
+
+    Bins hold equal numbers of rows; mean and spread are in the drive's unit, NaN in an empty bin.
+    """
+
+    edges: np.ndarray
+    mean: np.ndarray
+    spread: np.ndarray
+    count: np.ndarray
+
+    @property
+    def center(self) -> np.ndarray:
+        """Middle of each bin (B,)."""
+        return (self.edges[1:] + self.edges[:-1]) / 2.0
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """The share of a motor's squared error that a variable's bin means account for.
+
+    low, high: the smallest and the largest bin mean, drive unit; low_at, high_at: where. of_rest: a share of what
+    is left when the variables named before are taken off.
+    """
+
+    joint: str
+    variable: Variable
+    error_share: float
+    low: float
+    low_at: float
+    high: float
+    high_at: float
+    of_rest: bool
+
+
+def values_of(series: MotorSeries, variable: Variable) -> np.ndarray:
+    """One value a row (M,): time s, position rad or m and rates, current, ±1 for the direction, or one.
+
+    The current is the modelled one: the measured one contains the error itself.
+    """
+    if variable == "constant":
+        return np.ones(len(series.time))
+    if variable == "direction":
+        return np.where(series.forwards, 1.0, -1.0)
+    name = "modelled" if variable == "current" else variable
+    return np.asarray(getattr(series, name))
+
+
+def profile(values: np.ndarray, errors: np.ndarray, bins: int = BINS) -> Profile:
+    """Bin errors by values, both (N,), into bins with equally many rows."""
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, bins + 1)))
+    if len(edges) < 2:
+        edges = np.array([edges[0] - 0.5, edges[0] + 0.5])
+    if len(np.unique(values)) == 2:  # two values are two bins
+        edges = np.array([edges[0], edges.mean(), edges[-1]])
+    return binned(values, errors, edges)
+
+
+def binned(values: np.ndarray, errors: np.ndarray, edges: np.ndarray) -> Profile:
+    """Bin errors by values, both (N,), between given edges; values outside are left out."""
+    size = len(edges) - 1
+    inside = (values >= edges[0]) & (values <= edges[-1])
+    values, errors = values[inside], errors[inside]
+    index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, size - 1)
+    count = np.bincount(index, minlength=size)
+    empty = np.where(count > 0, 1.0, np.nan)
+    rows = np.maximum(count, 1)
+    mean = np.bincount(index, weights=errors, minlength=size) / rows
+    square = np.bincount(index, weights=(errors - mean[index]) ** 2, minlength=size) / rows
+    return Profile(edges, mean * empty, np.sqrt(square) * empty, count)
+
+
+def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
+    """The variables that a motor's error follows far beyond chance, the strongest first.
+
+    The next is looked for in what is left when the bin means by the one before are taken off.
+    """
+    errors = np.concatenate([one.error for one in series])
+    whole = errors
+    named: list[Dependence] = []
+    while len(named) < MOST:
+        tried = [_dependence(series, one, errors, named) for one in VARIABLES]
+        best, left, chance = max(tried, key=lambda one: one[0].error_share)
+        if tried[0][0].error_share > AS_GOOD * best.error_share:
+            best, left, chance = tried[0]
+        small = best.error_share * float(errors @ errors) < WORTH_NAMING / 2 * float(whole @ whole)
+        if chance > SURPRISING / len(VARIABLES) or best.error_share < WORTH_NAMING or small:
+            break
+        named.append(best)
+        errors = left
+    return named
+
+
+def _dependence(
+    series: Sequence[MotorSeries], variable: Variable, errors: np.ndarray, named: Sequence[Dependence]
+) -> tuple[Dependence, np.ndarray, float]:
+    """What follows a variable, what is left without it (N,), and how probable that is by chance."""
+    values = np.concatenate([values_of(one, variable) for one in series])
+    bins = profile(values, errors)
+    size = len(bins.mean)
+    index = np.clip(np.searchsorted(bins.edges, values, side="right") - 1, 0, size - 1)
+    means = np.nan_to_num(bins.mean)
+    left = errors - means[index]
+    whole = float(errors @ errors)
+    share = 1.0 - float(left @ left) / whole if whole else 0.0
+    cuts = np.cumsum([len(one.time) for one in series])[:-1]
+    alike = memory(correlations([one.row for one in series], np.split(left, cuts)))
+    independent = len(errors) / alike
+    ratio = -independent * float(np.log(max(1.0 - share, 1e-12)))
+    # bin means alone take a share of size / independent by chance
+    found = max(share - size / independent, 0.0)
+    low, high = int(np.argmin(means)), int(np.argmax(means))
+    ends = (float(means[low]), float(bins.center[low]), float(means[high]), float(bins.center[high]))
+    return Dependence(series[0].joint, variable, found, *ends, bool(named)), left, tail(ratio, size)

@@ -1,0 +1,89 @@
+"""Everything that is told of where a model fails, motor by motor."""
+
+from dataclasses import dataclass
+
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.identification.result import Identification
+from bench.residuals.autocorrelation import autocorrelation
+from bench.residuals.concentration import Concentration, concentrations
+from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
+from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, over_warm_up
+from bench.residuals.periods import Line, lines
+from bench.residuals.profile import Dependence, dependences
+from bench.residuals.regions import regions
+
+MATERIAL = 1.15  # times the noise: an error below holds nothing to look for
+
+
+@dataclass(frozen=True)
+class MotorErrors:
+    """Where one motor's error is.
+
+    units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all
+    recordings together; by_recording: both of each, by name. memory: s over which errors are alike. above_noise:
+    whether there is anything beside noise; concentrations, dependences, lines and changes are empty where not.
+    """
+
+    joint: str
+    units: tuple[str, str]
+    error: float
+    noise: float
+    by_recording: dict[str, tuple[float, float]]
+    memory: float
+    above_noise: bool
+    concentrations: tuple[Concentration, ...]
+    dependences: tuple[Dependence, ...]
+    lines: tuple[Line, ...]
+    changes: tuple[Change, ...]
+    warm_up: tuple[Opposing, Opposing]
+    by_load: tuple[Opposing, ...]
+
+
+@dataclass(frozen=True)
+class WhereItFails:
+    """The errors of every motor that moves, and of the whole robot."""
+
+    robot: str
+    motors: tuple[MotorErrors, ...]
+
+
+@on_one_thread
+def where_it_fails(dataset: Dataset, result: Identification) -> WhereItFails:
+    """Where the errors of an identified model are concentrated, motor by motor, and what they follow.
+
+    dataset: the one that it was identified from.
+    """
+    return errors_by_motor(compared(dataset.robot, dataset.recordings, result.recordings, result.settings))
+
+
+def errors_by_motor(what: Compared) -> WhereItFails:
+    """Look for where the errors of every motor are concentrated, and what they follow."""
+    motors = [_of_motor(what, joint) for joint in what.joints if what.of(joint)]
+    return WhereItFails(what.robot, tuple(motors))
+
+
+def _of_motor(what: Compared, joint: str) -> MotorErrors:
+    series = what.of(joint)
+    current, unit = what.units[joint]
+    error, noise = relative_error_of(series) or 0.0, relative_noise(series)
+    above = error > MATERIAL * noise
+    return MotorErrors(
+        joint=joint,
+        units=what.units[joint],
+        error=error,
+        noise=noise,
+        by_recording={one.recording: _error_and_noise(one) for one in series},
+        memory=autocorrelation(series).memory / (series[0].rate or 1.0),
+        above_noise=above,
+        concentrations=tuple(concentrations(series, regions(series, unit, current))) if above else (),
+        dependences=tuple(dependences(series)) if above else (),
+        lines=tuple(lines(series)) if above else (),
+        changes=tuple(changes(series)) if above else (),
+        warm_up=over_warm_up(series),
+        by_load=tuple(by_load(series)),
+    )
+
+
+def _error_and_noise(one: MotorSeries) -> tuple[float, float]:
+    return relative_error_of([one]) or 0.0, relative_noise([one])

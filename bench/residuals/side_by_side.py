@@ -1,0 +1,118 @@
+"""Several models applied to the same recordings, and what is different between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset
+from bench.effects import Effect
+from bench.effects.select import ROBOT
+from bench.files.atomic import finite
+from bench.identification.model_file import apply_model, load_model
+from bench.identification.result import Identification, Quantity
+
+DEVIATIONS = 1.96  # on either side of a value: its interval holds 95 %
+CLEAR = 3.0  # standard deviations by which a parameter must move to be told
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A model with the currents that it gives in these recordings. name: what tells its file from the others."""
+
+    name: str
+    model: Identification
+
+
+@dataclass(frozen=True)
+class SideBySide:
+    """Models, in the order in which they were given; what changed is told against the first."""
+
+    robot: str
+    models: tuple[Beside, ...]
+
+
+def side_by_side(
+    dataset: Dataset, files: Sequence[Path], catalogue: Mapping[str, Effect] | None = None
+) -> SideBySide:
+    """Apply saved models to a dataset's recordings; nothing is fitted.
+
+    Raises BenchError for a file that is given twice, and where a model and the dataset do not go together.
+    """
+    for file in files:
+        if sum(file.resolve() == other.resolve() for other in files) > 1:
+            raise BenchError(f"{file}: is given twice")
+    models = []
+    for file, name in zip(files, told_apart(files), strict=True):
+        saved = load_model(file)
+        models.append(Beside(name, saved.beside(dataset, apply_model(dataset, saved, catalogue).recordings)))
+    return SideBySide(dataset.robot.name, tuple(models))
+
+
+def told_apart(files: Sequence[Path]) -> list[str]:
+    """Names of files with their folders, as far up as tells them apart: 1-compare/model.json, 2-compare/model.json."""
+    for parts in range(2, max(len(file.parts) for file in files)):
+        names = [Path(*file.parts[-parts:]).as_posix() for file in files]
+        if len(set(names)) == len(names):
+            return names
+    return [str(file) for file in files]
+
+
+def interval(one: Quantity) -> tuple[float, float] | None:
+    """The 95 % interval of a value; None for one that was given, or has no deviation."""
+    if not (0.0 < one.std < math.inf):
+        return None
+    return one.value - DEVIATIONS * one.std, one.value + DEVIATIONS * one.std
+
+
+def moved_parameters(first: Identification, other: Identification) -> list[str]:
+    """Names of the base parameters that both have and that lie clearly apart, the farthest first.
+
+    The distance is in the larger of the two deviations: models of the same recordings share their noise.
+    """
+    before = {one.name: one for one in first.parameters}
+    found = []
+    for one in other.parameters:
+        old = before.get(one.name)
+        std = max(one.std, old.std) if old is not None else math.inf
+        if old is not None and 0.0 < std < math.inf and abs(one.value - old.value) > CLEAR * std:
+            found.append((abs(one.value - old.value) / std, one.name))
+    return [name for _, name in sorted(found, reverse=True)]
+
+
+def effect_places(model: Identification) -> list[str]:
+    """Every effect of a model with its place: viscous_friction:left; an effect of the whole robot alone."""
+    return [
+        effect if place == ROBOT else f"{effect}:{place}"
+        for effect, places in model.effect_parameters.items()
+        for place in places
+    ]
+
+
+def side_by_side_json(found: SideBySide, changed: Sequence[str]) -> dict[str, Any]:
+    """The models as plain data. changed: sentences on what is different."""
+    return dict(
+        finite(
+            {
+                "robot": found.robot,
+                "models": [
+                    {
+                        "name": one.name,
+                        "effects": effect_places(one.model),
+                        "gains_fitted": one.model.gains_fitted,
+                        "error": asdict(one.model.error),
+                        "drive_gains": {
+                            joint: {**asdict(gain), "interval": interval(gain)}
+                            for joint, gain in one.model.drive_gains.items()
+                        },
+                    }
+                    for one in found.models
+                ],
+                "changed": list(changed),
+            }
+        )
+    )

@@ -1,0 +1,107 @@
+"""Where a model fails, in sentences."""
+
+from bench.identification.wording import in_percent
+from bench.residuals.concentration import Concentration
+from bench.residuals.opposing_motion import Change
+from bench.residuals.periods import Line
+from bench.residuals.profile import Dependence
+from bench.residuals.residuals import MotorErrors, WhereItFails
+
+CHANGES = {
+    "warm-up": "friction changes while it moves, as with warming up",
+    "load": "friction changes with the load",
+}
+
+
+def where_sentences(where: WhereItFails) -> list[str]:
+    """One sentence for every motor, and one for all that was found of its error."""
+    return [line for motor in where.motors for line in (level_sentence(motor), *finding_sentences(motor))]
+
+
+def level_sentence(motor: MotorErrors) -> str:
+    """How large a motor's error is beside the noise of its current."""
+    size = f"{motor_words(motor.joint)}: error {in_percent(motor.error)}"
+    noise = f"the noise of the current ({in_percent(motor.noise)})"
+    if not motor.above_noise:
+        return f"{size}, no more than {noise} leaves: nothing to find"
+    times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
+    found = motor.concentrations or motor.dependences or motor.lines or motor.changes
+    return f"{size}{times}" if found else f"{size}{times}, spread over the whole motion"
+
+
+def motor_words(joint: str) -> str:
+    """A motor by name: "motor left", but "motor_1" as it is."""
+    return joint if joint.lower().startswith(("motor", "actuator", "joint")) else f"motor {joint}"
+
+
+def finding_sentences(motor: MotorErrors) -> list[str]:
+    """All that was found of one motor's error, the strongest of each kind first."""
+    units = motor.units
+    return [
+        *(concentration_words(one) for one in motor.concentrations),
+        *(dependence_words(one, units) for one in motor.dependences),
+        *(line_words(one, units) for one in motor.lines),
+        *(change_words(one, units[0]) for one in motor.changes),
+    ]
+
+
+def concentration_words(one: Concentration) -> str:
+    """As in "motor left, at reversals: 71 % of the squared error in 6 % of the time"."""
+    error, time = f"{one.error_share:.0%}".replace("%", " %"), f"{one.time_share:.0%}".replace("%", " %")
+    if one.of_rest:
+        return f"{motor_words(one.joint)}, {one.words}: {error} of the remaining squared error in {time} of that time"
+    return f"{motor_words(one.joint)}, {one.words}: {error} of the squared error in {time} of the time"
+
+
+def dependence_words(one: Dependence, units: tuple[str, str]) -> str:
+    """How much of the error follows a variable, and from what to what."""
+    current, position = units
+    share = f"{one.error_share:.0%}".replace("%", " %")
+    rest = "remaining " if one.of_rest else ""
+    head = f"{motor_words(one.joint)}: {share} of the {rest}squared error"
+    if one.variable == "constant":
+        return f"{head} is a constant offset of {one.low:+.2g} {current}"
+    head += " follows"
+    if one.variable == "direction":
+        forwards, backwards = (one.high, one.low) if one.high_at > one.low_at else (one.low, one.high)
+        means = f"{backwards:+.2g} {current} backwards and {forwards:+.2g} {current} forwards"
+        return f"{head} the direction of motion, on average {means}"
+    unit = {
+        "time": "s",
+        "position": position,
+        "velocity": f"{position}/s",
+        "acceleration": f"{position}/s²",
+        "current": current,
+    }[one.variable]
+    ends = [
+        f"{mean:+.2g} {current} about {at:.2g} {unit}"
+        for mean, at in ((one.low, one.low_at), (one.high, one.high_at))
+    ]
+    return f"{head} the {one.variable}, on average from {ends[0]} to {ends[1]}"
+
+
+def line_words(one: Line, units: tuple[str, str]) -> str:
+    """What repeats, and how often."""
+    share = f"{one.error_share:.0%}".replace("%", " %")
+    size = f"with an amplitude of {one.amplitude:.2g} {units[0]}"
+    if one.over == "time":
+        return (
+            f"{motor_words(one.joint)}: {share} of the squared error swings at {one.frequency:.3g} Hz, {size}"
+        )
+    period = f"every {1.0 / one.frequency:.3g} {units[1]}"
+    if units[1] == "rad":
+        period += f" ({6.283185307179586 * one.frequency:.3g} times a turn)"
+    return f"{motor_words(one.joint)}: {share} of the squared error repeats {period}, {size}"
+
+
+def change_words(one: Change, unit: str) -> str:
+    """How an error that opposes the motion differs between two parts."""
+    first, second = one.first, one.second
+    return (
+        f"{motor_words(first.joint)}: the error opposes the motion by {first.mean:+.2g} {unit} {first.part} and by "
+        f"{second.mean:+.2g} {unit} {second.part}: {CHANGES[one.between]}"
+    )
+
+
+def _times(ratio: float) -> str:
+    return f"{ratio:.3g}" if ratio < 100.0 else f"{ratio:.0f}"

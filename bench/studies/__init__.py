@@ -1,0 +1,1 @@
+"""Many runs: sweeps of scenarios, the accuracy's reference, and blind trials of the diagnosis."""

@@ -1,0 +1,209 @@
+"""The axes of a sweep: what varies, and which values it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, TypeAlias
+
+import numpy as np
+from pydantic import Field, TypeAdapter, ValidationError, model_validator
+
+from bench.basics.errors import BenchError
+from bench.files.toml_input import UserTable, first_mistake
+from bench.truth.streams import stream
+
+Value: TypeAlias = Any
+"""What TOML holds: a number, a string, a list or a table."""
+
+MOST_VALUES = 100_000  # of one axis: more is a mistake in a unit
+DRAWS = ("uniform", "log_uniform", "normal", "choice")
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Range(UserTable):
+    """{ from = 0, to = 1, count = 5 } or step = 0.25; spacing = "log" for equal ratios."""
+
+    start: Annotated[Finite, Field(alias="from")]
+    stop: Annotated[Finite, Field(alias="to")]
+    count: Annotated[int, Field(ge=2, le=MOST_VALUES)] | None = None
+    step: Annotated[Finite, Field(gt=0)] | None = None
+    spacing: Literal["linear", "log"] = "linear"
+
+    @model_validator(mode="after")
+    def _countable(self) -> Range:
+        if (self.count is None) == (self.step is None):
+            raise ValueError("should have either count or step")
+        if self.spacing == "log" and (self.step is not None or min(self.start, self.stop) <= 0):
+            raise ValueError('with spacing = "log" should have a count, and both ends above 0')
+        if self.step is not None and self.stop < self.start:
+            raise ValueError("should not end before it begins")
+        if self.step is not None and (self.stop - self.start) / self.step > MOST_VALUES:
+            raise ValueError(f"should have at most {MOST_VALUES} values")
+        return self
+
+    def values(self) -> tuple[Value, ...]:
+        """The values, both ends included; whole numbers stay whole with a whole step."""
+        if self.step is not None:
+            count = int(np.floor((self.stop - self.start) / self.step * (1 + 1e-9))) + 1
+            numbers = self.start + self.step * np.arange(count)
+            whole = float(self.start).is_integer() and float(self.step).is_integer()
+            return tuple(int(x) if whole else float(f"{x:.12g}") for x in numbers)
+        assert self.count is not None
+        space = np.geomspace if self.spacing == "log" else np.linspace
+        return tuple(float(f"{x:.12g}") for x in space(self.start, self.stop, self.count))
+
+
+class Cases(UserTable):
+    """{ cases = { NAME = { "a.path" = value, … }, … } }: several settings that go together."""
+
+    cases: Annotated[Mapping[str, Mapping[str, Any]], Field(min_length=1)]
+
+
+class Even(UserTable):
+    """{ draw = "uniform", from = -0.1, to = 0.1 }: evenly between two ends."""
+
+    draw: Literal["uniform", "log_uniform"]
+    start: Annotated[Finite, Field(alias="from")]
+    stop: Annotated[Finite, Field(alias="to")]
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Even:
+        if self.stop <= self.start:
+            raise ValueError("should end above where it begins")
+        if self.draw == "log_uniform" and self.start <= 0:
+            raise ValueError("should begin above 0")
+        return self
+
+    def value(self, random: np.random.Generator) -> Value:
+        """One number."""
+        share = random.uniform()
+        if self.draw == "log_uniform":
+            return float(self.start * (self.stop / self.start) ** share)
+        return float(self.start + (self.stop - self.start) * share)
+
+
+class Normal(UserTable):
+    """{ draw = "normal", mean = 0, std = 0.05 }."""
+
+    draw: Literal["normal"]
+    mean: Finite
+    std: Annotated[Finite, Field(gt=0)]
+
+    def value(self, random: np.random.Generator) -> Value:
+        """One number."""
+        return float(self.mean + self.std * random.standard_normal())
+
+
+class Choice(UserTable):
+    """{ draw = "choice", values = [ … ] }: one of a list, each as likely."""
+
+    draw: Literal["choice"]
+    values: Annotated[tuple[Any, ...], Field(min_length=1)]
+
+    def value(self, random: np.random.Generator) -> Value:
+        """One of the values."""
+        return self.values[int(random.integers(len(self.values)))]
+
+
+Draw: TypeAlias = Even | Normal | Choice
+DRAW: TypeAdapter[Draw] = TypeAdapter(Annotated[Draw, Field(discriminator="draw")])
+KEYS = ("from", "values", "draw", "cases")  # a table with one of these is an axis, another one holds axes
+
+
+@dataclass(frozen=True)
+class Point:
+    """One value of an axis: how it is named in tables, and the settings that it stands for."""
+
+    label: Value
+    settings: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class GridAxis:
+    """An axis of the grid."""
+
+    name: str
+    points: tuple[Point, ...]
+
+    @property
+    def paths(self) -> frozenset[str]:
+        """Every setting that the axis touches."""
+        return frozenset(path for point in self.points for path in point.settings)
+
+
+@dataclass(frozen=True)
+class DrawnAxis:
+    """A setting drawn at random, once for each seed: the same for all grid points of that seed."""
+
+    name: str
+    draw: Draw
+
+    def value(self, seed: int) -> Value:
+        """The value of a seed; it depends on the seed and the axis' name alone."""
+        return self.draw.value(stream(seed, "axis", self.name))
+
+
+Axis: TypeAlias = GridAxis | DrawnAxis
+
+
+def read_axes(table: Mapping[str, Any], where: str) -> tuple[Axis, ...]:
+    """The axes of the table [axes], nested or with dotted names; BenchError names the axis at fault."""
+    axes: list[Axis] = []
+    for name, value in _leaves(table, ""):
+        key = f"{where}: axes.{name}"
+        try:
+            axes.append(_axis(name, value))
+        except ValidationError as error:
+            raise BenchError(f"{key}: {first_mistake(error)}") from error
+        except ValueError as error:
+            raise BenchError(f"{key}: {error}") from error
+    return tuple(axes)
+
+
+def _leaves(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
+    found = []
+    for key, value in table.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping) and value and not any(word in value for word in KEYS):
+            found += _leaves(value, f"{name}.")
+        else:
+            found.append((name, value))
+    return found
+
+
+def _axis(name: str, value: Any) -> Axis:
+    if isinstance(value, list):
+        return _grid(name, value)
+    if not isinstance(value, Mapping) or not value:
+        raise ValueError(f"should be a list, a range, cases or a draw, got {value!r}")
+    if "draw" in value:
+        if value["draw"] not in DRAWS:
+            raise ValueError(f"draw: {value['draw']!r} is not one of {', '.join(DRAWS)}")
+        return DrawnAxis(name, DRAW.validate_python(value))
+    if "cases" in value:
+        cases = Cases.model_validate(value).cases
+        return GridAxis(name, tuple(Point(label, dict(_paths(case))) for label, case in cases.items()))
+    if "from" in value:
+        return _grid(name, list(Range.model_validate(value).values()))
+    return _grid(name, value["values"])
+
+
+def _grid(name: str, values: Any) -> GridAxis:
+    if not isinstance(values, list) or not values:
+        raise ValueError(f"should have at least one value, got {values!r}")
+    for i, value in enumerate(values):
+        if value in values[:i]:
+            raise ValueError(f"{value!r} is given twice")
+    return GridAxis(name, tuple(Point(value, {name: value}) for value in values))
+
+
+def _paths(case: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Value]]:
+    """Settings of a case by dotted path; tables are entered."""
+    found: list[tuple[str, Value]] = []
+    for key, value in case.items():
+        if isinstance(value, Mapping):
+            found += _paths(value, f"{prefix}{key}.")
+        else:
+            found.append((f"{prefix}{key}", value))
+    return found

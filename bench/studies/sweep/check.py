@@ -1,0 +1,195 @@
+"""The command `bench check`: reference scenarios run again and compared, or taken as the new reference."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from bench.basics.errors import BenchError
+from bench.scenario.scenario import scenario_from_dict
+from bench.studies.sweep.designs import keep_design
+from bench.studies.sweep.plan import Plan
+from bench.studies.sweep.pool import Lent, LocalPool, Pool, Task
+from bench.studies.sweep.preflight import check_plan
+from bench.studies.sweep.print_summary import number
+from bench.studies.sweep.progress import duration_text
+from bench.studies.sweep.reference import (
+    Line,
+    chosen_plan,
+    content_of,
+    load_reference,
+    measured_lines,
+    new_reference,
+    reference_sweeps,
+    save_reference,
+    tolerances_of,
+)
+from bench.studies.sweep.regression import ALARMS, Comparison, compare_line, limits_of
+from bench.studies.sweep.run_plan import Work
+from bench.studies.sweep.run_sweep import run_sweep
+from bench.studies.sweep.sweep_file import Sweep
+from bench.studies.sweep.work import IdentificationWork
+
+COLORS = {"worse": "red", "over its limit": "red", "better": "green", "new": "yellow"}
+
+
+@dataclass(frozen=True)
+class CheckOptions:
+    """What to check: all seeds or the quick set, which sweeps (all if none), where they and the reference are."""
+
+    reference: Path
+    full: bool = False
+    only: tuple[str, ...] = ()
+    scenarios: Path | None = None
+    workers: int | None = None
+    verbose: bool = False
+
+
+def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[[Sweep], Work]) -> int:
+    """Run, compare, print; 1 if anything got worse, changed its scenario or has no reference."""
+    start = time.monotonic()
+    comparisons: list[Comparison] = []
+    alarms = []
+    for name, sweep, plan, lines in _measured(options, make_work):
+        reference = load_reference(options.reference / f"{name}.json")
+        if reference is None:
+            alarms.append(f"{name}: has no reference yet; if all is well: bench check --update --reason ...")
+        elif reference.content != content_of(sweep):
+            alarms.append(
+                f"{name}: its scenario has changed; if that is meant: bench check --update --reason ..."
+            )
+        limits = limits_of(scenario_from_dict(plan.run(0).content, name).settings.tolerances)
+        for label, line in lines.items():
+            before = reference.lines.get(label) if reference else None
+            comparisons += compare_line(name, label, before, line, tolerances_of(sweep), limits)
+    _print(console, comparisons, verbose=options.verbose)
+    for alarm in alarms:
+        console.print(f"[red]{alarm}[/]", highlight=False, soft_wrap=True)
+    worse = sum(one.verdict in ALARMS for one in comparisons)
+    counts = [f"{worse} worse"]
+    for verdict, name in (("better", "better"), ("same", "as before"), ("new", "new")):
+        count = sum(one.verdict == verdict for one in comparisons)
+        counts += [f"{count} {name}"] if count or verdict != "new" else []
+    took = duration_text(time.monotonic() - start)
+    console.print(f"{len(comparisons)} figures in {took}: {', '.join(counts)}", highlight=False)
+    return 1 if worse or alarms else 0
+
+
+def update_reference(
+    options: CheckOptions, reason: str, console: Console, make_work: Callable[[Sweep], Work]
+) -> None:
+    """Run all seeds and keep what they give as the reference, with the reason."""
+    if not reason.strip():
+        raise BenchError("check --update: say why the reference changes, with --reason")
+    for name, sweep, plan, lines in _measured(options, make_work):
+        path = options.reference / f"{name}.json"
+        save_reference(path, new_reference(sweep, lines, reason.strip()))
+        console.print(f"Reference: {path} ({plan.size} runs)", highlight=False, soft_wrap=True)
+
+
+def identification_work(sweep: Sweep) -> Work:
+    """The work of a real sweep."""
+    return IdentificationWork(sweep.table.record)
+
+
+def _chosen(options: CheckOptions) -> dict[str, tuple[Sweep, Plan]]:
+    sweeps = reference_sweeps(options.scenarios)
+    for name in options.only:
+        if name not in sweeps:
+            raise BenchError(f"no reference scenario {name!r}; there are {', '.join(sweeps)}")
+    chosen = {}
+    for name, sweep in sweeps.items():
+        plan = chosen_plan(sweep, full=options.full)
+        if plan is not None and (not options.only or name in options.only):
+            check_plan(plan)
+            chosen[name] = (sweep, plan)
+    return chosen
+
+
+def _measured(
+    options: CheckOptions, make_work: Callable[[Sweep], Work]
+) -> Iterator[tuple[str, Sweep, Plan, dict[str, Line]]]:
+    """Name, sweep, runs and what they gave, one sweep after the other.
+
+    All have the same workers, and trajectories that several of them need are designed once.
+    """
+    chosen = _chosen(options)
+    works = {name: make_work(sweep) for name, (sweep, _) in chosen.items()}
+    pool = LocalPool(options.workers or len(os.sched_getaffinity(0)))
+    try:
+        with tempfile.TemporaryDirectory(prefix="bench-check-") as folder:
+            designs = Path(folder) / "designs"
+            _design([(works[name], plan) for name, (_, plan) in chosen.items()], pool, designs)
+            for name, (sweep, plan) in chosen.items():
+                lent, quiet = lambda: Lent(pool), lambda _: None
+                target = Path(folder) / name
+                finished = run_sweep(plan, target, lent, works[name], quiet, designs=designs)
+                lines = measured_lines(plan, finished.table, list(tolerances_of(sweep)))
+                yield name, sweep, plan, lines
+    finally:
+        pool.close()
+
+
+def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:
+    """Design all trajectories at the same time; one that fails is left to its sweep, which says why."""
+    wanted: dict[str, Task] = {}
+    for work, plan in plans:
+        for run in map(plan.run, range(plan.size)):
+            if run.design not in wanted:
+                wanted[run.design] = work.design(run)
+    names = list(wanted)
+    for key, name in enumerate(names):
+        pool.submit(key, wanted[name])
+    left = len(names)
+    while left:
+        for outcome in pool.outcomes():
+            left -= 1
+            if outcome.fault is None:
+                keep_design(folder, names[outcome.key], outcome.value)
+
+
+def _print(console: Console, comparisons: list[Comparison], *, verbose: bool) -> None:
+    """What changed; with `verbose` everything."""
+    shown = [one for one in comparisons if verbose or one.verdict != "same"]
+    if not shown:
+        return
+    table = Table(
+        box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
+    )
+    table.add_column("", overflow="fold")
+    for header in ("reference", "now", "change", "allowed", "limit"):
+        table.add_column(header, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    order = {verdict: i for i, verdict in enumerate((*ALARMS, "new", "better", "same"))}
+    by_line: dict[str, list[Comparison]] = {}
+    for one in shown:
+        by_line.setdefault(f"{one.sweep}, {one.line}" if one.line else one.sweep, []).append(one)
+    for line, found in by_line.items():
+        table.add_row(line, style="bold")
+        for one in sorted(found, key=lambda one: (order[one.verdict], -(one.change or 0.0))):
+            table.add_row(f"  {one.metric}", *_cells(one), style=COLORS.get(one.verdict))
+    console.print(table)
+    console.print("[dim]Change for the worse, in units of the spread from seed to seed.[/]", highlight=False)
+
+
+def _cells(one: Comparison) -> list[str]:
+    return [
+        _text(one.reference),
+        _text(one.now),
+        "–" if one.change is None else f"{one.change:+.2g} σ",
+        f"{one.tolerance:g} σ",
+        "" if one.limit is None else number(one.limit),
+        one.verdict,
+    ]
+
+
+def _text(value: float | None) -> str:
+    return "–" if value is None else number(value)

@@ -1,0 +1,170 @@
+"""Workers on a cluster: Dask distributed, behind the same interface as the processes of this machine."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable
+from concurrent.futures import CancelledError
+from importlib import import_module
+from typing import Any
+
+from bench.basics.errors import BenchError
+from bench.studies.sweep.pool import Outcome, Shared, Task, attempt
+from bench.studies.sweep.versions import versions
+
+try:
+    distributed: Any = import_module("distributed")
+except ImportError as error:
+    raise BenchError(
+        "a Dask scheduler needs the extra `cluster`: pip install 'parabench[cluster]'"
+    ) from error
+
+CONNECTING = 20.0  # s
+COUNT_EVERY = 5.0  # s between two counts of the workers
+MOST_SHARED = 8  # values that stay on the cluster
+SENDINGS = 5  # of a value whose worker dies meanwhile
+
+
+class DaskPool:
+    """The workers of an existing scheduler. A worker that dies costs its runs only, which are tried again.
+
+    Dask tries a task again whose worker died, `distributed.scheduler.allowed-failures` times.
+    Raises BenchError if there is no scheduler, no worker, or a worker with another version of this program.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        try:
+            self._client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise BenchError(f"no Dask scheduler at {address}: {error}") from error
+        self._done: queue.Queue[int] = queue.Queue()
+        self._futures: dict[int, Any] = {}
+        self._shared: dict[str, Any] = {}
+        self._counted, self._slots = -COUNT_EVERY, 0
+        try:
+            self._client.wait_for_workers(1, timeout=CONNECTING)
+            _check_versions(self._client)
+        except TimeoutError:
+            self.close()
+            raise BenchError(f"the Dask scheduler at {address} has no worker") from None
+        except BenchError:
+            self.close()
+            raise
+
+    @property
+    def slots(self) -> int:
+        """How many threads all workers have now."""
+        if time.monotonic() - self._counted > COUNT_EVERY:
+            try:
+                self._slots = sum(self._client.nthreads().values())
+            except OSError as error:
+                raise self._gone() from error
+            self._counted = time.monotonic()
+        return max(1, self._slots)
+
+    def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
+        """Queue a task."""
+        arguments = () if shared is None else (self._placed(shared),)
+        future = self._client.submit(attempt, task, *arguments, pure=False)
+        self._futures[key] = future
+        future.add_done_callback(_putting(self._done, key))
+
+    def outcomes(self) -> list[Outcome]:
+        """Wait until a task ends, at most for a second, and return all that have ended."""
+        found = []
+        try:
+            found.append(self._done.get(timeout=1.0))
+            while True:
+                found.append(self._done.get_nowait())
+        except queue.Empty:
+            pass
+        ended = {key: self._futures.pop(key) for key in found}
+        values = self._gathered({key: one for key, one in ended.items() if one.status == "finished"})
+        outcomes = []
+        for key in found:
+            value = values.get(key)
+            outcomes.append(self._failed(key, ended[key]) if value is None else Outcome(key, *value))
+        return outcomes
+
+    def close(self) -> None:
+        """Give up what is under way and leave the cluster as it was."""
+        self._client.cancel(list(self._futures.values()))
+        self._futures.clear()
+        self._shared.clear()
+        self._client.close()
+
+    def _placed(self, shared: Shared) -> Any:
+        """The value on the cluster, sent once; the oldest give way."""
+        if shared.name not in self._shared:
+            while len(self._shared) >= MOST_SHARED:
+                del self._shared[next(iter(self._shared))]
+            self._shared[shared.name] = self._scattered(shared.value)
+        return self._shared[shared.name]
+
+    def _scattered(self, value: Any) -> Any:
+        """Send a value; the worker that it goes to may die meanwhile, and another takes it then."""
+        for _ in range(SENDINGS):
+            try:
+                return self._client.scatter(value, hash=False, timeout=CONNECTING)
+            except (OSError, TimeoutError):
+                time.sleep(1.0)
+        raise self._gone()
+
+    def _gathered(self, futures: dict[int, Any]) -> dict[int, tuple[Any, str | None] | None]:
+        """What `attempt` gave, by key, fetched together; None where the worker is gone that had it, and the next, too.
+
+        As long as the scheduler is there, an answer that takes its time is waited for.
+        """
+
+        async def gather() -> Any:
+            return await self._client.gather(futures, errors="skip", asynchronous=True)
+
+        while futures:
+            try:
+                values: dict[int, tuple[Any, str | None] | None] = self._client.sync(
+                    gather, callback_timeout=CONNECTING
+                )
+            except TimeoutError as late:
+                if self._client.status != "running":
+                    raise self._gone() from late
+            except (OSError, CancelledError) as lost:
+                raise self._gone() from lost
+            else:
+                return values
+        return {}
+
+    def _failed(self, key: int, future: Any) -> Outcome:
+        """Why a task has no value."""
+        try:
+            error = future.exception(timeout=CONNECTING) if future.status == "error" else None
+        except (OSError, TimeoutError) as lost:
+            raise self._gone() from lost
+        if error is None:
+            raise self._gone()
+        if isinstance(error, distributed.KilledWorker):
+            return Outcome(key, None, "the worker died, and so did others that tried it again")
+        return Outcome(key, None, f"{type(error).__name__}: {error}")
+
+    def _gone(self) -> BenchError:
+        return BenchError(
+            f"the Dask scheduler at {self.address} is gone; finished runs are kept, the same command goes on"
+        )
+
+
+def _putting(done: queue.Queue[int], key: int) -> Callable[[Any], None]:
+    return lambda _: done.put(key)
+
+
+def _check_versions(client: Any) -> None:
+    """Every worker must run the same program: numbers of two versions do not belong in one table."""
+    own = versions()
+    for worker, found in client.run(versions).items():
+        if found != own:
+            different = next(
+                f"{name} {theirs}, here {ours}"
+                for (name, ours), theirs in zip(own.columns().items(), found.columns().values(), strict=True)
+                if ours != theirs
+            )
+            raise BenchError(f"the worker {worker} has {different}: install the same on both")

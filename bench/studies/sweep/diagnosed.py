@@ -1,0 +1,35 @@
+"""What a diagnosis makes of hidden effects that are known here."""
+
+from __future__ import annotations
+
+from bench.diagnosis.diagnose import diagnose
+from bench.identification.prepare import Prepared
+from bench.truth.machine import true_gains
+from bench.truth.simulate import Simulation
+
+
+def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, float | str]:
+    """Effects missed and invented, the names found, and the gain error of the model with them.
+
+    An effect that the data cannot tell from the true one counts as found.
+    """
+    modelled = tuple(dict.fromkeys(one.request for one in prepared.effects))
+    found = diagnose(prepared.dataset, modelled, filters=prepared.settings)
+    hidden = {effect.name for effect in simulation.machine.hidden} - {
+        one.effect.name for one in prepared.effects
+    }
+    alternatives = {one.effect: {one.effect, *one.alternatives} for one in found.ranking}
+    missed = [name for name in hidden if not any(name in alternatives[other] for other in found.missing)]
+    invented = [name for name in found.missing if not alternatives[name] & hidden]
+    gains = found.after.drive_gains.values()
+    errors = [
+        abs(gain.value / truth - 1.0)
+        for gain, truth in zip(gains, true_gains(simulation.scenario), strict=True)
+    ]
+    return {
+        "diagnosis.missed": float(len(missed)),
+        "diagnosis.invented": float(len(invented)),
+        "diagnosis.missing": " + ".join(found.missing) or "none",
+        "diagnosis.gain_error": max(errors),
+        "diagnosis.unexplained": float(found.unexplained.significant),
+    }

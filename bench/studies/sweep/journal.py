@@ -1,0 +1,91 @@
+"""Finished runs, kept as they come: one line of JSON each, whole or not there."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from array import array
+from collections.abc import Iterator, Sequence
+from errno import ENOSPC
+from io import FileIO
+from pathlib import Path
+from typing import Any
+
+from bench.basics.errors import BenchError
+
+Row = dict[str, Any]
+"""One line of the table: column -> number, text, truth or None."""
+TO_DISK_EVERY = 1.0  # s: a killed process loses nothing, a power failure at most this
+
+
+class Journal:
+    """An append-only file of rows, which have a number each under `run`.
+
+    A line that was cut off by a kill is dropped when the file is opened again. In memory it keeps where each
+    row begins, eight bytes a run.
+    """
+
+    def __init__(self, path: Path, size: int) -> None:
+        self.path = path
+        self._starts = array("q", [-1]) * size
+        self.count = 0
+        self.failed: set[int] = set()
+        end = self._read_back()
+        self._file: FileIO = path.open("ab", buffering=0)  # nothing waits for a later moment to be written
+        self._file.truncate(end)
+        self._end = end
+        self._synced = time.monotonic()
+
+    def __contains__(self, number: int) -> bool:
+        return self._starts[number] >= 0
+
+    def append(self, rows: Sequence[Row]) -> None:
+        """Keep rows: once this returns, a kill does not lose them. Raises OSError if the disk is full."""
+        for row in rows:
+            line = json.dumps(row, separators=(",", ":")).encode() + b"\n"
+            if self._file.write(line) < len(line):
+                raise OSError(ENOSPC, os.strerror(ENOSPC))
+            self._note(row, self._end)
+            self._end += len(line)
+        if time.monotonic() - self._synced > TO_DISK_EVERY:
+            os.fsync(self._file.fileno())
+            self._synced = time.monotonic()
+
+    def rows(self) -> Iterator[Row]:
+        """Rows by number, read one after the other."""
+        with self.path.open("rb") as file:
+            for start in self._starts:
+                if start >= 0:
+                    file.seek(start)
+                    yield json.loads(file.readline())
+
+    def close(self) -> None:
+        """Bring everything to disk."""
+        os.fsync(self._file.fileno())
+        self._file.close()
+
+    def _note(self, row: Row, start: int) -> None:
+        number = row["run"]
+        if not 0 <= number < len(self._starts):
+            raise BenchError(f"{self.path}: run {number}, but the sweep has {len(self._starts)}")
+        if self._starts[number] < 0:
+            self.count += 1
+        (self.failed.discard if row["status"] == "ok" else self.failed.add)(number)
+        self._starts[number] = start
+
+    def _read_back(self) -> int:
+        """Note the rows that are there; returns where the last whole line ends."""
+        if not self.path.exists():
+            return 0
+        end = 0
+        with self.path.open("rb") as file:
+            for line in file:
+                if not line.endswith(b"\n"):
+                    break
+                try:
+                    self._note(json.loads(line), end)
+                except (ValueError, KeyError, TypeError) as error:
+                    raise BenchError(f"{self.path}: byte {end}: not a row ({error})") from error
+                end += len(line)
+        return end

@@ -1,0 +1,218 @@
+"""The runs of a sweep, by number: computed when asked for, so that a large sweep takes no memory."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
+from math import prod
+from typing import Any
+
+from bench.basics.errors import BenchError
+from bench.scenario.file import find_scenario, read_with_bases, with_absolute_paths
+from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis, Value
+from bench.studies.sweep.settings import plain, with_setting
+from bench.studies.sweep.sweep_file import IDENTIFY, LARGEST, Sweep
+
+LEVELS = 5
+MOVEMENT, MACHINE, SENSING, FITTING, METHOD = range(LEVELS)
+SENSED = ("sensors",)
+FITTED = ("filter", "effects")
+SOLVED = ("method", "deviations", "essential", "fit_gains", "diagnose")
+MOVED = ("base", "robot", "design", "recordings")
+NOT_MOTION = ("seed", "sensors", "filter", "tolerances", "description", "file_format")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: a scenario, and how it is identified.
+
+    number: its row in the table. axes: name -> value as tables show it. content: of a scenario file, base
+    worked in. identify: method, effects, deviations, essential, fit_gains. design, motion, equations: digests
+    of all that the trajectories, the motion and the prepared equations depend on; runs that share one share
+    the work.
+    """
+
+    number: int
+    seed: int
+    axes: Mapping[str, Value]
+    base: str
+    content: Mapping[str, Any]
+    identify: Mapping[str, Any]
+    design_content: Mapping[str, Any]
+    design: str
+    motion: str
+    equations: str
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The runs of a sweep, ordered so that those that share work stand side by side."""
+
+    sweep: Sweep
+
+    @cached_property
+    def axes(self) -> tuple[GridAxis | None, ...]:
+        """The grid's axes, slowest first; None stands for the seeds."""
+        ordered = sorted(self.sweep.grid, key=level)
+        slow = sum(level(axis) <= MACHINE for axis in ordered)
+        return (*ordered[:slow], None, *ordered[slow:])
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each of `axes` has."""
+        return tuple(len(self.sweep.seeds if axis is None else axis.points) for axis in self.axes)
+
+    @property
+    def size(self) -> int:
+        """How many runs."""
+        return prod(self.shape)
+
+    @cached_property
+    def axis_names(self) -> tuple[str, ...]:
+        """Names of all axes, those drawn included, in the order of the file."""
+        return tuple(axis.name for axis in self.sweep.axes)
+
+    def run(self, number: int) -> Run:
+        """The run of that number, from 0."""
+        seed, settings, labels = self._values(number)
+        drawn = {axis.name: axis.value(seed) for axis in self.sweep.axes if isinstance(axis, DrawnAxis)}
+        settings, labels = settings | drawn, labels | drawn
+        identify = self.sweep.table.identify.model_dump() | {
+            k: v for k, v in settings.items() if k in IDENTIFY
+        }
+        base, content = self._content(settings, seed)
+        if self.sweep.table.design == "once":
+            moved = {path: value for path, value in settings.items() if path.split(".")[0] in MOVED}
+            design_content = self._content(moved, 0)[1]
+        else:
+            design_content = content
+        design = digest(
+            {key: design_content.get(key) for key in ("robot", "design", "recordings", "payloads")}
+        )
+        motion = {key: value for key, value in content.items() if key not in NOT_MOTION}
+        motion["payloads"], declared = _declarations(content.get("payloads") or {})
+        if (content.get("gains") or {}).get("error_within"):
+            motion["seed"] = seed
+        motion_digest = digest([design, motion])
+        fitted = [content.get("sensors"), content.get("filter"), identify["effects"], declared]
+        return Run(
+            number=number,
+            seed=seed,
+            axes={name: plain(labels[name]) for name in self.axis_names},
+            base=base,
+            content=content,
+            identify=identify,
+            design_content=design_content,
+            design=design,
+            motion=motion_digest,
+            equations=digest([motion_digest, seed, fitted]),
+        )
+
+    def tasks(self, is_done: Callable[[int], bool] = lambda _: False) -> Iterator[tuple[Run, ...]]:
+        """All runs that are not done, in order; those with the same equations together."""
+        wanted = (self.run(i) for i in range(self.size) if not is_done(i))
+        for _, same in groupby(wanted, key=lambda run: run.equations):
+            yield tuple(same)
+
+    def _values(self, number: int) -> tuple[int, dict[str, Value], dict[str, Value]]:
+        """Seed, settings by path and labels by axis at a number, the last axis fastest."""
+        if not 0 <= number < self.size:
+            raise IndexError(number)
+        seed = 0
+        settings: dict[str, Value] = {}
+        labels: dict[str, Value] = {}
+        rest = number
+        for axis, size in zip(reversed(self.axes), reversed(self.shape), strict=True):
+            rest, at = divmod(rest, size)
+            if axis is None:
+                seed = self.sweep.seeds[at]
+            else:
+                labels[axis.name] = axis.points[at].label
+                settings.update(axis.points[at].settings)
+        return seed, settings, labels
+
+    def _content(self, settings: Mapping[str, Value], seed: int) -> tuple[str, dict[str, Any]]:
+        base = str(settings.get("base", self.sweep.table.base))
+        content = self._based(base)
+        for path, value in settings.items():
+            if path != "base" and path not in IDENTIFY:
+                content = with_setting(content, path, value)
+        content["seed"] = seed
+        if isinstance(settings.get("robot"), str):
+            content = with_absolute_paths(content, self.sweep.path.parent)
+        return base, content
+
+    @cached_property
+    def _bases(self) -> dict[str, dict[str, Any]]:
+        return {}
+
+    def _based(self, base: str) -> dict[str, Any]:
+        """The content of a base scenario with the settings that all runs change."""
+        if base not in self._bases:
+            folder = self.sweep.path.parent
+            content = read_with_bases(find_scenario(base, folder))
+            for path, value in _flat(self.sweep.table.scenario):
+                content = with_setting(content, path, value)
+            self._bases[base] = with_absolute_paths(content, folder)
+        return dict(self._bases[base])
+
+
+def make_plan(sweep: Sweep) -> Plan:
+    """The plan of a sweep. Raises BenchError if two axes touch the same setting or the runs are too many."""
+    owner: dict[str, str] = {}
+    for axis in sweep.axes:
+        for path in axis.paths if isinstance(axis, GridAxis) else (axis.name,):
+            if path == "seed":
+                raise BenchError(f"{sweep.path}: axes.{axis.name}: seeds have a key of their own, `seeds`")
+            for other, name in owner.items():
+                if name != axis.name and (
+                    f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}.")
+                ):
+                    raise BenchError(f"{sweep.path}: axes.{axis.name}: axes.{name} varies {other} already")
+            owner[path] = axis.name
+    plan = Plan(sweep)
+    if plan.size > LARGEST:
+        counts = " × ".join(str(size) for size in plan.shape)
+        raise BenchError(f"{sweep.path}: {counts} = {plan.size} runs, more than {LARGEST}")
+    return plan
+
+
+def level(axis: Axis) -> int:
+    """How much has to be done anew where an axis moves on: MOVEMENT most, METHOD least."""
+    paths = axis.paths if isinstance(axis, GridAxis) else frozenset((axis.name,))
+    return min((_level(path) for path in paths), default=METHOD)
+
+
+def _level(path: str) -> int:
+    head, *rest = path.split(".")
+    if head == "payloads" and "declared" in rest:
+        return FITTING
+    for found, heads in ((SENSING, SENSED), (FITTING, FITTED), (METHOD, SOLVED), (MOVEMENT, MOVED)):
+        if head in heads:
+            return found
+    return MACHINE
+
+
+def _declarations(payloads: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Payloads as they are, and what the dataset says of them."""
+    true = {name: {k: v for k, v in table.items() if k != "declared"} for name, table in payloads.items()}
+    return true, {name: table.get("declared") for name, table in payloads.items()}
+
+
+def digest(value: Any) -> str:
+    """Sixteen hexadecimal digits that tell values apart."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"), default=list)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Settings by dotted path, entering tables."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value

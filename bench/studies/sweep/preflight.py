@@ -1,0 +1,129 @@
+"""A sweep checked before it starts: what run 900 would trip over is found now."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from pydantic import ValidationError
+
+from bench.basics.errors import BenchError
+from bench.dataset.robot import Robot, load_robot
+from bench.effects import places_in, select_effects
+from bench.files.toml_input import first_mistake
+from bench.identification.estimators import ESTIMATORS
+from bench.model.model import build_model
+from bench.scenario.scenario import Scenario, scenario_from_dict
+from bench.studies.sweep.axes import DrawnAxis, GridAxis
+from bench.studies.sweep.hidden_share import without_share
+from bench.studies.sweep.plan import Plan, Run, digest
+from bench.studies.sweep.requested_metrics import check_asked
+from bench.studies.sweep.sweep_file import IdentifyTable
+from bench.truth.machine import build_machine, true_gains
+
+MOST_CHECKED = 3000
+MOST_BUILT = 8
+
+
+@dataclass
+class _Seen:
+    robots: dict[str, Robot] = field(default_factory=dict)
+    effects: set[str] = field(default_factory=set)
+    payloads: set[str] = field(default_factory=set)
+    """On the tool in some recording."""
+
+
+def check_plan(plan: Plan) -> None:
+    """Check every grid point and every draw (3000 of each at most), and build some of the machines.
+
+    Raises BenchError, one line that names the run and what is wrong with it.
+    """
+    seen = _Seen()
+    scenarios: dict[str, tuple[Run, Scenario]] = {}
+    for number in _representative(plan):
+        run = plan.run(number)
+        try:
+            scenario = _checked(run, seen)
+        except BenchError as error:
+            raise _about(plan, run, error) from error
+        scenarios.setdefault(
+            digest([run.content.get(key) for key in ("robot", "hidden", "payloads")]), (run, scenario)
+        )
+    check_asked(plan, {joint for robot in seen.robots.values() for joint in robot.joints})
+    _check_payloads(plan, seen.payloads)
+    found = list(scenarios.values())
+    for i in _spread(len(found), MOST_BUILT):
+        run, scenario = found[i]
+        try:
+            build_machine(scenario)
+        except BenchError as error:
+            raise _about(plan, run, error) from error
+
+
+def _checked(run: Run, seen: _Seen) -> Scenario:
+    name = run.content.get("robot")
+    if isinstance(name, str) and name not in seen.robots:
+        seen.robots[name] = load_robot(name)
+    content = without_share(run.content)
+    scenario = scenario_from_dict(content, run.base, run.base, seen.robots.get(str(name)))
+    seen.payloads.update(one.payload for one in scenario.settings.recordings if one.payload is not None)
+    _check_joints(run, scenario)
+    try:
+        identify = IdentifyTable.model_validate(run.identify)
+    except ValidationError as error:
+        raise BenchError(first_mistake(error)) from error
+    if identify.method not in ESTIMATORS:
+        raise BenchError(f"method: {identify.method!r} is not one of {', '.join(ESTIMATORS)}")
+    key = digest([name, identify.effects, sorted(scenario.settings.payloads)])
+    if key not in seen.effects:
+        if identify.effects:
+            places = places_in(build_model(scenario.robot).geometry, scenario.settings.payloads)
+            select_effects(identify.effects, places)
+        seen.effects.add(key)
+    return scenario
+
+
+def _check_joints(run: Run, scenario: Scenario) -> None:
+    """Joints that are named exist, and gains keep their sign: an error of 20 % is 0.2."""
+    robot, joint = scenario.robot, run.content.get("hidden_joint")
+    if joint is not None and joint not in robot.joints:
+        raise BenchError(f"hidden_joint: no actuated joint {joint!r}; there are {', '.join(robot.joints)}")
+    for name, true, nominal in zip(robot.joints, true_gains(scenario), robot.nominal_gains, strict=True):
+        if true * nominal <= 0:
+            raise BenchError(
+                f"gains: {name} would have {true:g}, nominal {nominal:g}: an error of 20 % is 0.2"
+            )
+
+
+def _check_payloads(plan: Plan, used: Collection[str]) -> None:
+    """A payload that an axis varies is on the tool in some recording."""
+    for axis in plan.sweep.axes:
+        for path in axis.paths if isinstance(axis, GridAxis) else (axis.name,):
+            head, *rest = path.split(".")
+            if head == "payloads" and rest and rest[0] not in used:
+                known = ", ".join(sorted(used)) or "none"
+                raise BenchError(
+                    f"{plan.sweep.path}: axes.{axis.name}: no recording has the payload {rest[0]!r}; used: {known}"
+                )
+
+
+def _representative(plan: Plan) -> Iterator[int]:
+    """Numbers of runs: all grid points with the first seed, then all seeds if something is drawn."""
+    numbers = np.arange(plan.size).reshape(plan.shape)
+    seeds = plan.axes.index(None)
+    grid = numbers.take(0, axis=seeds).ravel()
+    yield from (int(grid[i]) for i in _spread(len(grid), MOST_CHECKED))
+    if any(isinstance(axis, DrawnAxis) for axis in plan.sweep.axes):
+        drawn = np.moveaxis(numbers, seeds, 0).reshape(plan.shape[seeds], -1)[:, 0]
+        yield from (int(drawn[i]) for i in _spread(len(drawn), MOST_CHECKED))
+
+
+def _spread(count: int, most: int) -> Sequence[int]:
+    """At most `most` of the indices below count, the first and the last among them."""
+    return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most)).round()})
+
+
+def _about(plan: Plan, run: Run, error: BenchError) -> BenchError:
+    values = ", ".join(f"{name} = {value}" for name, value in run.axes.items()) or f"seed {run.seed}"
+    return BenchError(f"{plan.sweep.path}: run {run.number} ({values}): {error}")

@@ -1,0 +1,158 @@
+"""Reference scenarios and what they gave when somebody last said that it was right."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import catalogue_folder
+from bench.files.atomic import write_text_atomically
+from bench.studies.sweep.plan import Plan, digest, make_plan
+from bench.studies.sweep.sweep_file import Sweep, SweepTable, load_sweep
+from bench.studies.sweep.table import column_names, read_table
+from bench.studies.sweep.versions import versions
+
+DIGITS = 9  # of the values kept
+Tolerance = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class ReferenceTable(SweepTable):
+    """A sweep that is compared with the reference. The scenario's own [tolerances] hold for every run."""
+
+    quick: Annotated[int, Field(ge=0)] = 0
+    """How many of the seeds the quick set takes; with 0 it leaves the sweep out."""
+    tolerances: Mapping[str, Tolerance] = {}
+    """By how much a metric may change before it counts, in units of its spread from seed to seed."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """Values by metric of the runs that differ by their seed only, in the order of `seeds`."""
+
+    seeds: tuple[int, ...]
+    values: Mapping[str, tuple[float | None, ...]]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What a sweep gave: a line for each combination of its axes, why it was taken, and by which program."""
+
+    content: str
+    """Tells whether the sweep and its scenarios are still the same."""
+    reason: str
+    program: Mapping[str, str]
+    lines: Mapping[str, Line]
+
+
+def reference_sweeps(folder: Path | None = None) -> dict[str, Sweep]:
+    """Name -> sweep, sorted, of the project or of a folder of one's own."""
+    paths = sorted((folder or catalogue_folder("scenarios") / "reference").glob("*.toml"))
+    if not paths:
+        raise BenchError(f"{folder}: holds no reference scenarios (*.toml)")
+    return {path.stem: load_sweep(path, ReferenceTable) for path in paths}
+
+
+def reference_folder() -> Path:
+    """Where the project keeps its references; BenchError where only the package is installed."""
+    folder = Path(__file__).resolve().parents[3] / "results" / "reference"
+    if not folder.is_dir():
+        raise BenchError("no results/reference beside the package: name the folder with --reference")
+    return folder
+
+
+def tolerances_of(sweep: Sweep) -> Mapping[str, float]:
+    """The tolerances of a reference sweep."""
+    table = sweep.table
+    assert isinstance(table, ReferenceTable)
+    return table.tolerances
+
+
+def chosen_plan(sweep: Sweep, *, full: bool) -> Plan | None:
+    """The runs to compare, all seeds or those of the quick set; None if that has none."""
+    table = sweep.table
+    assert isinstance(table, ReferenceTable)
+    if full:
+        return make_plan(sweep)
+    if not table.quick:
+        return None
+    seeds = tuple(sweep.seeds[: table.quick])
+    return make_plan(replace(sweep, table=table.model_copy(update={"seeds": seeds})))
+
+
+def content_of(sweep: Sweep) -> str:
+    """Digest of everything that the runs depend on but the seeds."""
+    table = sweep.table.model_copy(update={"seeds": (1,)})
+    plan = make_plan(replace(sweep, table=table))
+    return digest([[run.content, run.identify, run.axes] for run in map(plan.run, range(plan.size))])
+
+
+def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str, Line]:
+    """What a finished sweep gave, by the label of its axes' values; None for a failed run."""
+    axes = list(plan.axis_names)
+    known = set(column_names(table))
+    columns = read_table(table, ["seed", *axes, *(metric for metric in metrics if metric in known)])
+    rows: dict[str, list[int]] = {}
+    for i in range(len(columns["seed"])):
+        rows.setdefault(", ".join(f"{axis} = {columns[axis][i]}" for axis in axes), []).append(i)
+    nothing = [None] * len(columns["seed"])
+    return {
+        label: Line(
+            tuple(columns["seed"][i] for i in found),
+            {metric: tuple(columns.get(metric, nothing)[i] for i in found) for metric in metrics},
+        )
+        for label, found in rows.items()
+    }
+
+
+def save_reference(path: Path, reference: Reference) -> None:
+    """Write a reference as text that shows line by line what a change of it changes."""
+    lines = [
+        f"  {json.dumps(label)}: {{\n"
+        + ",\n".join(
+            f"    {json.dumps(name)}: {json.dumps(values)}"
+            for name, values in (
+                ("seeds", list(line.seeds)),
+                *((m, _rounded(v)) for m, v in line.values.items()),
+            )
+        )
+        + "\n  }"
+        for label, line in reference.lines.items()
+    ]
+    head = {"reason": reference.reason, "content": reference.content, "program": dict(reference.program)}
+    text = (
+        json.dumps(head, indent=1, ensure_ascii=False)[:-2]
+        + ',\n "lines": {\n'
+        + ",\n".join(lines)
+        + "\n }\n}\n"
+    )
+    write_text_atomically(path, text)
+
+
+def load_reference(path: Path) -> Reference | None:
+    """Read it again; None if there is none. Raises BenchError if it is no reference."""
+    if not path.is_file():
+        return None
+    try:
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        lines = {
+            label: Line(tuple(line["seeds"]), {m: tuple(v) for m, v in line.items() if m != "seeds"})
+            for label, line in content["lines"].items()
+        }
+        return Reference(content["content"], content["reason"], content["program"], lines)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise BenchError(f"{path}: is no reference ({type(error).__name__}: {error})") from error
+
+
+def new_reference(sweep: Sweep, lines: Mapping[str, Line], reason: str) -> Reference:
+    """What a sweep gave just now."""
+    return Reference(content_of(sweep), reason, versions().columns(), lines)
+
+
+def _rounded(values: Sequence[float | None]) -> list[float | None]:
+    return [None if value is None else float(f"{value:.{DIGITS}g}") for value in values]

@@ -1,0 +1,79 @@
+"""What a sweep leaves in its folder beside the table: summary and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+from bench.files.atomic import write_text_atomically
+from bench.studies.sweep.plan import Plan
+from bench.studies.sweep.plot import plot_sweep
+from bench.studies.sweep.print_summary import summary_markdown
+from bench.studies.sweep.run_sweep import TABLE
+from bench.studies.sweep.summary import Summary, summarise, summarise_in_parts
+from bench.studies.sweep.sweep_file import PlotTable
+from bench.studies.sweep.table import column_names
+
+SUMMARY = "summary.md"
+
+
+def table_in(folder: Path) -> Path:
+    """The table of a sweep, from its folder or its own path. Raises BenchError if there is none."""
+    path = folder if folder.is_file() else folder / TABLE
+    if not path.is_file():
+        raise BenchError(f"{folder}: holds no {TABLE}: name the folder of a sweep that has ended")
+    return path
+
+
+def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> tuple[Summary, Path]:
+    """Summary of a table by some axes, and the Markdown file beside the table that it is written to."""
+    summary = summarise_in_parts(table, axes, metrics)
+    name = " ".join(metrics) + (f" by {' '.join(axes)}" if axes else "")
+    path = table.with_name(f"{_file_name(name)}.md")
+    write_text_atomically(path, summary_markdown(summary))
+    return summary, path
+
+
+def write_summary(plan: Plan, folder: Path) -> Summary:
+    """Write summary.md by all axes of the grid, with the metrics that the sweep's file asks for."""
+    table = folder / TABLE
+    known = column_names(table)
+    metrics = [metric for metric in plan.sweep.table.show if metric in known]
+    axes = [axis.name for axis in plan.sweep.grid]
+    summary = summarise(table, axes, metrics)
+    heading = f"# {plan.sweep.name}\n\n{plan.sweep.table.description}\n\n"
+    write_text_atomically(folder / SUMMARY, heading + summary_markdown(summary))
+    return summary
+
+
+def write_plots(plan: Plan, folder: Path) -> list[Path]:
+    """Draw the figures that the sweep's file asks for, or the first metrics against the first axis."""
+    table = folder / TABLE
+    known = column_names(table)
+    paths = []
+    for plot in plan.sweep.table.plots or default_plots(plan):
+        if plot.y in known:
+            paths.append(folder / plot_name(plot.x, plot.y, plot.lines))
+            plot_sweep(table, paths[-1], plot.x, plot.y, plot.lines)
+    return paths
+
+
+def default_plots(plan: Plan) -> Sequence[PlotTable]:
+    """The first two metrics against the axis with the most values, a line for each value of the next."""
+    axes = sorted(plan.sweep.grid, key=lambda axis: -len(axis.points))
+    if not axes:
+        names = plan.axis_names or ("seed",)
+        return [PlotTable(x=names[0], y=metric) for metric in plan.sweep.table.show[:2]]
+    lines = axes[1].name if len(axes) > 1 else None
+    return [PlotTable(x=axes[0].name, y=metric, lines=lines) for metric in plan.sweep.table.show[:2]]
+
+
+def plot_name(x: str, y: str, lines: str | None = None) -> str:
+    """File name of a figure."""
+    name = f"{y} against {x}" + (f" by {lines}" if lines else "")
+    return f"{_file_name(name)}.svg"
+
+
+def _file_name(text: str) -> str:
+    return "".join(letter if letter.isalnum() or letter in "._-" else "_" for letter in text)

@@ -1,0 +1,231 @@
+"""Running a plan: what is shared goes first, what needs it follows, finished runs are kept as they come."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from bench.studies.sweep.designs import keep_design, kept_design
+from bench.studies.sweep.journal import Journal, Row
+from bench.studies.sweep.plan import Run
+from bench.studies.sweep.pool import Outcome, Pool, Shared, Task
+
+LOOK_AHEAD = 4  # sets of equations for each worker: shared motions are simulated while these are worked off
+FEWEST_AHEAD = 8
+
+Report = Callable[[Journal], None]
+"""Told whenever runs are finished."""
+Phase = Callable[[str], None]
+"""Told what goes on before any run is finished."""
+
+
+def silent(_: str) -> None:
+    """Tell nobody of the phase."""
+
+
+class Planned(Protocol):
+    """The runs that there are."""
+
+    def tasks(self, is_done: Callable[[int], bool]) -> Iterator[tuple[Run, ...]]:
+        """All runs that are not done, in order; those with the same equations together."""
+
+
+class Work(Protocol):
+    """The tasks that a sweep is made of."""
+
+    def design(self, run: Run) -> Task:
+        """Finds trajectories, by recording name."""
+
+    def motion(self, run: Run, trajectories: Any) -> Task:
+        """Simulates a motion that several sets of runs share."""
+
+    def runs(self, runs: tuple[Run, ...], trajectories: Any) -> Task:
+        """Gives a row for each of the runs, which have the same equations, from the motion that they share
+        with others, or from None where it is theirs alone.
+        """
+
+    def failed(self, run: Run, reason: str) -> Row:
+        """The row of a run that came to nothing."""
+
+
+@dataclass(frozen=True)
+class _Set:
+    """Runs with the same equations; `shared`: other sets have the same motion."""
+
+    runs: tuple[Run, ...]
+    shared: bool
+
+    @property
+    def design(self) -> str:
+        return self.runs[0].design
+
+    @property
+    def motion(self) -> str:
+        return self.runs[0].motion
+
+
+@dataclass(frozen=True)
+class _Common:
+    """A design or a motion that is there, or the reason why it is not."""
+
+    value: Any
+    fault: str | None
+
+
+@dataclass(frozen=True)
+class _CommonJob:
+    """What finds a design or a motion."""
+
+    found: dict[str, _Common]
+    name: str
+
+
+@dataclass(frozen=True)
+class _RunJob:
+    """What makes rows."""
+
+    runs: tuple[Run, ...]
+    design: Any
+    motion: Shared | None
+
+
+class Driver:
+    """Runs everything of a plan that the journal does not have yet.
+
+    At any time it holds a window of sets of runs, whatever the number of runs. designs: folder in which
+    trajectories are kept. retry_failed: run again what failed before.
+    """
+
+    def __init__(
+        self,
+        plan: Planned,
+        journal: Journal,
+        pool: Pool,
+        work: Work,
+        designs: Path,
+        *,
+        retry_failed: bool = False,
+    ) -> None:
+        self._journal, self._pool, self._work, self._folder = journal, pool, work, designs
+        again = frozenset(journal.failed) if retry_failed else frozenset()
+        self._sets = _sets(plan, lambda number: number in journal and number not in again)
+        self._limit = max(FEWEST_AHEAD, LOOK_AHEAD * pool.slots)
+        self._waiting: list[_Set] = []
+        self._ready: deque[_RunJob] = deque()
+        self._designs: dict[str, _Common] = {}
+        self._motions: dict[str, _Common] = {}
+        self._asked: dict[str, dict[str, _Common]] = {}
+        self._jobs: dict[int, _CommonJob | _RunJob] = {}
+        self._running = 0
+        self._next = 0
+
+    def run(self, report: Report, phase: Phase = silent) -> None:
+        """Work until nothing is left; what a finished run costs here does not depend on how many are under way."""
+        left = True
+        while left or self._ready or self._jobs:  # no set waits where nothing is under way
+            while left and len(self._waiting) + len(self._ready) < self._limit:
+                following = next(self._sets, None)
+                left = following is not None
+                if following is not None and not self._placed(following):
+                    self._waiting.append(following)
+            while self._ready and self._running <= self._pool.slots:
+                self._submit_runs(self._ready.popleft())
+            if self._jobs:
+                phase(self._doing())
+                for outcome in self._pool.outcomes():
+                    self._take(outcome)
+            report(self._journal)
+
+    def _placed(self, one: _Set) -> bool:
+        """Take the next step towards the runs of a set; whether they need no more than a free slot, or have failed."""
+        first = one.runs[0]
+        if one.design not in self._designs and (kept := kept_design(self._folder, one.design)) is not None:
+            self._designs[one.design] = _Common(kept, None)
+        design = self._designs.get(one.design)
+        if design is None:
+            self._ask(_CommonJob(self._designs, one.design), lambda: self._work.design(first))
+            return False
+        if design.fault is not None:
+            return self._fail(one.runs, design.fault)
+        motion = None
+        if one.shared:
+            if one.motion not in self._motions:
+                job = _CommonJob(self._motions, one.motion)
+                self._ask(job, lambda: self._work.motion(first, design.value))
+                return False
+            common = self._motions[one.motion]
+            if common.fault is not None:
+                return self._fail(one.runs, common.fault)
+            motion = Shared(one.motion, common.value)
+        self._ready.append(_RunJob(one.runs, design.value, motion))
+        return True
+
+    def _doing(self) -> str:
+        """What the runs that come next are waiting for."""
+        if any(found is self._designs for found in self._asked.values()):
+            return "designing trajectories"
+        return "simulating shared motions" if self._asked and not self._running else "runs"
+
+    def _ask(self, job: _CommonJob, task: Callable[[], Task]) -> None:
+        if job.name not in self._asked:
+            self._asked[job.name] = job.found
+            self._submit(job, task())
+
+    def _submit_runs(self, job: _RunJob) -> None:
+        self._running += 1
+        self._submit(job, self._work.runs(job.runs, job.design), job.motion)
+
+    def _submit(self, job: _CommonJob | _RunJob, task: Task, shared: Shared | None = None) -> None:
+        self._jobs[self._next] = job
+        self._pool.submit(self._next, task, shared)
+        self._next += 1
+
+    def _fail(self, runs: tuple[Run, ...], reason: str) -> bool:
+        self._journal.append([self._work.failed(run, reason) for run in runs])
+        return True
+
+    def _take(self, outcome: Outcome) -> None:
+        job = self._jobs.pop(outcome.key)
+        if isinstance(job, _CommonJob):
+            self._take_common(job, outcome)
+            return
+        self._running -= 1
+        if outcome.fault is None:
+            self._journal.append(outcome.value)
+        elif len(job.runs) > 1:  # one of them is at fault: find out which
+            for run in job.runs:
+                self._submit_runs(_RunJob((run,), job.design, job.motion))
+        else:
+            self._fail(job.runs, outcome.fault)
+
+    def _take_common(self, job: _CommonJob, outcome: Outcome) -> None:
+        """Go on with the sets that waited for a design or a motion; what no set waits for is given up.
+
+        Sets that share something stand side by side: those that are still to come need what the last ones need.
+        """
+        del self._asked[job.name]
+        job.found[job.name] = _Common(outcome.value, outcome.fault)
+        if job.found is self._designs and outcome.fault is None:
+            keep_design(self._folder, job.name, outcome.value)
+        for known, needed in (
+            (self._designs, {one.design for one in self._waiting}),
+            (self._motions, {one.motion for one in self._waiting}),
+        ):
+            for name in known.keys() - needed:
+                del known[name]
+        self._waiting = [one for one in self._waiting if not self._placed(one)]
+
+
+def _sets(plan: Planned, is_done: Callable[[int], bool]) -> Iterator[_Set]:
+    """Sets of runs with the same equations, in order; motions are compared with the sets before and after."""
+    before, current = "", None
+    for following in plan.tasks(is_done):
+        if current is not None:
+            yield _Set(current, current[0].motion in (before, following[0].motion))
+            before = current[0].motion
+        current = following
+    if current is not None:
+        yield _Set(current, current[0].motion == before)

@@ -1,0 +1,129 @@
+"""A sweep from its file to its table."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+from bench.files.atomic import write_json_atomically, write_text_atomically
+from bench.studies.sweep.journal import Journal
+from bench.studies.sweep.plan import Plan, digest
+from bench.studies.sweep.pool import Pool
+from bench.studies.sweep.run_plan import Driver, Phase, Report, Work, silent
+from bench.studies.sweep.table import write_table
+
+TABLE, JOURNAL, RECORD, DESIGNS, FILE = "runs.parquet", "runs.jsonl", "sweep.json", "designs", "sweep.toml"
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What a sweep has left behind."""
+
+    folder: Path
+    table: Path
+    runs: int
+    failed: int
+    kept: int = 0
+    """Of the runs, those that were there already."""
+
+
+def run_sweep(
+    plan: Plan,
+    folder: Path,
+    make_pool: Callable[[], Pool],
+    work: Work,
+    report: Report,
+    *,
+    retry_failed: bool = False,
+    designs: Path | None = None,
+    phase: Phase = silent,
+    resumed: Callable[[int], None] = lambda _kept: None,
+) -> Finished:
+    """Run what is not there yet and write the table. designs: folder of trajectories; the sweep's own by default.
+
+    report: told whenever runs are finished; phase: what goes on until then; resumed: told
+    before anything runs how many runs are there from before.
+
+    Started again on the same folder after whatever end it goes on, and the table is the same to the last bit.
+    Raises BenchError if the folder belongs to another sweep, or cannot be written.
+    """
+    with written(folder):
+        return _run(
+            plan, folder, make_pool, work, report, retry_failed, designs or folder / DESIGNS, phase, resumed
+        )
+
+
+@contextmanager
+def written(folder: Path) -> Iterator[None]:
+    """What goes wrong with writing into the folder of a sweep, a full disk or no permission, is told in a line."""
+    try:
+        yield
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise BenchError(f"{folder}: {why}; finished runs are kept, the same command goes on") from error
+
+
+def _run(
+    plan: Plan,
+    folder: Path,
+    make_pool: Callable[[], Pool],
+    work: Work,
+    report: Report,
+    retry_failed: bool,
+    designs: Path,
+    phase: Phase,
+    resumed: Callable[[int], None],
+) -> Finished:
+    _claim(plan, folder)
+    journal = Journal(folder / JOURNAL, plan.size)
+    try:
+        report(journal)
+        kept = journal.count - (len(journal.failed) if retry_failed else 0)
+        if kept:
+            resumed(kept)
+        if journal.count < plan.size or (retry_failed and journal.failed):
+            phase("starting workers")
+            pool = make_pool()
+            try:
+                Driver(plan, journal, pool, work, designs, retry_failed=retry_failed).run(report, phase)
+            finally:
+                pool.close()
+        metadata = {"sweep": plan.sweep.name, "description": plan.sweep.table.description}
+        write_table(journal, folder / TABLE, plan.axis_names, metadata)
+        return Finished(folder, folder / TABLE, journal.count, len(journal.failed), kept)
+    finally:
+        journal.close()
+
+
+def _claim(plan: Plan, folder: Path) -> None:
+    """Mark a folder as that of this sweep."""
+    record = folder / RECORD
+    content = {
+        "sweep": plan.sweep.name,
+        "runs": plan.size,
+        "axes": list(plan.axis_names),
+        "digest": plan_digest(plan),
+    }
+    if record.is_file():
+        if json.loads(record.read_text(encoding="utf-8")) != content:
+            raise BenchError(
+                f"{folder}: holds another sweep, or an older version of this one: name another folder"
+            )
+        return
+    if folder.exists() and not folder.is_dir():
+        raise BenchError(f"{folder}: is no folder: name another one")
+    if folder.exists() and any(folder.iterdir()):
+        raise BenchError(f"{folder}: is there already and holds no sweep: name another folder")
+    write_text_atomically(folder / FILE, plan.sweep.path.read_text(encoding="utf-8"))
+    write_json_atomically(record, content)
+
+
+def plan_digest(plan: Plan) -> str:
+    """Tells sweeps apart by what their runs depend on: the file, and the scenarios that it builds on."""
+    runs = (plan.run(0), plan.run(plan.size - 1))
+    table = plan.sweep.table.model_dump(mode="json", exclude={"description", "show", "plots"})
+    return digest([table, [[run.content, run.axes] for run in runs]])

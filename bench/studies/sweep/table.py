@@ -1,0 +1,106 @@
+"""The table of a sweep: one Parquet file, a row a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from bench.basics.errors import BenchError
+from bench.files.atomic import atomic_path
+from bench.studies.sweep.journal import Journal, Row
+
+BATCH = 1000  # rows in memory at a time
+FIRST = ("run", "status", "reason", "scenario", "seed")
+LAST = ("commit", "version.")
+
+
+def write_table(journal: Journal, path: Path, axes: Sequence[str], metadata: Mapping[str, str]) -> None:
+    """Write all rows by number. The same rows give the same file to the last bit, in whatever order they came.
+
+    Columns: what every run has, the axes, metrics and other settings by name, versions last.
+    """
+    kinds: dict[str, set[type]] = {}
+    for row in journal.rows():
+        for name, value in row.items():
+            kinds.setdefault(name, set()).add(type(value))
+    schema = pa.schema(
+        [pa.field(name, _type(kinds[name])) for name in _ordered(kinds, axes)],
+        metadata={key.encode(): value.encode() for key, value in metadata.items()},
+    )
+    with atomic_path(path) as partial, pq.ParquetWriter(partial, schema, compression="zstd") as writer:
+        for batch in _batches(journal.rows()):
+            columns = {
+                field.name: [_cell(row.get(field.name), field.type) for row in batch] for field in schema
+            }
+            writer.write_table(pa.table(columns, schema=schema))
+
+
+def read_table(path: Path, columns: Sequence[str] | None = None) -> dict[str, list[Any]]:
+    """Columns by name. Raises BenchError if the table cannot be read or has no such column."""
+    try:
+        known = pq.read_schema(path).names
+    except (OSError, pa.ArrowInvalid) as error:
+        raise BenchError(
+            f"{path}: cannot be read as a Parquet table: {str(error).splitlines()[0]}"
+        ) from error
+    for name in columns or ():
+        if name not in known:
+            raise BenchError(f"{path}: no column {name!r}{_nearest(name, known)}")
+    found: dict[str, list[Any]] = pq.read_table(path, columns=list(columns) if columns else None).to_pydict()
+    return found
+
+
+def column_names(path: Path) -> list[str]:
+    """Names of all columns."""
+    return list(pq.read_schema(path).names)
+
+
+def _ordered(kinds: Iterable[str], axes: Sequence[str]) -> list[str]:
+    def rank(name: str) -> tuple[int, int, str]:
+        if name in FIRST:
+            return 0, FIRST.index(name), ""
+        if name in axes:
+            return 1, list(axes).index(name), ""
+        return (3 if name.startswith(LAST) else 2), 0, name
+
+    return sorted(kinds, key=rank)
+
+
+def _type(kinds: set[type]) -> pa.DataType:
+    kinds = kinds - {type(None)}
+    if not kinds:
+        return pa.string()
+    if kinds == {bool}:
+        return pa.bool_()
+    if kinds == {int}:
+        return pa.int64()
+    if kinds <= {int, float}:
+        return pa.float64()
+    return pa.string()
+
+
+def _cell(value: Any, kind: pa.DataType) -> Any:
+    if value is None:
+        return None
+    if kind == pa.float64():
+        return float(value)
+    if kind == pa.string() and not isinstance(value, str):
+        return str(value)
+    return value
+
+
+def _batches(rows: Iterator[Row]) -> Iterator[list[Row]]:
+    while batch := list(islice(rows, BATCH)):
+        yield batch
+
+
+def _nearest(name: str, known: Sequence[str]) -> str:
+    from difflib import get_close_matches  # noqa: PLC0415 - only for a mistake
+
+    near = get_close_matches(name, known, 3)
+    return f"; did you mean {', '.join(near)}?" if near else ""

@@ -1,0 +1,173 @@
+"""The work of a sweep, as functions from one plain value to the next: what workers run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.excitation.scenario import designer
+from bench.identification.identify import fit, prepare
+from bench.scenario.scenario import Scenario, resolve_trajectories, scenario_from_dict
+from bench.scenario.trajectory import FourierTrajectory
+from bench.studies.sweep.diagnosed import diagnosis_metrics
+from bench.studies.sweep.hidden_share import with_sized_effect, without_share
+from bench.studies.sweep.journal import Row
+from bench.studies.sweep.measure import measure
+from bench.studies.sweep.plan import Run
+from bench.studies.sweep.pool import Task
+from bench.studies.sweep.settings import flat_settings, plain
+from bench.studies.sweep.versions import versions
+from bench.truth.dataset import as_dataset
+from bench.truth.resense import sense_again
+from bench.truth.simulate import Simulation, simulate
+
+Trajectories = Mapping[str, FourierTrajectory]
+OK, FAILED = "ok", "failed"
+
+
+@dataclass(frozen=True)
+class DesignTask:
+    """Find the trajectories of a run."""
+
+    run: Run
+
+    def __call__(self, _: None) -> Trajectories:
+        """Trajectories by recording name."""
+        scenario = _scenario(self.run, without_share(self.run.design_content))
+        return resolve_trajectories(scenario, designer)
+
+
+@dataclass(frozen=True)
+class MotionTask:
+    """Simulate the motion that several tasks share."""
+
+    run: Run
+    trajectories: Trajectories
+
+    def __call__(self, _: None) -> Simulation:
+        """The simulation without what sensing it again does not need."""
+        return slim(_simulated(self.run, self.trajectories))
+
+
+@dataclass(frozen=True)
+class RunTask:
+    """Identify from one set of equations, in one or several ways."""
+
+    runs: tuple[Run, ...]
+    trajectories: Trajectories
+    record: tuple[str, ...]
+
+    def __call__(self, motion: Simulation | None) -> list[Row]:
+        """A row a run; a run that fails for a reason that can be named has it in its row.
+
+        motion: simulated already, because others need it too; None: it is simulated here.
+        """
+        first = self.runs[0]
+        try:
+            if motion is None:
+                simulation = _simulated(first, self.trajectories)
+            else:
+                simulation = sense_again(motion, _scenario(first, without_share(first.content)))
+            dataset, filters = as_dataset(simulation), _filters(simulation.scenario)
+            prepared = prepare(dataset, first.identify["effects"], filters)
+        except BenchError as error:
+            return [failed_row(run, str(error)) for run in self.runs]
+        rows = []
+        for run in self.runs:
+            options = {key: run.identify[key] for key in ("deviations", "essential", "fit_gains")}
+            try:
+                result = fit(prepared, run.identify["method"], **options)
+                metrics: dict[str, float | str] = dict(measure(simulation, prepared, result, self.record))
+                if run.identify["diagnose"]:
+                    metrics |= diagnosis_metrics(simulation, prepared)
+            except BenchError as error:
+                rows.append(failed_row(run, str(error)))
+            else:
+                rows.append(_row(run, metrics))
+        return rows
+
+
+@dataclass(frozen=True)
+class IdentificationWork:
+    """The tasks of a sweep that simulates and identifies. record: groups of metrics."""
+
+    record: tuple[str, ...]
+
+    def design(self, run: Run) -> Task:
+        """Finds trajectories."""
+        return DesignTask(run)
+
+    def motion(self, run: Run, trajectories: Trajectories) -> Task:
+        """Simulates a motion."""
+        return MotionTask(run, trajectories)
+
+    def runs(self, runs: tuple[Run, ...], trajectories: Trajectories) -> Task:
+        """Senses, prepares, fits and measures."""
+        return RunTask(runs, trajectories, self.record)
+
+    def failed(self, run: Run, reason: str) -> Row:
+        """The row of a run that came to nothing."""
+        return failed_row(run, reason)
+
+
+def failed_row(run: Run, reason: str) -> Row:
+    """The row of a run that came to nothing."""
+    return _row(run, {}) | {"status": FAILED, "reason": " ".join(reason.split())}
+
+
+def slim(simulation: Simulation) -> Simulation:
+    """A simulation with what `sense_again` needs, a few megabytes: time, positions, current references."""
+    nothing = np.empty((0, 0))
+    recordings = tuple(
+        replace(
+            one,
+            motion=replace(
+                one.motion,
+                qpos=nothing,
+                qvel=nothing,
+                qacc=nothing,
+                torque=nothing,
+                reference=nothing,
+                gaps=nothing,
+            ),
+            log=replace(one.log, time=nothing, position=nothing, current=nothing),
+        )
+        for one in simulation.recordings
+    )
+    return replace(simulation, recordings=recordings)
+
+
+def _scenario(run: Run, content: Mapping[str, Any]) -> Scenario:
+    return scenario_from_dict(content, run.base, run.base)
+
+
+def _simulated(run: Run, trajectories: Trajectories) -> Simulation:
+    content = with_sized_effect(run.content, run.base, trajectories)
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(_left_to_the_reason)
+    try:
+        return simulate(_scenario(run, content), trajectories, threads=1)
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _left_to_the_reason(_: str) -> None:
+    """In place of MuJoCo's warning, which goes to the screen and to a file MUJOCO_LOG.TXT: the row tells it."""
+
+
+def _filters(scenario: Scenario) -> dict[str, Any]:
+    return scenario.settings.filter.model_dump(exclude_none=True)
+
+
+def _row(run: Run, metrics: Mapping[str, float | str]) -> Row:
+    row: Row = {"run": run.number, "status": OK, "reason": None, "scenario": run.base, "seed": run.seed}
+    row |= run.axes
+    row |= metrics
+    row |= {key: plain(value) for key, value in run.identify.items()}
+    row |= {key: value for key, value in flat_settings(run.content) if key not in row}
+    return row | versions().columns()

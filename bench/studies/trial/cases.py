@@ -1,0 +1,156 @@
+"""The blind datasets of a trial, drawn from seeds: what is hidden, how large, behind how much noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+from zlib import crc32
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.studies.trial.compatible import compatible
+from bench.studies.trial.setup import Setup, where
+
+Kind = Literal["nothing", "one", "two", "three", "outside"]
+KINDS: dict[Kind, int] = {"nothing": 0, "one": 1, "two": 2, "three": 3, "outside": 1}
+"""Kinds of datasets, with the number of effects that each hides."""
+
+DATASETS_A_SEED = 10
+"""Datasets for each seed of the kinds that do not go through the effects one by one."""
+
+SHARES = (0.004, 0.1)
+"""Torque of an effect over the torque of its motor, RMS over RMS; drawn evenly on a logarithmic scale."""
+
+SHARES_OF: dict[str, tuple[float, float]] = {
+    "backlash": (0.002, 0.02),
+    "base_tilt": (0.01, 0.15),
+    "constant_offset": (0.01, 0.3),
+    "current_delay": (0.002, 0.02),
+    "current_loop_lag": (0.002, 0.01),
+    "drive_flexibility": (0.001, 0.008),
+    "encoder_offset": (0.004, 0.08),
+    "gain_saturation": (0.01, 0.1),
+    "geometric_error": (0.001, 0.01),
+    "joint_spring": (0.02, 0.4),
+    "passive_spring": (0.02, 0.4),
+    "platform_force": (0.02, 0.3),
+}
+"""The same where a model takes most of the effect up, so that less is seen of it; or where a larger share would be
+a broken machine: play of degrees, links that are centimetres off, currents that act some 40 ms late, drives so
+soft that motor and link swing against each other within the motion's own frequencies."""
+
+SETS_FROM = 0.6
+"""Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
+
+NOISE = (0.002, 0.02)
+"""Noise of the current over its RMS; drawn likewise."""
+
+RULES = (SHARES, SHARES_OF, SETS_FROM, NOISE)
+"""What draws depend on beside their seeds."""
+
+ENCODER_BITS = (18, 20, 22)
+GAIN_ERROR = 0.1
+"""Largest deviation of a true gain from the nominal one."""
+
+
+@dataclass(frozen=True)
+class Hide:
+    """An effect to be hidden: in which joints (none: the machine as a whole), and with what share of the torque."""
+
+    effect: str
+    joints: tuple[str, ...]
+    share: float
+
+
+@dataclass(frozen=True)
+class Case:
+    """One blind dataset. seed: of the sensors' noise and of the gains."""
+
+    kind: Kind
+    index: int
+    hides: tuple[Hide, ...]
+    noise: float
+    encoder_bits: int
+    seed: int
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of what is drawn; companions are not among them."""
+        return tuple(hide.effect for hide in self.hides)
+
+
+def datasets_a_seed(setup: Setup, kind: Kind, effects: Sequence[str] = ()) -> int:
+    """How many datasets of a kind there are for each seed."""
+    if kind in ("one", "outside"):
+        return len(chosen_effects(setup, kind, effects))
+    return DATASETS_A_SEED
+
+
+def chosen_effects(setup: Setup, kind: Kind, effects: Sequence[str] = ()) -> tuple[str, ...]:
+    """The effects that datasets of a kind are drawn from: all, or those of `effects` that are of that kind.
+
+    Raises BenchError for an effect that this robot cannot have.
+    """
+    for name in effects:
+        if name not in setup.effects:
+            raise BenchError(
+                f"trial: no effect {name!r} in robot {setup.name!r}; it can have {', '.join(setup.effects)}"
+            )
+    known = setup.outside if kind == "outside" else setup.catalogued
+    return tuple(name for name in known if not effects or name in effects)
+
+
+def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ()) -> Case:
+    """The dataset of that index, the same wherever and in whatever order it is drawn.
+
+    One effect alone goes through all effects in turn. effects: draw from these; empty: from all.
+    """
+    known = chosen_effects(setup, kind, effects)
+    if kind in ("one", "outside"):
+        seed, at = divmod(index, len(known))
+        random = _random(setup.name, kind, known[at], seed)
+        names: tuple[str, ...] = (known[at],)
+    else:
+        random = _random(setup.name, kind, "", index)
+        names = _drawn_set(known, KINDS[kind], random)
+    return Case(
+        kind=kind,
+        index=index,
+        hides=tuple(_hide(setup, name, random, SETS_FROM if KINDS[kind] > 1 else 0.0) for name in names),
+        noise=_even_on_log_scale(NOISE, random),
+        encoder_bits=int(random.choice(ENCODER_BITS)),
+        seed=int(random.integers(2**31)),
+    )
+
+
+def _random(robot: str, kind: str, effect: str, seed: int) -> np.random.Generator:
+    return np.random.default_rng([crc32(part.encode()) for part in (robot, kind, effect)] + [seed])
+
+
+def _drawn_set(known: Sequence[str], size: int, random: np.random.Generator) -> tuple[str, ...]:
+    if not size:
+        return ()
+    for _ in range(1000):
+        if len(known) < size:
+            break
+        names = tuple(str(name) for name in random.choice(known, size=size, replace=False))
+        if compatible(names):
+            return names
+    raise BenchError(f"trial: no {size} of these effects can be in one machine: {', '.join(known)}")
+
+
+def _hide(setup: Setup, effect: str, random: np.random.Generator, begin: float) -> Hide:
+    joints: tuple[str, ...] = ()
+    at = where(effect)
+    if at != "machine":
+        here = {"actuated": setup.motors, "passive": setup.passive, "link": tuple(setup.links)}[at]
+        everywhere = at != "link" and random.random() < 0.5
+        joints = here if everywhere else (str(random.choice(here)),)
+    low, high = SHARES_OF.get(effect, SHARES)
+    return Hide(effect, joints, _even_on_log_scale((low * (high / low) ** begin, high), random))
+
+
+def _even_on_log_scale(between: tuple[float, float], random: np.random.Generator) -> float:
+    return float(f"{np.exp(random.uniform(*np.log(between))):.4g}")

@@ -1,0 +1,148 @@
+"""The command `bench trial`: run, judge, show."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+from rich.console import Console
+from rich.text import Text
+
+from bench.basics.errors import BenchError
+from bench.document.terminal.tables import printed
+from bench.files.atomic import atomic_path, write_text_atomically
+from bench.studies.sweep.console import table_console
+from bench.studies.sweep.journal import Row
+from bench.studies.sweep.progress import ShownProgress, duration_text, progress_console, shown_progress
+from bench.studies.sweep.run_plan import Report
+from bench.studies.sweep.workers import ON_ALL_CORES, Workers
+from bench.studies.trial.cases import KINDS, Kind, chosen_effects
+from bench.studies.trial.figures import write_figures
+from bench.studies.trial.markdown import parts, trial_markdown
+from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.run_trial import Request, run_trial
+from bench.studies.trial.setup import Setup, make_setup
+from bench.studies.trial.summary import TrialSummary, summarised
+
+
+def run_command(
+    robot: str,
+    folder: Path,
+    *,
+    effects: Sequence[str] = (),
+    kinds: Sequence[str] = (),
+    seeds: int = 3,
+    scenario: str | None = None,
+    duration: float | None = None,
+    workers: Workers = ON_ALL_CORES,
+    quiet: bool = False,
+) -> int:
+    """Run a trial; table, page and figures go to `folder` under the robot's name. Returns the exit code."""
+    console = table_console()
+    workers.warm_up()
+    setup = make_setup(robot, scenario, duration)
+    asked = {"robot": robot, "scenario": scenario, "duration": duration}
+    given = {name: value for name, value in asked.items() if value is not None}
+    request = Request(setup, _kinds(kinds), seeds, tuple(effects), given)
+    _check(setup, request)
+    start = time.monotonic()
+
+    bars = progress_console(quiet)
+    bars.quiet = quiet or not bars.is_terminal  # a log is told of finished kinds alone
+    shown: list[ShownProgress] = []
+    with ExitStack() as stack:
+
+        def progress(plan: TrialPlan) -> Report:
+            stack.close()  # the bar of the kind before
+            console.print(f"[bold]{setup.name}[/], {plan.kind}: {plan.size} datasets", highlight=False)
+            shown.append(stack.enter_context(shown_progress(bars, plan.size)))
+            return shown[-1]
+
+        def phase(name: str) -> None:
+            shown[-1].phase(name)
+
+        try:
+            rows = run_trial(request, folder / setup.name, workers.pool, progress, phase)
+        except KeyboardInterrupt:
+            console.print("Stopped. Finished datasets are kept: the same command goes on with the others.")
+            raise
+    summary, paths = write_results(setup.name, rows, folder, scenario_seconds(setup))
+    console.print()
+    show(summary, console)
+    console.print(f"\n{len(rows)} datasets in {duration_text(time.monotonic() - start)}", highlight=False)
+    for path in paths:
+        console.print(str(path), highlight=False, soft_wrap=True)
+    return 1 if rows and all(row["status"] != "ok" for row in rows) else 0
+
+
+def write_results(
+    robot: str, rows: Sequence[Row], folder: Path, seconds: float
+) -> tuple[TrialSummary, list[Path]]:
+    """Write ROBOT.parquet, ROBOT.md and the figures; returns the figures of the trial and the files."""
+    summary = summarised(robot, rows)
+    table = folder / f"{robot}.parquet"
+    _write_rows(table, rows)
+    figures = write_figures(summary, rows, folder / robot)
+    page = folder / f"{robot}.md"
+    names = [path.name for path in figures]
+    write_text_atomically(page, trial_markdown(summary, _notes(rows, seconds), names))
+    return summary, [page, table, *figures]
+
+
+def show(summary: TrialSummary, console: Console) -> None:
+    """Print the figures."""
+    for part in parts(summary):
+        console.print(Text(part.title, "bold"))
+        console.print(printed(part.table, console.width))
+        console.print()
+
+
+def scenario_seconds(setup: Setup) -> float:
+    """Duration of the longest designed movement, s; 0 if none is designed."""
+    durations = [
+        float({**setup.content.get("design", {}), **one["design"]}.get("duration", 0.0))
+        for one in setup.content["recordings"]
+        if isinstance(one.get("design"), dict)
+    ]
+    return max(durations, default=0.0)
+
+
+def _kinds(kinds: Sequence[str]) -> tuple[Kind, ...]:
+    for kind in kinds:
+        if kind not in KINDS:
+            raise BenchError(f"trial: no kind {kind!r}; there are {', '.join(KINDS)}")
+    return tuple(kind for kind in KINDS if not kinds or kind in kinds)
+
+
+def _check(setup: Setup, request: Request) -> None:
+    """Find out before anything runs what a case would trip over."""
+    for kind in request.kinds:
+        chosen_effects(setup, kind, request.effects)
+    if not request.plans:
+        raise BenchError("trial: none of these effects is of the kinds asked for")
+    for plan in request.plans:
+        plan.case(0)
+
+
+def _write_rows(path: Path, rows: Sequence[Row]) -> None:
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    columns: dict[str, list[Any]] = {name: [row.get(name) for row in rows] for name in names}
+    with atomic_path(path) as partial:
+        pq.write_table(pa.table(columns), partial, compression="zstd")
+
+
+def _notes(rows: Sequence[Row], seconds: float) -> dict[str, str]:
+    counts = {kind: sum(row["kind"] == kind for row in rows) for kind in KINDS}
+    notes = {"datasets": ", ".join(f"{kind} {count}" for kind, count in counts.items() if count)}
+    if seconds:
+        notes["recordings"] = f"up to {seconds:g} s each"
+    done = [row for row in rows if row["status"] == "ok"]
+    for name in ("commit", *(key for key in (done[0] if done else {}) if key.startswith("version."))):
+        values = sorted({str(row[name]) for row in done})
+        notes[name.removeprefix("version.")] = ", ".join(values)
+    return notes

@@ -1,0 +1,209 @@
+"""The figures of a trial as a page of text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from bench.document.markdown.tables import markdown
+from bench.document.table import Column, Table
+from bench.effects.display_names import spoken
+from bench.studies.trial.summary import FLOOR_FACTOR, GAIN_FACTOR, LARGE, NOTHING, Miss, TrialSummary
+from bench.studies.trial.target import NO, Figure, Share, Target
+
+COUNTED = (
+    f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
+    "model that lacks it alone, on recordings that are not fitted."
+)
+
+WORDS = {
+    Figure.ONE_FIRST: "one hidden effect: named first",
+    Figure.ONE_UNDECIDED: "or openly undecided",
+    Figure.TWO_EXACT: "two hidden effects: the set exactly",
+    Figure.TWO_UNDECIDED: "or openly undecided",
+    Figure.THREE_EXACT: "three: the set exactly",
+    Figure.THREE_UNDECIDED: "or openly undecided",
+    Figure.ALARM: "nothing hidden: any alarm",
+    Figure.ALARM_NAMED: "an effect named",
+    Figure.OUTSIDE_HONEST: "outside the catalogue: unexplained, no wrong name",
+    Figure.OUTSIDE_UNEXPLAINED: "unexplained",
+    Figure.OUTSIDE_NO_WRONG_NAME: "no wrong name with the verdict `missing`",
+    Figure.GAIN_ERROR_MEDIANS: "gains after the found effects, over those of a model that was told: medians",
+    Figure.GAIN_ERROR_RMS: "root mean squares",
+    Figure.GAIN_ERROR_WITHIN: f"within {GAIN_FACTOR} of it",
+    Figure.GAIN_ERROR_BEFORE: "largest gain error, root mean square: before",
+    Figure.GAIN_ERROR_AFTER: "after",
+    Figure.GAIN_ERROR_TOLD: "told",
+    Figure.FLOOR_MEDIAN: "error not fitted after the ladder, over the noise floor: median",
+    Figure.FLOOR_WITHIN: f"at most {FLOOR_FACTOR}",
+    Figure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
+    Figure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
+}
+MAIN = frozenset(
+    {
+        Figure.ONE_FIRST,
+        Figure.TWO_EXACT,
+        Figure.THREE_EXACT,
+        Figure.ALARM,
+        Figure.OUTSIDE_HONEST,
+        Figure.GAIN_ERROR_MEDIANS,
+        Figure.FLOOR_MEDIAN,
+        Figure.INTERVALS,
+    }
+)
+"""The other figures stand below one of these, and say more of it."""
+
+FOLDED = frozenset({"figure", "must be", "kept"})  # columns that may wrap
+
+
+@dataclass(frozen=True)
+class Part:
+    """A table under a title; none of its rows is without cases."""
+
+    title: str
+    table: Table
+
+
+def parts(summary: TrialSummary) -> list[Part]:
+    """What there are cases of, as tables; what was not tried is left out."""
+    found = [
+        Part("Figures, and what they must reach", targets_table(summary)),
+        Part("What was named first, one effect hidden or none", confusion_table(summary)),
+        Part(
+            "Absorbed: no data of this robot can show it, and the diagnosis says so", absorbed_table(summary)
+        ),
+        Part("Named first, by size of the effect", misses_table(summary)),
+        Part("Parameters of the found effects", coverage_table(summary)),
+        Part("Cases that came to nothing", failures_table(summary)),
+    ]
+    return [part for part in found if part.table.columns[0].cells]
+
+
+def targets_table(summary: TrialSummary) -> Table:
+    """Every figure that was tried beside its bound; in bold what is surely not kept."""
+    tried = [one for one in summary.targets if one.reached is not None]
+    heads = ("figure", "reached", "must be", "kept", "cases", "95 % interval")
+    cells = zip(*map(target_cells, tried), strict=True) if tried else [()] * len(heads)
+    columns = tuple(
+        Column(head, one, "sentence" if head in FOLDED else "text")
+        for head, one in zip(heads, cells, strict=True)
+    )
+    return Table(columns, tuple("strong" if one.verdict == NO else "" for one in tried))
+
+
+def confusion_table(summary: TrialSummary) -> Table:
+    """Hidden effect, cases, share that is named first, what is named instead, cases openly undecided."""
+    rows = []
+    for hidden, named in summary.confusion.items():
+        own = Share(named.get(hidden, 0), sum(named.values()))
+        first = f"nothing named: {percent(own)}" if hidden == NOTHING else percent(own)
+        others = ", ".join(f"{spoken(name)} {n}" for name, n in named.items() if name != hidden)
+        rows.append((hidden, own.of, first, others, summary.undecided.get(hidden) or ""))
+    effects, cases, named_first, instead, undecided = zip(*rows, strict=True) if rows else ((),) * 5
+    return Table(
+        (
+            Column("hidden", effects, "effect"),
+            Column("cases", cases, "number"),
+            Column("named first", named_first, "number", format="s"),
+            Column("named instead", instead, "sentence"),
+            Column("openly undecided", undecided, "number"),
+        )
+    )
+
+
+def absorbed_table(summary: TrialSummary) -> Table:
+    """Effects that no data can show, and in how many cases nothing was named beside."""
+    return Table(
+        (
+            Column("hidden", list(summary.absorbed), "effect"),
+            Column("cases", [one.of for one in summary.absorbed.values()], "number"),
+            Column("nothing named beside", [one.count for one in summary.absorbed.values()], "number"),
+        )
+    )
+
+
+def misses_table(summary: TrialSummary) -> Table:
+    """How many effects were named first, by their own error; classes without a case are left out."""
+    tried = [one for one in summary.misses if one.first.of]
+    return Table(
+        (
+            Column("own error / noise floor", [size_text(one) for one in tried]),
+            Column("cases", [one.first.of for one in tried], "number"),
+            Column("named first", [percent(one.first) for one in tried], "number", format="s"),
+            Column("or undecided", [percent(one.first_undecided) for one in tried], "number", format="s"),
+        )
+    )
+
+
+def coverage_table(summary: TrialSummary) -> Table:
+    """How many intervals of every parameter hold the truth."""
+    return Table(
+        (
+            Column("effect", [one.effect for one in summary.coverage], "effect"),
+            Column("parameter", [one.parameter for one in summary.coverage]),
+            Column("intervals", [one.within.of for one in summary.coverage], "number"),
+            Column("hold the truth", [percent(one.within) for one in summary.coverage], "number", format="s"),
+            Column(
+                "median deviation / std", [one.deviation for one in summary.coverage], "number", format=".2f"
+            ),
+        )
+    )
+
+
+def failures_table(summary: TrialSummary) -> Table:
+    """Why cases came to nothing, the most frequent reason first."""
+    ranked = sorted(summary.failed.items(), key=lambda one: -one[1])
+    return Table(
+        (
+            Column("reason", [reason for reason, _ in ranked], "sentence"),
+            Column("cases", [count for _, count in ranked], "number"),
+        )
+    )
+
+
+def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
+    """Markdown tables; notes: how the trial was run. pictures: files beside the page."""
+    blocks = [
+        f"# Blind trial of the diagnosis: {summary.robot}",
+        "\n".join(f"- {name}: {value}" for name, value in notes.items()),
+        COUNTED,
+    ]
+    for part in parts(summary):
+        blocks += [f"## {part.title}", markdown(part.table)]
+    blocks += [f"![{name}]({name})" for name in pictures]
+    return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
+    """Name, value, bound, whether it is reached, cases, interval."""
+    bounds = []
+    shown = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
+    for word, bound in (("at least", target.least), ("at most", target.most)):
+        if bound is not None:
+            bounds.append(
+                f"{word} {100.0 * bound:.0f} %" if target.share and bound < 1 else f"{word} {bound:g}"
+            )
+    name = WORDS[target.figure] if target.figure in MAIN else f"– {WORDS[target.figure]}"
+    if target.share is None:
+        return name, shown, " and ".join(bounds), target.verdict, "", ""
+    if not target.share.of:
+        return name, "", " and ".join(bounds), "", "0", ""
+    low, high = target.share.interval
+    return (
+        name,
+        shown,
+        " and ".join(bounds),
+        target.verdict,
+        str(target.share.of),
+        f"{100.0 * low:.1f} % to {100.0 * high:.1f} %",
+    )
+
+
+def size_text(miss: Miss) -> str:
+    """A class of sizes."""
+    return f"above {miss.above:g}" if miss.below == float("inf") else f"{miss.above:g} to {miss.below:g}"
+
+
+def percent(share: Share) -> str:
+    """A share in percent; nothing of nothing."""
+    return f"{100.0 * share.value:.0f} %" if share.of else ""

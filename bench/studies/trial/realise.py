@@ -1,0 +1,110 @@
+"""From a case to a machine: parameters of the hidden effects that have the size asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.scenario.scenario import Scenario, scenario_from_dict
+from bench.scenario.trajectory import FourierTrajectory
+from bench.studies.trial.cases import GAIN_ERROR, Case, Hide
+from bench.studies.trial.compatible import COMPANION_SIZE, COMPANIONS, PARTS
+from bench.studies.trial.setup import Setup, where
+from bench.truth.hidden.reference import Reference
+from bench.truth.hidden.sizes import typical
+from bench.truth.simulate import Simulation, simulate
+
+ATTEMPTS = 4  # an effect that the machine does not stand is halved, and again
+Entry = dict[str, Any]
+"""One of the [[hidden]] of a scenario."""
+
+
+def reference_scenario(setup: Setup) -> Scenario:
+    """The movements with nothing hidden."""
+    return scenario_from_dict(setup.content, setup.name)
+
+
+def realised(
+    setup: Setup, case: Case, reference: Reference, trajectories: Mapping[str, FourierTrajectory]
+) -> tuple[Case, Simulation]:
+    """The simulated machine of a case, and the case as it came out: shares are halved until the machine stands them.
+
+    Raises BenchError if it does not stand them in the end either.
+    """
+    for _ in range(ATTEMPTS - 1):
+        try:
+            return case, simulate(case_scenario(setup, case, reference), trajectories, threads=1)
+        except BenchError:
+            case = replace(case, hides=tuple(replace(hide, share=0.5 * hide.share) for hide in case.hides))
+    return case, simulate(case_scenario(setup, case, reference), trajectories, threads=1)
+
+
+def case_scenario(setup: Setup, case: Case, reference: Reference) -> Scenario:
+    """The scenario of a case: hidden effects, noise, gains and seed."""
+    content = dict(setup.content)
+    sensors = {
+        key: value
+        for key, value in content.get("sensors", {}).items()
+        if key not in ("encoder_bits", "current_noise", "current_noise_ratio")
+    }
+    sensors["current_noise_ratio"] = case.noise
+    if not sensors.get("encoder_resolution"):
+        sensors["encoder_bits"] = case.encoder_bits
+    content |= {
+        "seed": case.seed,
+        "sensors": sensors,
+        "gains": {"error_within": GAIN_ERROR},
+        "hidden": [entry for hide in case.hides for entry in entries(hide, reference)],
+    }
+    return scenario_from_dict(content, setup.name)
+
+
+def entries(hide: Hide, reference: Reference) -> list[Entry]:
+    """The effect in each of its joints with the size asked for, and what has to be beside it."""
+    if where(hide.effect) == "passive" and len(hide.joints) > 1:
+        return [_entry(hide.effect, None, typical(hide.effect, reference, hide.share))]
+    found: list[Entry] = []
+    for joint in hide.joints or (None,):
+        sizes = typical(hide.effect, reference, hide.share, joint)
+        found.append(_entry(hide.effect, joint, sizes))
+        found += [_entry(name, joint, _beside(name, sizes)) for name in COMPANIONS.get(hide.effect, ())]
+    return found
+
+
+def _entry(effect: str, joint: str | None, sizes: Mapping[str, float]) -> Entry:
+    return {"effect": effect, **({} if joint is None else {"joint": joint}), **sizes}
+
+
+def _beside(companion: str, sizes: Mapping[str, float]) -> dict[str, float]:
+    """Coulomb friction beside the friction that varies around the turn: larger than its largest value."""
+    if companion != "coulomb_friction":
+        raise BenchError(f"trial: no rule for the size of a companion {companion!r}")
+    return {"Fc": float(f"{COMPANION_SIZE * np.hypot(sizes['a'], sizes['b']):.4g}")}
+
+
+def hidden_places(setup: Setup, hidden: Sequence[Entry]) -> list[tuple[str, str, Entry]]:
+    """Effect and place, as a model names them, of every hidden entry; outside the catalogue none.
+
+    An effect that has another as a part of it stands for both.
+    """
+    found = []
+    for entry in hidden:
+        effect, joint = entry["effect"], entry.get("joint")
+        if effect not in setup.catalogued:
+            continue
+        if effect == "payload_mass_error":
+            places: Sequence[str] = setup.payloads
+        elif where(effect) == "machine":
+            places = ("",)
+        elif where(effect) == "link":
+            places = (setup.links[str(joint)],)
+        else:
+            everywhere = setup.passive if where(effect) == "passive" else setup.motors
+            places = (str(joint),) if joint is not None else everywhere
+        for place in places:
+            found += [(name, place, entry) for name in (effect, *PARTS.get(effect, ()))]
+    return found

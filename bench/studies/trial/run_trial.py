@@ -1,0 +1,120 @@
+"""A trial from its cases to its rows, kept as they come."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+from bench.files.atomic import write_json_atomically
+from bench.studies.sweep.journal import Journal, Row
+from bench.studies.sweep.plan import digest
+from bench.studies.sweep.pool import Pool
+from bench.studies.sweep.run_plan import Driver, Phase, Report, silent
+from bench.studies.trial.cases import KINDS, RULES, Kind
+from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.setup import Setup
+from bench.studies.trial.work import TrialWork
+
+DESIGNS = "designs"
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a trial goes through. seeds: see `datasets_a_seed`. effects: drawn from these; empty: from all.
+
+    given: what its command named besides (robot, scenario, duration), only to be told again.
+    """
+
+    setup: Setup
+    kinds: tuple[Kind, ...]
+    seeds: int
+    effects: tuple[str, ...] = ()
+    given: Mapping[str, str | float] = field(default_factory=dict)
+
+    @property
+    def plans(self) -> tuple[TrialPlan, ...]:
+        """One for each kind that has any case."""
+        plans = (TrialPlan(self.setup, kind, self.seeds, self.effects) for kind in self.kinds)
+        return tuple(plan for plan in plans if plan.size)
+
+
+def run_trial(
+    request: Request,
+    folder: Path,
+    make_pool: Callable[[], Pool],
+    progress: Callable[[TrialPlan], Report],
+    phase: Phase = silent,
+) -> list[Row]:
+    """Work off all cases that are not in `folder` yet; returns all rows of this robot that are there.
+
+    Started again after whatever end it goes on; more seeds or further kinds add to what is there, and the rows
+    are the same whatever the number of workers. Raises BenchError if the folder is that of another trial.
+    """
+    for plan in request.plans:
+        _claim(plan, folder, request.given)
+    pool: Pool | None = None
+    try:
+        for plan in request.plans:
+            journal = Journal(
+                _journal_path(folder, plan.kind), max(plan.size, _rows_there(folder, plan.kind))
+            )
+            try:
+                if any(number not in journal for number in range(plan.size)):
+                    report = progress(plan)
+                    phase("starting workers")
+                    pool = pool or make_pool()
+                    Driver(plan, journal, pool, TrialWork(plan), folder / DESIGNS).run(report, phase)
+            finally:
+                journal.close()
+    finally:
+        if pool is not None:
+            pool.close()
+    return read_rows(folder)
+
+
+def read_rows(folder: Path, kinds: Sequence[Kind] = tuple(KINDS)) -> list[Row]:
+    """The rows of all cases that are finished, by kind and number."""
+    rows: list[Row] = []
+    for kind in kinds:
+        path = _journal_path(folder, kind)
+        if path.is_file():
+            journal = Journal(path, _rows_there(folder, kind))
+            rows += journal.rows()
+            journal.close()
+    return rows
+
+
+def _journal_path(folder: Path, kind: Kind) -> Path:
+    return folder / f"{kind}.jsonl"
+
+
+def _rows_there(folder: Path, kind: Kind) -> int:
+    """One more than the largest number of a whole row."""
+    path = _journal_path(folder, kind)
+    if not path.is_file():
+        return 0
+    with path.open("rb") as file:
+        return max((json.loads(line)["run"] + 1 for line in file if line.endswith(b"\n")), default=0)
+
+
+def _claim(plan: TrialPlan, folder: Path, given: Mapping[str, str | float]) -> None:
+    """Mark the cases of a kind in a folder as those of this trial, whatever the number of seeds."""
+    record = folder / f"{plan.kind}.json"
+    content = {
+        "robot": plan.setup.name,
+        "kind": plan.kind,
+        "effects": list(plan.effects),
+        "digest": digest([plan.setup.content, list(plan.setup.effects), RULES]),
+    }
+    if record.is_file():
+        there = json.loads(record.read_text(encoding="utf-8"))
+        there.pop("given", None)
+        if there != content:
+            raise BenchError(
+                f"{folder}: holds another trial of this robot, or an older version: name another folder with -o DIR"
+            )
+        return
+    write_json_atomically(record, {**content, "given": dict(given)})

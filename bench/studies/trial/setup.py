@@ -1,0 +1,144 @@
+"""The robot of a trial: its movements, and what can be hidden where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import built_in_scenarios
+from bench.dataset.robot import Robot, load_robot
+from bench.effects import CATALOGUE, places_in
+from bench.model.geometry import read_geometry
+from bench.scenario.file import find_scenario, read_with_bases
+from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
+
+Where = Literal["actuated", "passive", "link", "machine"]
+MOVEMENTS = (
+    ("unloaded", "identify"),
+    ("loaded", "identify"),
+    ("unloaded_check", "validate"),
+    ("loaded_check", "validate"),
+)
+PAYLOAD_SHARE = 0.25  # of all that moves
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything that the cases of a trial have in common.
+
+    name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints
+    without a motor. links: joint -> body that it moves, of those with a length. effects: what can be hidden in
+    this robot, by name, those outside the catalogue included.
+    """
+
+    name: str
+    content: Mapping[str, Any]
+    motors: tuple[str, ...]
+    passive: tuple[str, ...]
+    links: Mapping[str, str]
+    payloads: tuple[str, ...]
+    effects: tuple[str, ...]
+
+    @property
+    def catalogued(self) -> tuple[str, ...]:
+        """Effects that a diagnosis can name."""
+        return tuple(name for name in self.effects if HIDDEN_EFFECTS[name].in_catalogue)
+
+    @property
+    def outside(self) -> tuple[str, ...]:
+        """Effects that no model knows."""
+        return tuple(name for name in self.effects if not HIDDEN_EFFECTS[name].in_catalogue)
+
+
+def make_setup(robot: str, scenario: str | None = None, duration: float | None = None) -> Setup:
+    """The trial of a robot (name or folder), with the movements of a scenario.
+
+    scenario: name or file; left out, the built-in one of the robot's name, otherwise movements about the home
+    pose. duration: of each movement, s; as the scenario says, if left out.
+    Raises BenchError if the robot or the scenario cannot be used.
+    """
+    found = load_robot(robot)
+    if scenario is None and robot in built_in_scenarios():
+        scenario = robot
+    content = _plain_content(found) if scenario is None else read_with_bases(find_scenario(scenario))
+    content = {key: value for key, value in content.items() if key not in ("hidden", "tolerances")}
+    content["robot"] = robot if scenario is None or "robot" not in content else content["robot"]
+    if duration is not None:
+        content["design"] = {**content.get("design", {}), "duration": duration}
+    weighed = [
+        name for name, one in content.get("payloads", {}).items() if "mass" in one.get("declared", one)
+    ]
+    geometry = read_geometry(found)
+    places = places_in(geometry, weighed)
+    links = {
+        joint.name: joint.body
+        for joint in geometry.joints
+        if joint.body in places.body and joint.kind in ("hinge", "slide")
+    }
+    setup = Setup(found.name, content, found.joints, places.passive, links, places.payload, ())
+    names = tuple(name for name in HIDDEN_EFFECTS if _possible(setup, name, found))
+    return Setup(found.name, content, found.joints, places.passive, links, places.payload, names)
+
+
+def where(effect: str) -> Where:
+    """What an effect sits in."""
+    kind = HIDDEN_EFFECTS[effect]
+    if not issubclass(kind, JointEffect):
+        return "machine"
+    if kind.where == "any":
+        return "link"
+    return "passive" if kind.where == "passive" else "actuated"
+
+
+def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
+    if HIDDEN_EFFECTS[effect].in_catalogue and effect not in CATALOGUE:
+        return False
+    if effect == "payload_mass_error":
+        return bool(setup.payloads)
+    if effect == "platform_force":
+        return robot.tool_site is not None
+    if effect == "current_crosstalk":
+        return len(setup.motors) > 1
+    here: Sequence[str] = {
+        "passive": setup.passive,
+        "link": tuple(setup.links),
+        "actuated": setup.motors,
+    }.get(where(effect), ("",))
+    return bool(here)
+
+
+def _plain_content(robot: Robot) -> dict[str, Any]:
+    """Movements about the home pose for a robot without a scenario."""
+    model = robot.mjcf_model()
+    slides = [a.gain_unit.startswith("N/") for a in robot.actuators]
+    if any(slides):
+        raise BenchError(
+            f"trial: robot {robot.name!r} has slide joints: give its movements with --scenario FILE"
+        )
+    design = {
+        "optimise": True,
+        "harmonics": 8,
+        "base_frequency": 0.2,
+        "duration": 20.0,
+        "span": 0.5,
+        "velocity_limit": 5.0,
+        "acceleration_limit": 60.0,
+    }
+    loaded = robot.tool_site is not None
+    recordings = [
+        {"name": name, "use": use, "design": {"seed": i + 1}}
+        | ({"payload": "block"} if loaded and name.startswith("loaded") else {})
+        for i, (name, use) in enumerate(MOVEMENTS)
+    ]
+    mass = PAYLOAD_SHARE * float(model.body_mass.sum())
+    content: dict[str, Any] = {
+        "sensors": {"encoder_bits": 20, "current_noise_ratio": 0.01},
+        "design": design,
+        "recordings": recordings,
+    }
+    if loaded:
+        content["payloads"] = {"block": {"mass": mass, "inertia": [1e-3 * mass] * 3 + [0.0] * 3}}
+    return content | {"robot": str(Path(robot.folder))}

@@ -1,0 +1,242 @@
+"""What a trial has shown, from its rows."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.studies.sweep.journal import Row
+from bench.studies.trial.compatible import COMPANIONS, optional
+from bench.studies.trial.target import Figure, Share, Target
+
+LARGE = 3.0
+"""Of the noise floor: the error that each hidden effect must make for a case to count."""
+
+FLOOR_FACTOR = 1.15
+GAIN_FACTOR = 1.5
+SIZES = (0.0, 1.5, 3.0, 6.0, 12.0, np.inf)
+"""Bounds of the classes of an effect's own error over the noise floor."""
+
+NOTHING, SOMETHING = "nothing", "unexplained"
+"""What stands in the confusion matrix for no hidden effect or no alarm, and for an alarm without a name."""
+
+
+@dataclass(frozen=True)
+class Miss:
+    """Effects that stand alone, of one class of size: how many were named first, strictly and with the undecided."""
+
+    above: float
+    below: float
+    first: Share
+    first_undecided: Share
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Intervals of one parameter of an effect that hold the truth.
+
+    deviation: median of |estimate - truth|, in standard deviations; 0.67 where these are right.
+    """
+
+    effect: str
+    parameter: str
+    within: Share
+    deviation: float
+
+
+@dataclass(frozen=True)
+class TrialSummary:
+    """All figures of a trial.
+
+    confusion: hidden effect -> what was named first -> count, of large effects alone, those that no
+    model knows after the others, and of nothing hidden.
+    undecided: hidden effect -> cases in which it was an openly listed alternative. absorbed: effect -> cases in
+    which the diagnosis said so, of how many.
+    """
+
+    robot: str
+    rows: int
+    failed: Mapping[str, int]
+    targets: tuple[Target, ...]
+    confusion: Mapping[str, Mapping[str, int]]
+    undecided: Mapping[str, int]
+    absorbed: Mapping[str, Share]
+    misses: tuple[Miss, ...]
+    coverage: tuple[Coverage, ...]
+
+
+def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
+    """The figures of these rows; a case that failed counts as failed and nowhere else."""
+    done = [row for row in rows if row["status"] == "ok"]
+    seen = [row for row in done if not row["absorbed"]]
+    large = [row for row in seen if row["kind"] != "nothing" and row["least_own_error_over_floor"] >= LARGE]
+    absorbing = [row for row in done if row["absorbed"]]
+    return TrialSummary(
+        robot=robot,
+        rows=len(rows),
+        failed=Counter(row["reason"] for row in rows if row["status"] != "ok"),
+        targets=_targets(done, large),
+        confusion=_confusion([row for row in large if row["kind"] in ("one", "outside")], done),
+        undecided=Counter(
+            row["hidden"]
+            for row in large
+            if row["kind"] == "one" and row["first_undecided"] and not row["first"]
+        ),
+        absorbed={
+            name: Share(*_named_absorbed(name, absorbing))
+            for name in sorted({row["hidden"] for row in absorbing})
+        },
+        misses=_misses([row for row in seen if row["kind"] == "one"]),
+        coverage=_coverage([row for row in large if row["exact"]]),
+    )
+
+
+def first_named(row: Row) -> str:
+    """The effect that a diagnosis names first, companions of the hidden one aside."""
+    drawn = row["hidden"].split(" + ")
+    beside = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
+    beside -= set(drawn)
+    names = [name for name in row["missing"].split(" + ") if name and name not in beside]
+    return names[0] if names else SOMETHING if row["unexplained"] else NOTHING
+
+
+def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
+    def of(kind: str, rows: Sequence[Row] = large) -> list[Row]:
+        return [row for row in rows if row["kind"] == kind]
+
+    def share(
+        figure: Figure, rows: Sequence[Row], test: Callable[[Row], bool], **bounds: float | None
+    ) -> Target:
+        count = Share(sum(test(row) for row in rows), len(rows))
+        return Target(figure, count.value, bounds.get("least"), bounds.get("most"), count)
+
+    found = [
+        share(Figure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
+        share(Figure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
+        share(Figure.TWO_EXACT, of("two"), lambda r: r["exact"], least=0.85),
+        share(Figure.TWO_UNDECIDED, of("two"), lambda r: r["exact_undecided"]),
+        share(Figure.THREE_EXACT, of("three"), lambda r: r["exact"], least=0.70),
+        share(Figure.THREE_UNDECIDED, of("three"), lambda r: r["exact_undecided"]),
+        share(Figure.ALARM, of("nothing", done), _alarm, most=0.02),
+        share(Figure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
+        share(Figure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
+        share(Figure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
+        share(Figure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
+    ]
+    hiding = [row for row in large if row["kind"] != "outside"]
+    found += _gain_targets(hiding)
+    floors = [row["error_over_floor.after"] for row in hiding]
+    found.append(Target(Figure.FLOOR_MEDIAN, _median(floors), None, FLOOR_FACTOR))
+    found.append(share(Figure.FLOOR_WITHIN, hiding, lambda r: r["error_over_floor.after"] <= FLOOR_FACTOR))
+    found.append(
+        share(
+            Figure.FLOOR_WITHIN_TOLD,
+            hiding,
+            lambda r: r["error_over_floor.told"] <= FLOOR_FACTOR,
+        )
+    )
+    held = [one for row in hiding if row["exact"] for one in _held(row["intervals"])]
+    within = Share(sum(held), len(held))
+    found.append(Target(Figure.INTERVALS, within.value, 0.88, 0.99, within))
+    return tuple(found)
+
+
+def _gain_targets(rows: Sequence[Row]) -> list[Target]:
+    after, told, before = (
+        _rms([row[f"gain_error.{name}"] for row in rows]) for name in ("after", "told", "before")
+    )
+    median = _median([row["gain_error.after"] for row in rows]) / _median(
+        [row["gain_error.told"] for row in rows]
+    )
+    near = Share(
+        sum(row["gain_error.after"] <= GAIN_FACTOR * row["gain_error.told"] for row in rows), len(rows)
+    )
+    return [
+        Target(
+            Figure.GAIN_ERROR_MEDIANS,
+            median,
+            None,
+            GAIN_FACTOR,
+        ),
+        Target(Figure.GAIN_ERROR_RMS, after / told if told else float("nan"), None, None),
+        Target(Figure.GAIN_ERROR_WITHIN, near.value, None, None, near),
+        Target(Figure.GAIN_ERROR_BEFORE, before, None, None),
+        Target(Figure.GAIN_ERROR_AFTER, after, None, None),
+        Target(Figure.GAIN_ERROR_TOLD, told, None, None),
+    ]
+
+
+def _alarm(row: Row) -> bool:
+    return bool(row["missing"]) or bool(row["unexplained"])
+
+
+def _honest(row: Row) -> bool:
+    return bool(row["unexplained"]) and not row["wrong"]
+
+
+def _confusion(alone: Sequence[Row], done: Sequence[Row]) -> dict[str, dict[str, int]]:
+    counts: dict[str, Counter[str]] = {}
+    nothing = [row for row in done if row["kind"] == "nothing"]
+    ordered = sorted(alone, key=lambda row: (row["kind"] == "outside", row["hidden"]))
+    for row in (*ordered, *nothing):
+        counts.setdefault(row["hidden"] or NOTHING, Counter())[first_named(row)] += 1
+    return {hidden: dict(named.most_common()) for hidden, named in counts.items()}
+
+
+def _named_absorbed(name: str, rows: Sequence[Row]) -> tuple[int, int]:
+    own = [row for row in rows if row["hidden"] == name]
+    return sum(not row["missing"] for row in own), len(own)
+
+
+def _misses(rows: Sequence[Row]) -> tuple[Miss, ...]:
+    found = []
+    for above, below in pairwise(SIZES):
+        here = [row for row in rows if above <= row["least_own_error_over_floor"] < below]
+        found.append(
+            Miss(
+                above,
+                below,
+                Share(sum(row["first"] for row in here), len(here)),
+                Share(sum(row["first_undecided"] for row in here), len(here)),
+            )
+        )
+    return tuple(found)
+
+
+def _coverage(rows: Sequence[Row]) -> tuple[Coverage, ...]:
+    by_parameter: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        for one in json.loads(row["intervals"]):
+            by_parameter.setdefault((one["effect"], one["parameter"]), []).append(one)
+    return tuple(
+        Coverage(
+            effect,
+            parameter,
+            Share(sum(_holds(one) for one in ones), len(ones)),
+            _median([abs(one["value"] - one["truth"]) / one["std"] for one in ones]),
+        )
+        for (effect, parameter), ones in sorted(by_parameter.items())
+    )
+
+
+def _held(intervals: str) -> list[bool]:
+    return [_holds(one) for one in json.loads(intervals)]
+
+
+def _holds(one: Mapping[str, Any]) -> bool:
+    return bool(abs(one["value"] - one["truth"]) <= WITHIN_95 * one["std"])
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values)) if len(values) else float("nan")
+
+
+def _rms(values: Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else float("nan")

@@ -1,0 +1,226 @@
+"""The work of a trial: simulate, diagnose, and hold the answer against the truth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.result import Diagnosis
+from bench.effects import CATALOGUE, places_in, select_effects
+from bench.excitation.scenario import designer
+from bench.identification.identify import fit, prepare
+from bench.identification.prepare import Prepared, with_effects
+from bench.identification.result import Identification
+from bench.scenario.scenario import resolve_trajectories
+from bench.studies.sweep.accuracy import accuracy
+from bench.studies.sweep.journal import Row
+from bench.studies.sweep.plan import Run
+from bench.studies.sweep.pool import Task
+from bench.studies.sweep.versions import versions
+from bench.studies.sweep.work import FAILED, OK, Trajectories
+from bench.studies.trial.cases import Case
+from bench.studies.trial.compatible import PARTS, expected
+from bench.studies.trial.intervals import intervals, moving_alike
+from bench.studies.trial.judge import judged, named_from
+from bench.studies.trial.plan import TrialPlan
+from bench.studies.trial.realise import Entry, hidden_places, realised, reference_scenario
+from bench.studies.trial.setup import Setup
+from bench.truth.dataset import as_dataset
+from bench.truth.hidden.reference import Reference
+from bench.truth.simulate import Simulation, simulate
+
+
+@dataclass(frozen=True)
+class DesignTask:
+    """Find the trajectories of all cases."""
+
+    setup: Setup
+
+    def __call__(self, _: None) -> Trajectories:
+        """Trajectories by recording name."""
+        return resolve_trajectories(reference_scenario(self.setup), designer)
+
+
+@dataclass(frozen=True)
+class ReferenceTask:
+    """Simulate the movements with nothing hidden, against which sizes are measured."""
+
+    setup: Setup
+    trajectories: Trajectories
+
+    def __call__(self, _: None) -> Simulation:
+        """The simulation, whole."""
+        return simulate(reference_scenario(self.setup), self.trajectories, threads=1)
+
+
+@dataclass(frozen=True)
+class CaseTask:
+    """Simulate one case and diagnose it."""
+
+    setup: Setup
+    case: Case
+    run: int
+    trajectories: Trajectories
+
+    def __call__(self, reference: Simulation | None) -> list[Row]:
+        """One row. reference: simulated already, because other cases need it too; None: it is simulated here."""
+        without = reference or ReferenceTask(self.setup, self.trajectories)(None)
+        try:
+            case, simulation = realised(self.setup, self.case, Reference(without), self.trajectories)
+            return [diagnosed_row(self.setup, case, self.run, simulation)]
+        except BenchError as error:
+            return [failed_row(self.setup, self.case, self.run, str(error))]
+
+
+@dataclass(frozen=True)
+class TrialWork:
+    """The tasks of a trial."""
+
+    plan: TrialPlan
+
+    def design(self, _run: Run) -> Task:
+        """Finds trajectories."""
+        return DesignTask(self.plan.setup)
+
+    def motion(self, _run: Run, trajectories: Trajectories) -> Task:
+        """Simulates the movements with nothing hidden."""
+        return ReferenceTask(self.plan.setup, trajectories)
+
+    def runs(self, runs: tuple[Run, ...], trajectories: Trajectories) -> Task:
+        """Simulates and diagnoses a case."""
+        number = runs[0].number
+        return CaseTask(self.plan.setup, self.plan.case(number), number, trajectories)
+
+    def failed(self, run: Run, reason: str) -> Row:
+        """The row of a case that came to nothing."""
+        return failed_row(self.plan.setup, self.plan.case(run.number), run.number, reason)
+
+
+def failed_row(setup: Setup, case: Case, number: int, reason: str) -> Row:
+    """The row of a case that came to nothing."""
+    return _case_columns(setup, case, number) | {"status": FAILED, "reason": " ".join(reason.split())}
+
+
+def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation) -> Row:
+    """Diagnose the log of a simulation, which is all that the diagnosis is given, and judge the answer."""
+    dataset = as_dataset(simulation)
+    diagnosis = diagnose(dataset)
+    hidden = [_plain_entry(one) for one in simulation.scenario.settings.hidden]
+    told, alone = _told(setup, dataset, hidden, case.effects)
+    floor = _floor(simulation, told)
+    own = {effect: _error(one) / floor for effect, one in alone.items()}
+    if case.kind == "outside":
+        own = {case.effects[0]: _error(told) / floor}
+    row = _case_columns(setup, case, number) | {"parameters": json.dumps(hidden)}
+    row |= {f"own_error_over_floor.{i + 1}": own[effect] for i, effect in enumerate(case.effects)}
+    row["least_own_error_over_floor"] = min((own[effect] for effect in case.effects), default=0.0)
+    row |= _answer(case, diagnosis)
+    row |= _accuracy(simulation, diagnosis, told, floor)
+    alike = moving_alike(simulation, setup.passive)
+    row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
+    row["intervals_told"] = json.dumps(intervals(setup, hidden, told, alike))
+    return row | versions().columns()
+
+
+def _case_columns(setup: Setup, case: Case, number: int) -> Row:
+    return {
+        "run": number,
+        "status": OK,
+        "reason": None,
+        "scenario": setup.name,
+        "seed": case.seed,
+        "kind": case.kind,
+        "hidden": " + ".join(case.effects),
+        "joints": " + ".join(",".join(hide.joints) or "machine" for hide in case.hides),
+        "shares": json.dumps([hide.share for hide in case.hides]),
+        "current_noise_ratio": case.noise,
+        "encoder_bits": case.encoder_bits,
+    }
+
+
+def _plain_entry(one: Any) -> Entry:
+    return {"effect": one.effect, **({"joint": one.joint} if one.joint else {}), **one.parameters}
+
+
+def _told(
+    setup: Setup, dataset: Dataset, hidden: Sequence[Entry], effects: Sequence[str]
+) -> tuple[Identification, dict[str, Identification]]:
+    """The fit of a model that was told the effects and where they are, and its fits without each of them."""
+    prepared = prepare(dataset)
+    wanted = list(
+        dict.fromkeys(
+            f"{effect}:{place}" if place else effect for effect, place, _ in hidden_places(setup, hidden)
+        )
+    )
+    told = _fitted(prepared, wanted)
+    if not wanted:
+        return told, {}
+    alone = {}
+    for name in effects:
+        gone = {name, *PARTS.get(name, ())}
+        alone[name] = _fitted(prepared, [one for one in wanted if one.partition(":")[0] not in gone])
+    return told, alone
+
+
+def _fitted(prepared: Prepared, wanted: Sequence[str]) -> Identification:
+    weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
+    places = places_in(prepared.model.geometry, weighed)
+    return fit(with_effects(prepared, select_effects(wanted, places, CATALOGUE)))
+
+
+def _error(result: Identification) -> float:
+    """Relative error on recordings that were not fitted; on the fitted ones where there are no others."""
+    error = result.error.identify if result.error.validate is None else result.error.validate
+    return float("nan") if error is None else error
+
+
+def _floor(simulation: Simulation, result: Identification) -> float:
+    use = "identify" if result.error.validate is None else "validate"
+    return accuracy(simulation, result)[f"noise_floor.{use}"]
+
+
+def _answer(case: Case, diagnosis: Diagnosis) -> Row:
+    by_name = {one.effect: one for one in diagnosis.ranking}
+    wanted = expected(case.effects)
+    verdicts = [
+        {
+            "effect": one.effect,
+            "verdict": one.verdict,
+            "evidence": round(one.evidence, 3),
+            "actuators": list(one.actuators),
+            "alternatives": list(one.alternatives),
+        }
+        for name in (*diagnosis.missing, *(n for n in wanted if n not in diagnosis.missing))
+        if (one := by_name.get(name)) is not None
+    ]
+    named = named_from(verdicts[: len(diagnosis.missing)])
+    judgement = judged(case.effects if case.kind != "outside" else (), wanted, named)
+    absorbed = bool(case.effects) and all(
+        by_name[name].verdict == "absorbed" for name in case.effects if name in by_name
+    )
+    return {
+        "missing": " + ".join(diagnosis.missing),
+        "verdicts": json.dumps(verdicts),
+        "first": judgement.first,
+        "first_undecided": judgement.first_undecided,
+        "exact": judgement.exact,
+        "exact_undecided": judgement.exact_undecided,
+        "wrong": " + ".join(judgement.wrong),
+        "absorbed": absorbed and case.kind != "outside",
+        "unexplained": diagnosis.unexplained.significant,
+        "depends_on": ", ".join(diagnosis.unexplained.depends_on),
+    }
+
+
+def _accuracy(simulation: Simulation, diagnosis: Diagnosis, told: Identification, floor: float) -> Row:
+    row: Row = {"noise_floor": floor, "noise_floor_estimated": diagnosis.unexplained.noise_floor}
+    for name, result in (("before", diagnosis.before), ("after", diagnosis.after), ("told", told)):
+        row[f"error.{name}"] = _error(result)
+        row[f"error_over_floor.{name}"] = _error(result) / _floor(simulation, result)
+        row[f"gain_error.{name}"] = accuracy(simulation, result)["gain_error"]
+    return row

@@ -1,0 +1,245 @@
+"""What the viewer shows when a recording is opened: one tab for each of the dataset's recordings."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import rerun.blueprint as rrb
+from rerun.components import Plane3D
+
+from bench.viewer.content import Motor
+
+SUMMARY, PARAMETERS = "/summary", "/parameters"
+FOLLOWING, OPENING = "tool: actual path to reference path [mm]", "largest opening of a loop [µm]"
+SMALLER = (FOLLOWING, OPENING)
+MOTORS_IN_COLUMN = 2
+MOST_LANES = 4  # of the time line of states that are in view at once
+BACKGROUND = (16, 20, 27)
+GRID = (120, 140, 165, 45)
+FIT = 0.9  # distance of the eye, in diagonals of the box that the robot stays in
+
+
+@dataclass(frozen=True)
+class Scene:
+    """How one recording of the dataset appears.
+
+    title names its tab; root is the entity below which all of it lies; errors are those of the motors, as
+    text; path says how its colours read; eye and target (3,) m place the camera, low (m) the ground. summary,
+    parameters: entities of the texts. steps, torques, tool, loops, followed: whether there are errors of earlier
+    models, torques of effects, a tool, loops, and a reference to follow.
+    """
+
+    title: str
+    root: str
+    errors: tuple[str, ...]
+    path: str
+    eye: np.ndarray
+    target: np.ndarray
+    low: float
+    summary: str = SUMMARY
+    parameters: str = PARAMETERS
+    steps: bool = False
+    torques: bool = False
+    tool: bool = False
+    loops: bool = False
+    followed: bool = False
+
+
+def blueprint(scenes: Sequence[Scene], motors: Sequence[Motor]) -> rrb.Blueprint:
+    """The views of all recordings, the first one in front."""
+    return _framed(rrb.Tabs(*(_tab(scene, motors) for scene in scenes), active_tab=0))
+
+
+def side_by_side(
+    groups: Sequence[tuple[str, Sequence[Scene]]], motors: Sequence[Motor], reach: np.ndarray
+) -> rrb.Blueprint:
+    """A tab for each group, its scenes beside each other: robot above, errors below, then the text.
+
+    reach (n,): the errors that all axes hold, drive units.
+    """
+    tabs = [
+        rrb.Horizontal(
+            *(_beside(scene, motors, reach, first=not k) for k, scene in enumerate(scenes)), name=name
+        )
+        for name, scenes in groups
+    ]
+    return _framed(rrb.Tabs(*tabs, active_tab=0))
+
+
+def eye_of(
+    low: np.ndarray, high: np.ndarray, azimuth: float, elevation: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Eye and target (3,) m so that the box low..high (3,) fills the view; degrees, as in MuJoCo."""
+    target = (low + high) / 2.0
+    turn, rise = np.radians(azimuth), np.radians(elevation)
+    ahead = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
+    return target - FIT * float(np.linalg.norm(high - low)) * ahead, target
+
+
+def _framed(views: rrb.Container) -> rrb.Blueprint:
+    return rrb.Blueprint(
+        views,
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="time", play_state="playing", loop_mode="all"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    columns = -(-len(motors) // MOTORS_IN_COLUMN)
+    lanes = min(len(motors) + 2, MOST_LANES)
+    return rrb.Horizontal(
+        rrb.Vertical(_robot(scene), _texts(scene), row_shares=[3, 2]),
+        rrb.Vertical(
+            rrb.Tabs(*_pages(scene, motors), active_tab=0), _phases(scene), row_shares=[20, 2.0 + 1.4 * lanes]
+        ),
+        column_shares=[4.0, 5.0 * columns**0.5],
+        name=scene.title,
+    )
+
+
+def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
+    """The tabs beside the robot; the one in front comes first."""
+    pages = [_steps(scene, motors)] if scene.steps else []
+    pages.append(_currents(scene, motors))
+    if scene.torques:
+        pages.append(_torques(scene, motors))
+    return [*pages, _tool(scene, motors)]
+
+
+def _beside(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
+    errors = [
+        _plot(
+            f"{scene.root}/error/{motor.entity}",
+            f"{motor.name}: error [{motor.current_unit}], {error} of the current",
+            legend=first and not k,
+            reach=float(reach[k]),
+        )
+        for k, (motor, error) in enumerate(zip(motors, scene.errors, strict=True))
+    ]
+    return rrb.Vertical(
+        _robot(replace(scene, path="")),
+        *errors,
+        rrb.TextDocumentView(origin=scene.summary, name="summary"),
+        row_shares=[4.0, *[5.0 / len(errors)] * len(errors), 3.0],
+        name=scene.title,
+    )
+
+
+def _robot(scene: Scene) -> rrb.View:
+    return rrb.Spatial3DView(
+        origin=f"{scene.root}/robot",
+        name=f"{scene.title} · {scene.path}" if scene.path else scene.title,
+        background=BACKGROUND,
+        line_grid=rrb.LineGrid3D(
+            visible=True, plane=Plane3D((0.0, 0.0, 1.0), scene.low), spacing=0.1, stroke_width=0.7, color=GRID
+        ),
+        eye_controls=rrb.EyeControls3D(
+            position=scene.eye, look_target=scene.target, eye_up=(0.0, 0.0, 1.0), kind=rrb.Eye3DKind.Orbital
+        ),
+    )
+
+
+def _texts(scene: Scene) -> rrb.Container:
+    return rrb.Tabs(
+        rrb.TextDocumentView(origin=scene.summary, name="summary"),
+        rrb.TextDocumentView(origin=scene.parameters, name="parameters"),
+        active_tab=0,
+    )
+
+
+def _phases(scene: Scene) -> rrb.View:
+    return rrb.StateTimelineView(origin=f"{scene.root}/phases", name="phases")
+
+
+def _currents(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views = []
+    for place, (motor, error) in enumerate(zip(motors, scene.errors, strict=True)):
+        unit = motor.current_unit
+        name, wrong = (
+            f"{motor.name}: current [{unit}]",
+            f"{motor.name}: error [{unit}], {error} of the current",
+        )
+        views.append(
+            [
+                _plot(f"{scene.root}/current/{motor.entity}", name, legend=not place),
+                _plot(f"{scene.root}/error/{motor.entity}", wrong, legend=False),
+            ]
+        )
+    return _in_columns(views, [3.0, 2.0], "currents and errors")
+
+
+def _steps(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views = [
+        [
+            _plot(
+                f"{scene.root}/steps/{motor.entity}",
+                f"{motor.name}: error after each added effect [{motor.current_unit}]",
+                legend=not place,
+            )
+        ]
+        for place, motor in enumerate(motors)
+    ]
+    return _in_columns(views, [1.0], "error after each added effect")
+
+
+def _torques(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views = [
+        [
+            _plot(
+                f"{scene.root}/torque/{motor.entity}",
+                f"{motor.name}: torque of effects [{motor.effort_unit}]",
+                legend=True,
+            )
+        ]
+        for motor in motors
+    ]
+    return _in_columns(views, [1.0], "torque of effects")
+
+
+def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
+    views: list[rrb.View] = []
+    if scene.tool:
+        views.append(_plot(f"{scene.root}/tool", "tool: actual path and reference [m]", legend=True))
+    if scene.followed and scene.tool:
+        views.append(_plot(f"{scene.root}/following", FOLLOWING, legend=False))
+    units = ", ".join(sorted({motor.position_unit for motor in motors}))
+    views.append(
+        rrb.TimeSeriesView(
+            origin=scene.root,
+            contents=[f"{scene.root}/position/**", f"{scene.root}/reference/**"],
+            name=f"positions [{units}]",
+            plot_legend=_legend(),
+        )
+    )
+    if scene.loops:
+        views.append(_plot(f"{scene.root}/loop_gap", OPENING, legend=True))
+    shares = [2.0 if view.name in SMALLER else 3.0 for view in views]
+    return rrb.Vertical(*views, row_shares=shares, name="tool, positions, loops")
+
+
+def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], name: str) -> rrb.Container:
+    """The views of each motor under each other, and the motors in as many columns as it takes."""
+    size = MOTORS_IN_COLUMN
+    groups = [views[i : i + size] for i in range(0, len(views), size)]
+    columns = [
+        rrb.Vertical(*(view for own in group for view in own), row_shares=[*shares] * len(group))
+        for group in groups
+    ]
+    if len(columns) == 1:
+        return rrb.Vertical(
+            *(view for own in views for view in own), row_shares=[*shares] * len(views), name=name
+        )
+    return rrb.Horizontal(*columns, name=name)
+
+
+def _plot(origin: str, name: str, *, legend: bool, reach: float | None = None) -> rrb.View:
+    shown = _legend() if legend else rrb.PlotLegend(visible=False)
+    axis = None if reach is None else rrb.ScalarAxis(range=(-reach, reach))
+    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=shown, axis_y=axis)
+
+
+def _legend() -> rrb.PlotLegend:
+    return rrb.PlotLegend(corner=rrb.Corner2D.RightTop)

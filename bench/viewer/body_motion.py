@@ -1,0 +1,136 @@
+"""Where every body of a robot is during a recording, loops closed."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.recording import Recording
+from bench.model.geometry import Geometry, to_mujoco
+from bench.model.motion import motion_of
+from bench.signals.processing import estimate_motion, trim
+from bench.signals.settings import FilterSettings
+from bench.viewer.geoms import visible_geoms
+
+FRAME_RATE = 50.0  # Hz: enough for the eye
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """Poses in the world.
+
+    time (F,) s, as logged; positions (F, nbody, 3) m; quaternions (F, nbody, 4), x y z w; tool_position
+    (F, 3) m and tool_quaternion (F, 4), None without a tool; loop_gap (F, loops) m: how far apart the two halves
+    of each closed loop are drawn; low, high (3,) m: the box that holds all shapes.
+    """
+
+    time: np.ndarray
+    positions: np.ndarray
+    quaternions: np.ndarray
+    tool_position: np.ndarray | None
+    tool_quaternion: np.ndarray | None
+    loop_gap: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+def body_motion(
+    model: mujoco.MjModel, geometry: Geometry, recording: Recording, settings: FilterSettings
+) -> BodyMotion:
+    """Filter the positions as the fit did, close the loops and place all bodies, FRAME_RATE times a second.
+
+    Raises BenchError that names the recording and the time of a sample out of reach or singular.
+    """
+    motion = estimate_motion(recording.position, recording.rate, settings)
+    time = trim(recording.time, settings)
+    step = max(1, round(recording.rate / FRAME_RATE))
+    frames = slice(0, None, step)
+    try:
+        tree = motion_of(
+            geometry,
+            time[frames],
+            motion.position[frames],
+            motion.velocity[frames],
+            motion.acceleration[frames],
+        )
+    except BenchError as error:
+        raise BenchError(f"{recording.name}: {error}") from None
+    return placed(model, geometry.robot.tool_site, time[frames], to_mujoco(geometry.joints, tree.q))
+
+
+def tool_path(
+    model: mujoco.MjModel, geometry: Geometry, time: np.ndarray, position: np.ndarray
+) -> np.ndarray | None:
+    """Where the tool (F, 3) m is at positions (F, n) of the actuated joints, such as a controller's references.
+
+    None without a tool. Raises BenchError for a sample out of reach or singular.
+    """
+    if geometry.robot.tool_site is None or len(time) < 2:
+        return None
+    velocity = np.gradient(position, time, axis=0)
+    tree = motion_of(geometry, time, position, velocity, np.gradient(velocity, time, axis=0))
+    return placed(model, geometry.robot.tool_site, time, to_mujoco(geometry.joints, tree.q)).tool_position
+
+
+def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos: np.ndarray) -> BodyMotion:
+    """The bodies at MuJoCo positions qpos (F, nq)."""
+    data = mujoco.MjData(model)
+    site = -1 if tool_site is None else mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, tool_site)
+    geoms = visible_geoms(model)
+    center, half = model.geom_aabb[geoms, :3, None], model.geom_aabb[geoms, 3:, None]
+    count = len(time)
+    positions, quaternions = np.empty((count, model.nbody, 3)), np.empty((count, model.nbody, 4))
+    tool_position, tool_rotation = np.empty((count, 3)), np.empty((count, 9))
+    kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+    loops = [loop for loop in range(model.neq) if model.eq_active0[loop] and model.eq_type[loop] in kinds]
+    gap = np.zeros((count, len(loops)))
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for frame in range(count):
+        data.qpos[:] = qpos[frame]
+        mujoco.mj_kinematics(model, data)
+        positions[frame], quaternions[frame] = data.xpos, data.xquat
+        if site >= 0:
+            tool_position[frame], tool_rotation[frame] = data.site_xpos[site], data.site_xmat[site]
+        gap[frame] = [_gap(model, data, loop) for loop in loops]
+        if len(geoms):
+            turn = data.geom_xmat[geoms].reshape(-1, 3, 3)
+            middle = data.geom_xpos[geoms] + (turn @ center)[..., 0]
+            reach = (np.abs(turn) @ half)[..., 0]
+            low = np.minimum(low, (middle - reach).min(axis=0))
+            high = np.maximum(high, (middle + reach).max(axis=0))
+    if not len(geoms):
+        low, high = positions.min(axis=(0, 1)), positions.max(axis=(0, 1))
+    return BodyMotion(
+        time=time,
+        positions=positions,
+        quaternions=np.roll(quaternions, -1, axis=2),
+        tool_position=tool_position if site >= 0 else None,
+        tool_quaternion=_quaternions(tool_rotation) if site >= 0 else None,
+        loop_gap=gap,
+        low=low,
+        high=high,
+    )
+
+
+def _gap(model: mujoco.MjModel, data: mujoco.MjData, loop: int) -> float:
+    """Distance in m between the two points that an equality (connect or weld) holds together."""
+    first, second = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
+    if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):
+        return float(np.linalg.norm(data.site_xpos[first] - data.site_xpos[second]))
+    here, there = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
+    if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):  # its anchor lies in the second body
+        here, there = there, here
+    ends = [
+        data.xpos[body] + data.xmat[body].reshape(3, 3) @ anchor
+        for body, anchor in ((first, here), (second, there))
+    ]
+    return float(np.linalg.norm(ends[0] - ends[1]))
+
+
+def _quaternions(rotations: np.ndarray) -> np.ndarray:
+    """Quaternions (F, 4), x y z w, of rotation matrices (F, 9)."""
+    quaternions = np.empty((len(rotations), 4))
+    for quaternion, rotation in zip(quaternions, rotations, strict=True):
+        mujoco.mju_mat2Quat(quaternion, rotation)
+    return np.roll(quaternions, -1, axis=1)

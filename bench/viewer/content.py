@@ -1,0 +1,87 @@
+"""One recording of a dataset, with all that is drawn of it, and how values are sent to the viewer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+
+from bench.dataset.payload import Payload
+from bench.dataset.recording import Recording
+from bench.document.colours import rgb
+from bench.identification.effect_torques import EffectTorques
+from bench.identification.result import CurrentSeries
+from bench.viewer.body_motion import BodyMotion
+from bench.viewer.context import Known
+
+TIMELINE = "time"
+
+
+@dataclass(frozen=True)
+class Motor:
+    """A driven joint: its name, its part of an entity path, the units of current, position, torque; its gain."""
+
+    name: str
+    entity: str
+    current_unit: str
+    position_unit: str
+    effort_unit: str
+    gain: float
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """One recording. root: the entity below which all lies; deviation (n,): of the fitted errors, drive unit.
+
+    steps: words and currents of the models before the one that is shown, whose own word is label.
+    reference_path (F, 3) m: where the controller wanted the tool, in the same frames as the motion.
+    """
+
+    root: str
+    recording: Recording
+    series: CurrentSeries
+    motion: BodyMotion
+    deviation: np.ndarray
+    payload: Payload | None
+    steps: tuple[tuple[str, CurrentSeries], ...] = ()
+    label: str = ""
+    torques: EffectTorques | None = None
+    known: Known | None = None
+    reference_path: np.ndarray | None = None
+
+    @property
+    def start(self) -> float:
+        """The logged time of the first sample, s: time 0 in the viewer."""
+        return float(self.recording.time[0])
+
+    @property
+    def has_torques(self) -> bool:
+        """Whether there is a torque of effects, found or known, to be drawn."""
+        found = self.torques is not None and bool(self.torques.by_effect)
+        return found or (self.known is not None and self.known.torque is not None)
+
+    def column(self, time: np.ndarray) -> rr.TimeColumn:
+        """Logged times as whole nanoseconds since the first sample."""
+        return rr.TimeColumn(TIMELINE, duration=nanoseconds(time - self.start))
+
+
+@dataclass(frozen=True)
+class Line:
+    """How a series is drawn; width in points."""
+
+    name: str
+    colour: str
+    width: float
+
+
+def nanoseconds(seconds: np.ndarray) -> np.ndarray:
+    """Whole nanoseconds, as the viewer's timeline takes them."""
+    return np.rint(seconds * 1e9).astype("timedelta64[ns]")
+
+
+def send_line(
+    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, values: np.ndarray, line: Line
+) -> None:
+    """Send one curve, its values (N,) as one column."""
+    style = rr.SeriesLines(names=line.name, colors=rgb(line.colour), widths=line.width)
+    stream.log(entity, style, static=True)
+    stream.send_columns(entity, indexes=[column], columns=rr.Scalars.columns(scalars=values))

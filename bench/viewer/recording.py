@@ -1,0 +1,294 @@
+"""An identification for the Rerun viewer: the moving robot, currents, errors, torques, phases and parameters."""
+
+import re
+import zlib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path, PurePath
+
+import mujoco
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset
+from bench.dataset.recording import Recording
+from bench.document.markdown.identification import parameters_markdown, summary_markdown
+from bench.document.numbers import USES, Truth, current_unit, error_deviation, judged_error, percent
+from bench.files.atomic import atomic_path
+from bench.identification.result import Identification, relative_error
+from bench.model.geometry import Geometry, read_geometry
+from bench.viewer.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
+from bench.viewer.body_motion import BodyMotion, body_motion, tool_path
+from bench.viewer.content import Motor, Shown
+from bench.viewer.context import Known, Story
+from bench.viewer.scene import TOP, error_share, send_payload, send_robot
+from bench.viewer.tracks import (
+    send_currents,
+    send_phases,
+    send_steps,
+    send_tool,
+    send_torques,
+    steps_of,
+)
+
+REFERENCE_COLUMN = "reference."  # column of a log: what the controller asked of a joint
+
+
+@dataclass(frozen=True)
+class Told:
+    """One identification among several that are shown beside each other; title: in a few words, what sets it apart."""
+
+    title: str
+    result: Identification
+    dataset: Dataset
+    story: Story = field(default_factory=Story)
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """One identification with all that is drawn of it. prefix: of its entities."""
+
+    told: Told
+    prefix: str
+    model: mujoco.MjModel
+    motors: list[Motor]
+    shown: list[Shown]
+
+
+def write_rrd(
+    path: str | Path,
+    result: Identification,
+    dataset: Dataset,
+    *,
+    truth: Truth | None = None,
+    story: Story | None = None,
+) -> None:
+    """Write the identification of a dataset as an .rrd file, whole or not at all.
+
+    Below the name of each recording lie robot (moving at 50 Hz, loops closed), current/JOINT (logged at the
+    log's rate; measured and modelled at the fit's), error/JOINT with the deviation of the fitted errors,
+    position/JOINT, phases, tool and loop_gap; with a story steps/JOINT (the errors of earlier models) and
+    torque/JOINT (of effects); /summary and /parameters hold the answer as text. Every recording starts at time 0.
+    truth: true values to compare with, by joint, parameter name or EFFECT:JOINT.PARAMETER.
+
+    Raises BenchError for another suffix than .rrd, and for a result that is not of this dataset.
+    """
+    story = story or Story()
+    truth = truth if truth is not None else story.truth
+    _check_suffix(path)
+    run = _run(Told(result.robot, result, dataset, story), "")
+    largest = _largest_error([run])
+    views = blueprint(_scenes(run, largest), run.motors)
+    with _stream(path, f"{result.robot}, {result.method}", [run], views) as stream:
+        _send_text(stream, run, truth, SUMMARY, PARAMETERS)
+        _send(stream, run, largest)
+
+
+def write_side_by_side(path: str | Path, told: Sequence[Told]) -> None:
+    """Write several identifications as one .rrd file, recordings of the same name beside each other.
+
+    Entities lie below the title of each, otherwise as those of `write_rrd`. Raises BenchError for another suffix
+    than .rrd, for none to show, and for robots whose motors differ.
+    """
+    _check_suffix(path)
+    if not told:
+        raise BenchError(f"{path}: nothing to show")
+    runs = [_run(one, rr.new_entity_path([f"{k} {one.title}"])) for k, one in enumerate(told)]
+    for run in runs:
+        if [motor.name for motor in run.motors] != [motor.name for motor in runs[0].motors]:
+            names = f"{runs[0].told.result.robot} and {run.told.result.robot}"
+            raise BenchError(f"{path}: {names} have other motors: they cannot stand beside each other")
+    largest = _largest_error(runs)
+    by_name: dict[str, list[Scene]] = {}
+    for run in runs:
+        for one, scene in zip(run.shown, _scenes(run, largest, run.told.title), strict=True):
+            by_name.setdefault(PurePath(one.series.name).stem, []).append(scene)
+    errors = [np.concatenate([judged_error(one.series) for one in run.shown]) for run in runs]
+    reach = 1.05 * np.nanmax(np.abs(np.concatenate(errors)), axis=0, initial=1e-12)
+    views = side_by_side(list(by_name.items()), runs[0].motors, reach)
+    with _stream(path, f"{len(runs)} identifications", runs, views) as stream:
+        for run in runs:
+            summary, parameters = _texts_of(run)
+            _send_text(stream, run, run.told.story.truth, summary, parameters)
+            _send(stream, run, largest)
+
+
+def entity_roots(names: Sequence[str]) -> Mapping[str, str]:
+    """The entity of every recording: its file name, without the suffix unless two would be alike."""
+    stems = Counter(PurePath(name).stem for name in names)
+    return {
+        name: rr.new_entity_path([PurePath(name).stem if stems[PurePath(name).stem] == 1 else name])
+        for name in names
+    }
+
+
+def _check_suffix(path: str | Path) -> None:
+    if Path(path).suffix.lower() != ".rrd":
+        raise BenchError(f"{path}: a Rerun recording is an .rrd file")
+
+
+@contextmanager
+def _stream(
+    path: str | Path, name: str, runs: Sequence[_Run], views: rrb.Blueprint
+) -> Iterator[rr.RecordingStream]:
+    with atomic_path(path) as partial:
+        stream = rr.RecordingStream(_application(runs))
+        stream.save(partial, default_blueprint=views)
+        stream.send_recording_name(name)
+        yield stream
+        stream.flush()
+        stream.disconnect()
+
+
+def _application(runs: Sequence[_Run]) -> str:
+    """The viewer keeps one set of views for each application: what else is shown is another one."""
+    parts = [
+        f"{one.root} {bool(one.steps)} {one.has_torques} {one.reference_path is not None}"
+        for run in runs
+        for one in run.shown
+    ]
+    robot = re.sub(r"[^A-Za-z0-9]", "_", runs[0].told.result.robot)
+    return f"parabench_{robot}_{zlib.crc32(chr(10).join(parts).encode()):08x}"
+
+
+def _run(told: Told, prefix: str) -> _Run:
+    geometry = read_geometry(told.dataset.robot)
+    model = told.dataset.robot.mjcf_model()
+    return _Run(told, prefix, model, _motors(told.result, geometry), _shown(told, prefix, model, geometry))
+
+
+def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -> list[Shown]:
+    result, dataset, story = told.result, told.dataset, told.story
+    by_name = {recording.name: recording for recording in dataset.recordings}
+    roots = entity_roots([series.name for series in result.recordings])
+    deviation = error_deviation(result)
+    steps = [(step.label, step.recordings) for step in story.steps]
+    shown = []
+    for series in result.recordings:
+        recording = by_name.get(series.name)
+        if recording is None or recording.current.shape[1] != series.measured.shape[1]:
+            raise BenchError(f"{dataset.folder}: has no recording {series.name!r} as the result does")
+        motion = body_motion(model, geometry, recording, result.settings)
+        known = story.known.get(series.name) or _logged_reference(recording, dataset.robot.joints)
+        shown.append(
+            Shown(
+                root=f"{prefix}{roots[series.name]}",
+                recording=recording,
+                series=series,
+                motion=motion,
+                deviation=deviation,
+                payload=dataset.payloads[recording.payload] if recording.payload else None,
+                steps=steps_of(series.name, steps),
+                label=story.label,
+                torques=story.torques.get(series.name),
+                known=known,
+                reference_path=_reference_path(model, geometry, motion, known),
+            )
+        )
+    return shown
+
+
+def _logged_reference(recording: Recording, joints: Sequence[str]) -> Known | None:
+    """The reference positions, where the log has them as reference.JOINT for every motor."""
+    columns = [recording.extra.get(f"{REFERENCE_COLUMN}{joint}") for joint in joints]
+    found = [one for one in columns if one is not None]
+    if len(found) < len(joints) or not np.isfinite(found).all():
+        return None
+    return Known(recording.time, reference=np.stack(found, axis=1))
+
+
+def _reference_path(
+    model: mujoco.MjModel, geometry: Geometry, motion: BodyMotion, known: Known | None
+) -> np.ndarray | None:
+    """Where the controller wanted the tool (F, 3) m; None where that is not known, or out of the robot's reach."""
+    if known is None or known.reference is None:
+        return None
+    wanted = np.stack([np.interp(motion.time, known.time, one) for one in known.reference.T], axis=1)
+    try:
+        return tool_path(model, geometry, motion.time, wanted)
+    except BenchError:
+        return None
+
+
+def _motors(result: Identification, geometry: Geometry) -> list[Motor]:
+    kinds = {joint.name: joint.kind for joint in geometry.joints}
+    return [
+        Motor(
+            name=joint,
+            entity=rr.escape_entity_path_part(joint),
+            current_unit=current_unit(gain.unit),
+            position_unit="m" if kinds[joint] == "slide" else "rad",
+            effort_unit="N" if kinds[joint] == "slide" else "N·m",
+            gain=gain.value,
+        )
+        for joint, gain in result.drive_gains.items()
+    ]
+
+
+def _largest_error(runs: Sequence[_Run]) -> float:
+    """The error share at the far end of the path's colours: nearly the largest of all recordings."""
+    shares = np.concatenate([error_share(one.series) for run in runs for one in run.shown])
+    known = shares[np.isfinite(shares)]
+    return float(np.percentile(known, TOP)) if len(known) and known.any() else 1.0
+
+
+def _texts_of(run: _Run) -> tuple[str, str]:
+    return f"{run.prefix}{SUMMARY}", f"{run.prefix}{PARAMETERS}"
+
+
+def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
+    """Tabs of all recordings, seen from the same place."""
+    low = np.min([one.motion.low for one in run.shown], axis=0)
+    high = np.max([one.motion.high for one in run.shown], axis=0)
+    eye, target = eye_of(low, high, run.model.vis.global_.azimuth, run.model.vis.global_.elevation)
+    summary, parameters = _texts_of(run)
+    return [
+        Scene(
+            title=title or f"{PurePath(one.series.name).stem} ({USES[one.series.use]})",
+            root=one.root,
+            errors=tuple(
+                percent(relative_error([one.series], j)) for j in range(one.series.measured.shape[1])
+            ),
+            path=f"path: error from 0 (violet) to {percent(largest)} (yellow)"
+            if one.motion.tool_position is not None
+            else "",
+            eye=eye,
+            target=target,
+            low=float(low[2]),
+            summary=summary,
+            parameters=parameters,
+            steps=bool(one.steps),
+            torques=one.has_torques,
+            tool=one.motion.tool_position is not None,
+            loops=bool(one.motion.loop_gap.size),
+            followed=one.reference_path is not None,
+        )
+        for one in run.shown
+    ]
+
+
+def _send_text(
+    stream: rr.RecordingStream, run: _Run, truth: Truth | None, summary: str, parameters: str
+) -> None:
+    above = f"{run.told.story.text.rstrip()}\n\n" if run.told.story.text else ""
+    for entity, text in (
+        (summary, above + summary_markdown(run.told.result, truth)),
+        (parameters, parameters_markdown(run.told.result, truth)),
+    ):
+        stream.log(entity, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
+
+
+def _send(stream: rr.RecordingStream, run: _Run, largest: float) -> None:
+    for one in run.shown:
+        send_currents(stream, one, run.motors)
+        send_steps(stream, one, run.motors)
+        send_torques(stream, one, run.motors)
+        send_tool(stream, one, run.motors)
+        send_phases(stream, one, run.motors)
+        send_robot(stream, one, run.model, largest)
+        if one.payload is not None:
+            send_payload(stream, one, one.payload)

@@ -1,0 +1,104 @@
+"""The moving robot in the viewer: its bodies, the payload, and the tool's path coloured by the error."""
+
+import mujoco
+import numpy as np
+import rerun as rr
+
+from bench.dataset.payload import Payload
+from bench.document.colours import scale_colours
+from bench.document.numbers import judged_error
+from bench.identification.result import CurrentSeries
+from bench.viewer.content import Shown
+from bench.viewer.geoms import shapes
+
+PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a ball of steel that weighs the same
+PAYLOAD_COLOUR = (250, 214, 92)
+REFERENCE_COLOUR = (120, 134, 150)
+PATH_RADIUS = 0.0015  # of the box that the robot stays in
+TOP = 99.0  # percentile of the errors that takes the far end of the colour scale
+
+
+def error_share(series: CurrentSeries) -> np.ndarray:
+    """Error of all motors together in every row (M,), each relative to the RMS of its current; NaN at standstill."""
+    size = np.sqrt(np.mean(series.measured**2, axis=0))
+    relative = judged_error(series) / np.where(size > 0.0, size, np.nan)
+    known = np.isfinite(relative)
+    squares = np.where(known, relative, 0.0) ** 2
+    with np.errstate(invalid="ignore"):
+        return np.asarray(
+            np.sqrt(squares.sum(axis=1) / np.where(known.any(axis=1), known.sum(axis=1), np.nan))
+        )
+
+
+def send_robot(stream: rr.RecordingStream, one: Shown, model: mujoco.MjModel, largest: float) -> None:
+    """Bodies, loops closed, and the tool's path. largest: the error share at the far end of the colour scale."""
+    robot = f"{one.root}/robot"
+    stream.log(robot, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    names = [
+        mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
+        for body in range(model.nbody)
+    ]
+    entities = [f"{robot}/bodies/{rr.escape_entity_path_part(name)}" for name in names]
+    for shape in shapes(model):
+        stream.log(f"{entities[shape.body]}/{shape.name}", *shape.archetypes, static=True)
+    column = one.column(one.motion.time)
+    for body in range(1, model.nbody):
+        positions, quaternions = one.motion.positions[:, body], one.motion.quaternions[:, body]
+        if model.body_weldid[body] == 0:  # fixed to the world
+            fixed = rr.Transform3D(translation=positions[0], quaternion=rr.Quaternion(xyzw=quaternions[0]))
+            stream.log(entities[body], fixed, static=True)
+        else:
+            _send_poses(stream, entities[body], column, positions, quaternions)
+    if one.motion.tool_position is not None:
+        _send_path(stream, one, one.motion.tool_position, largest)
+
+
+def _send_path(stream: rr.RecordingStream, one: Shown, tool: np.ndarray, largest: float) -> None:
+    """Every piece of the path in the colour of the error there, and a dot that runs along."""
+    robot = f"{one.root}/robot"
+    radius = PATH_RADIUS * float(np.linalg.norm(one.motion.high - one.motion.low))
+    rows = np.clip(np.searchsorted(one.series.time, one.motion.time), 0, len(one.series.time) - 1)
+    colours = scale_colours(error_share(one.series)[rows] / largest)
+    pieces = np.stack((tool[:-1], tool[1:]), axis=1)
+    path = rr.LineStrips3D(pieces, colors=colours[:-1], radii=radius)
+    stream.log(f"{robot}/tool_path", path, static=True)
+    dot = rr.Points3D.columns(positions=tool, colors=colours, radii=np.full(len(tool), 5.0 * radius))
+    stream.send_columns(f"{robot}/tool_error", indexes=[one.column(one.motion.time)], columns=dot)
+    if one.reference_path is not None:
+        wanted = rr.LineStrips3D([one.reference_path], colors=REFERENCE_COLOUR, radii=0.6 * radius)
+        stream.log(f"{robot}/reference_path", wanted, static=True)
+
+
+def send_payload(stream: rr.RecordingStream, one: Shown, payload: Payload) -> None:
+    """A ball of the payload's mass, at its centre of mass where that is known, else at the tool."""
+    motion = one.motion
+    if motion.tool_position is None or motion.tool_quaternion is None:
+        return
+    entity = f"{one.root}/robot/payload"
+    if payload.mass is None:
+        radius = 0.03 * float(np.linalg.norm(motion.high - motion.low))
+    else:
+        radius = float((3.0 * payload.mass / (4.0 * np.pi * PAYLOAD_DENSITY)) ** (1.0 / 3.0))
+    center = np.zeros(3) if payload.center_of_mass is None else payload.center_of_mass
+    ball = rr.Ellipsoids3D(
+        centers=[center],
+        radii=[radius],
+        colors=PAYLOAD_COLOUR,
+        fill_mode=rr.components.FillMode.Solid,
+        labels=payload.name if payload.mass is None else f"{payload.name}, {payload.mass:g} kg",
+        show_labels=True,
+    )
+    stream.log(f"{entity}/ball", ball, static=True)
+    column = one.column(motion.time)
+    _send_poses(stream, entity, column, motion.tool_position, motion.tool_quaternion)
+
+
+def _send_poses(
+    stream: rr.RecordingStream,
+    entity: str,
+    column: rr.TimeColumn,
+    positions: np.ndarray,
+    quaternions: np.ndarray,
+) -> None:
+    poses = rr.Transform3D.columns(translation=positions, quaternion=quaternions)
+    stream.send_columns(entity, indexes=[column], columns=poses)

@@ -1,0 +1,134 @@
+"""The model that a diagnosis found, made ready again: the one about which the workbench's columns are taken."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from bench.dataset.dataset import Dataset
+from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.split import with_judged_parts
+from bench.effects import EffectInstance, places_in, select_effects
+from bench.effects.effect import Effect
+from bench.effects.select import TAG
+from bench.identification.effect_columns import PresentModel
+from bench.identification.identify import gains_can_be_fitted
+from bench.identification.nonlinear import present_model
+from bench.identification.partial_regression import PartialRegression, partial_regression
+from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.result import Identification
+from bench.identification.solution import Solution
+from bench.identification.solve_only import solved_quickly
+from bench.identification.summary import ROBOT
+from bench.signals.settings import FilterSettings, choose_settings
+
+
+@dataclass(frozen=True)
+class FoundModel:
+    """plain: the equations without any effect but those with a value for each recording, which the page does not
+    change; found: with those that the diagnosis found behind them, linearised about the answer; solution: the answer,
+    theta in the order of `found`. bare, left: what the fits of plain and found leave. started: effects that the model
+    had before the diagnosis, as (effect, place).
+    """
+
+    plain: Prepared
+    found: Prepared
+    solution: Solution
+    fit_gains: bool
+    bare: PartialRegression
+    left: PartialRegression
+    started: tuple[tuple[str, str], ...]
+    judged_on: str
+
+    @property
+    def effects(self) -> tuple[EffectInstance, ...]:
+        """The found effects, those aside that the page does not change."""
+        return self.found.effects[len(self.plain.effects) :]
+
+
+def found_models(
+    dataset: Dataset, diagnosis: Diagnosis, catalogue: dict[str, Effect]
+) -> tuple[FoundModel, FoundModel | None]:
+    """Prepare the equations of a diagnosis again, with the filters that it used.
+
+    Where the user kept no recording to judge on, the diagnosis fitted a part of each. Then a second model is fitted
+    to all rows, with the filters that `bench identify` takes.
+    """
+    parts, split = with_judged_parts(dataset)
+    settings = diagnosis.before.settings
+    found = _found_model(parts, diagnosis, catalogue, settings, split)
+    if parts is dataset:
+        return found, None
+    return found, _found_model(dataset, diagnosis, catalogue, _of_all(dataset, parts, settings), split)
+
+
+def _of_all(dataset: Dataset, parts: Dataset, settings: FilterSettings) -> FilterSettings:
+    """Filters chosen for whole recordings; what was set by hand for the fitted parts stays."""
+    chosen = _chosen(parts)
+    given = {
+        one.name: getattr(settings, one.name)
+        for one in fields(settings)
+        if getattr(settings, one.name) != getattr(chosen, one.name)
+    }
+    return replace(_chosen(dataset), **given)
+
+
+def _chosen(dataset: Dataset) -> FilterSettings:
+    fitted = [one for one in dataset.recordings if one.use == "identify"]
+    return choose_settings([one.position for one in fitted], [one.current for one in fitted], fitted[0].rate)
+
+
+def _found_model(
+    dataset: Dataset,
+    diagnosis: Diagnosis,
+    catalogue: dict[str, Effect],
+    settings: FilterSettings,
+    split: str,
+) -> FoundModel:
+    before, after = diagnosis.before, diagnosis.after
+    plain = prepare(dataset, (), settings, catalogue=catalogue)
+    fit_gains = gains_can_be_fitted(plain, None)
+    weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
+    places = places_in(plain.model.geometry, weighed)
+    each = [one for one in after.effects if one.endswith(TAG)]
+    own = select_effects(each, places, catalogue, plain.logs)
+    instances = select_effects(_requests(after, own), places, catalogue)
+    own, instances = (tuple(_as_found(after, one) for one in some) for some in (own, instances))
+    present = _present(plain, after)
+    plain = with_effects(plain, own, present)
+    found = with_effects(plain, (*own, *instances), present)
+    stack, solution = solved_quickly(found, fit_gains)
+    # the solution is about itself once more, as identify does it
+    found = with_effects(plain, (*own, *instances), present_model(found, solution))
+    stack, solution = solved_quickly(found, fit_gains)
+    left = partial_regression(stack, solution)
+    bare = left if not instances else partial_regression(*solved_quickly(plain, fit_gains))
+    kept = [one for one in before.effects if not one.endswith(TAG)]
+    started = tuple((one.effect.name, one.joint) for one in select_effects(kept, places, catalogue))
+    return FoundModel(plain, found, solution, fit_gains, bare, left, started, split)
+
+
+def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:
+    """The effects with one value for all recordings; own: the others."""
+    each = {(one.effect.name, one.place) for one in own}
+    return [
+        name if place == ROBOT else f"{name}:{place}"
+        for name, values in result.effect_parameters.items()
+        for place in values
+        if (name, place) not in each
+    ]
+
+
+def _as_found(result: Identification, instance: EffectInstance) -> EffectInstance:
+    values = result.effect_parameters[instance.effect.name][instance.place]
+    shapes = {one.name: values[one.name].value for one in instance.effect.shape}
+    effect = replace(instance.effect, **shapes) if shapes else instance.effect
+    linear = {one.name: values[one.name].value for one in effect.parameters}
+    return replace(instance, effect=effect.about(linear))
+
+
+def _present(plain: Prepared, result: Identification) -> PresentModel:
+    """The found model as effects see it."""
+    gains = np.array([gain.value for gain in result.drive_gains.values()])
+    theta = np.array([one.value for one in result.parameters])
+    return present_model(plain, Solution(theta, gains, np.ones(len(gains)), "current", result.gains_fitted))
