@@ -7,38 +7,46 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from bench.api.compare import ModelErrors as ModelErrors
+    from bench.api.compare import compare as compare
+    from bench.api.diagnose import diagnose as diagnose
+    from bench.api.figures import figures as figures
+    from bench.api.identify import identify as identify
+    from bench.api.models import save_model as save_model
+    from bench.api.report import Report as Report
+    from bench.api.report import report as report
+    from bench.api.simulate import simulate as simulate
     from bench.basics.errors import BenchError as BenchError
     from bench.dataset.dataset import Dataset as Dataset
     from bench.dataset.dataset import load_dataset as load_dataset
+    from bench.dataset.payload import Payload as Payload
     from bench.dataset.recording import Recording as Recording
     from bench.dataset.robot import Robot as Robot
     from bench.dataset.robot import load_robot as load_robot
     from bench.diagnosis.result import Diagnosis as Diagnosis
-    from bench.discovery.find import find_missing_effects as find_missing_effects
-    from bench.document.terminal.comparison import where_report as where_report
-    from bench.document.terminal.diagnosis import diagnosis_report as diagnosis_report
-    from bench.document.terminal.identification import identification_report as identification_report
-    from bench.identification.identify import identify as identify
+    from bench.identification.model_file import load_model as load_model
     from bench.identification.result import Identification as Identification
-    from bench.residuals.residuals import WhereItFails as WhereItFails
-    from bench.residuals.residuals import where_it_fails as where_it_fails
 
 _HOME_OF = {
     "BenchError": "bench.basics.errors",
     "Dataset": "bench.dataset.dataset",
     "Diagnosis": "bench.diagnosis.result",
     "Identification": "bench.identification.result",
+    "ModelErrors": "bench.api.compare",
+    "Payload": "bench.dataset.payload",
     "Recording": "bench.dataset.recording",
+    "Report": "bench.api.report",
     "Robot": "bench.dataset.robot",
-    "WhereItFails": "bench.residuals.residuals",
-    "diagnosis_report": "bench.document.terminal.diagnosis",
-    "find_missing_effects": "bench.discovery.find",
-    "identification_report": "bench.document.terminal.identification",
-    "identify": "bench.identification.identify",
+    "compare": "bench.api.compare",
+    "diagnose": "bench.api.diagnose",
+    "figures": "bench.api.figures",
+    "identify": "bench.api.identify",
     "load_dataset": "bench.dataset.dataset",
+    "load_model": "bench.identification.model_file",
     "load_robot": "bench.dataset.robot",
-    "where_it_fails": "bench.residuals.residuals",
-    "where_report": "bench.document.terminal.comparison",
+    "report": "bench.api.report",
+    "save_model": "bench.api.models",
+    "simulate": "bench.api.simulate",
 }
 """Public name -> the module that defines it; in step with the imports above, which type checkers read."""
 
@@ -47,17 +55,21 @@ __all__ = [
     "Dataset",
     "Diagnosis",
     "Identification",
+    "ModelErrors",
+    "Payload",
     "Recording",
+    "Report",
     "Robot",
-    "WhereItFails",
-    "diagnosis_report",
-    "find_missing_effects",
-    "identification_report",
+    "compare",
+    "diagnose",
+    "figures",
     "identify",
     "load_dataset",
+    "load_model",
     "load_robot",
-    "where_it_fails",
-    "where_report",
+    "report",
+    "save_model",
+    "simulate",
 ]
 
 
@@ -70,4 +82,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

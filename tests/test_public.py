@@ -26,7 +26,7 @@ def test_every_list_of_public_names_agrees():
     }
     assert typed == bench._HOME_OF
     assert bench.__all__ == sorted(bench._HOME_OF)
-    assert set(bench.__all__) <= set(dir(bench))
+    assert dir(bench) == bench.__all__
 
 
 def test_no_module_shadows_a_public_name(project_root):

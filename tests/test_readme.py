@@ -25,8 +25,9 @@ def test_the_python_example_runs_on_what_the_demo_leaves(blocks, tmp_path, monke
     printed = capsys.readouterr().out
     assert "left: 3.30" in printed
     assert "right: 2.76" in printed
-    assert names["error"].shape[1] == 2
-    assert {row["kind"] for row in names["table"]} == {"drive gain", "parameter"}
+    assert names["where"].recordings[0].error.shape[1] == 2
+    assert set(names["table"]["kind"]) == {"drive gain", "parameter"}
+    assert names["diagnosis"].missing == ()
     model = "results/demo/model.json"
     assert main(["export", model, "--to", "mjcf", "-o", "five_bar_identified.xml"]) == 0
     exec(compile(twin, "README.md", "exec"), names)

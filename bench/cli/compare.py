@@ -76,52 +76,33 @@ def _of_one(
 ) -> None:
     from rich.console import Console
 
+    from bench.api.compare import compare as errors_of
+    from bench.api.sources import effects_of
     from bench.dataset.dataset import load_dataset
     from bench.document.terminal.comparison import where_report
     from bench.document.terminal.identification import comparison_report
-    from bench.effects import catalogue_for
-    from bench.identification.identify import identify
-    from bench.identification.model_file import (
-        Comparison,
-        apply_model,
-        comparison_json,
-        load_model,
-        read_identification,
-    )
+    from bench.identification.model_file import comparison_json, read_identification
     from bench.residuals.as_json import where_json
-    from bench.residuals.motor import compared
-    from bench.residuals.residuals import errors_by_motor
 
     data = load_dataset(dataset)
-    catalogue = catalogue_for(data.effect_files, effect_files)
-    result, its_effects = None, effects
-    if model_file is not None:
-        saved = load_model(model_file)
-        comparison, settings = apply_model(data, saved, catalogue), saved.settings
-        its_effects = saved.model.effects
-    else:
-        result = identify(data, effects, filters=given, catalogue=catalogue)
-        name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
-        comparison = Comparison(result.robot, name, result.recordings, result.error, result.findings)
-        settings = result.settings
-    what = compared(data.robot, data.recordings, comparison.recordings, settings)
-    where = errors_by_motor(what)
+    found = errors_of(data, model_file, effects, filters=given, effect_files=effect_files)
     written = []
     if json_file is not None:
-        write_answer(json_file, {**comparison_json(comparison), **where_json(where)})
+        write_answer(json_file, {**comparison_json(found.comparison), **where_json(found.where)})
         written.append(wrote(json_file, "comparison"))
     if output is not None:
         from bench.page.section_run import Run
 
         options = {"model": str(model_file), **given} if model_file is not None else given
         run = Run("compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
+        result = found.identified
         if result is None and model_file is not None:
-            result = read_identification(model_file, data, catalogue)
-        written += _pictures_and_page(output, what, result, data, run, model_file)
+            result = read_identification(model_file, data, effects_of(data, effect_files))
+        written += _pictures_and_page(output, found.motors, result, data, run, model_file)
     console = Console()
-    comparison_report(comparison, console)
-    where_report(where, console)
-    say([*written, _next(what, dataset, model_file, its_effects, effect_files, given)])
+    comparison_report(found.comparison, console)
+    where_report(found.where, console)
+    say([*written, _next(found.motors, dataset, model_file, found.effects, effect_files, given)])
 
 
 def _next(

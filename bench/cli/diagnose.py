@@ -62,28 +62,14 @@ def diagnose(
     """
     given = given_filters(**filters)
     with shown_progress(quiet) as progress:
-        from dataclasses import replace
-
+        from bench.api.diagnose import diagnose as diagnosed
         from bench.dataset.dataset import load_dataset
-        from bench.discovery.find import find_missing_effects
-        from bench.identification.shortness import short_recordings
-        from bench.identification.swapped_columns import swapped_columns
 
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
-        diagnosis = find_missing_effects(
-            data,
-            effects,
-            filters=given,
-            effect_files=effect_files,
-            discover=discover,
-            progress=progress,
+        diagnosis = diagnosed(
+            data, effects, filters=given, effect_files=effect_files, discover=discover, progress=progress
         )
-        progress.phase("looking for swapped columns")
-        short = short_recordings(data.recordings, diagnosis.after.settings)
-        swapped = swapped_columns(data, diagnosis.before)
-        findings = (*swapped, *diagnosis.after.findings, *short)
-        diagnosis = replace(diagnosis, after=replace(diagnosis.after, findings=findings))
     written: list[str] = []
     laws: list[Path] = []
     if model_file is not None:

@@ -75,37 +75,27 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     DATASET is a folder with a dataset.toml. With a recording that carries a payload of known mass beside one
     without, the drive gains are identified as well.
     """
-    from dataclasses import replace
-
     from rich.console import Console
 
+    from bench.api.identify import identify as identified
     from bench.dataset.dataset import load_dataset
-    from bench.diagnosis.mounting import mounted_otherwise
     from bench.document.terminal.identification import identification_report
-    from bench.effects import catalogue_for
-    from bench.identification.identify import fit, prepare
     from bench.identification.model_file import model_json
-    from bench.identification.shortness import short_recordings
-    from bench.identification.swapped_columns import swapped_columns
     from bench.residuals.motor import compared
     from bench.residuals.next_step import left_over
 
     data = load_dataset(dataset)
     given = given_filters(**filters)
-    prepared = prepare(data, effects, given, catalogue=catalogue_for(data.effect_files, effect_files))
-    result = fit(
-        prepared,
+    result = identified(
+        data,
+        effects,
         method,
+        filters=given,
+        effect_files=effect_files,
         deviations=deviations,
         fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
         essential=essential,
     )
-    short, swapped = (
-        short_recordings(data.recordings, result.settings),
-        swapped_columns(data, result, prepared),
-    )
-    mounted = mounted_otherwise(prepared, fit_gains=result.gains_fitted)
-    result = replace(result, findings=(*swapped, *mounted, *result.findings, *short))
     written = []
     if json_file is not None:
         write_answer(json_file, model_json(result, data.folder))

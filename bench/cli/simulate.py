@@ -29,20 +29,14 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
     dataset and out of reach of what reads it.
     """
     with shown_progress(quiet) as progress:
-        from functools import partial
-
+        from bench.api.simulate import simulation_of
         from bench.basics.errors import BenchError
         from bench.dataset.dataset_toml import DATASET_FILE
-        from bench.excitation.scenario import designer
-        from bench.scenario.scenario import load_scenario, resolve_trajectories
         from bench.truth.dataset import write_simulation
-        from bench.truth.simulate import simulate as run
 
         if (output / DATASET_FILE).exists() and not overwrite:
             raise BenchError(f"{output}: holds a dataset already; --overwrite replaces it")
-        loaded = load_scenario(scenario, {} if seed is None else {"seed": seed})
-        trajectories = resolve_trajectories(loaded, partial(designer, progress=progress))
-        simulation = run(loaded, trajectories, progress=progress)
+        simulation = simulation_of(scenario, seed, progress)
         progress.phase("writing the recordings")
         truth = write_simulation(simulation, output)
     count = len(simulation.recordings)

@@ -20,7 +20,7 @@ from bench.dataset.robot import Robot, load_robot
 from bench.files.toml_input import read_toml
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Dataset:
     """Everything that an identification reads.
 
@@ -32,6 +32,10 @@ class Dataset:
     payloads: Mapping[str, Payload]
     recordings: tuple[Recording, ...]
     effect_files: tuple[Path, ...] = field(default=())
+
+    def __repr__(self) -> str:
+        names = ", ".join(f"{one.name} ({one.use})" for one in self.recordings)
+        return f"<dataset {self.folder.name} of {self.robot.name}: {names}>"
 
 
 def load_dataset(folder: str | Path) -> Dataset:

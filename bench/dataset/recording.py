@@ -19,7 +19,7 @@ Use = Literal["identify", "validate"]
 Array = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Joint positions and current references on a uniform time grid.
 
@@ -43,6 +43,11 @@ class Recording:
     extra: Mapping[str, Array] = field(default_factory=dict)
     part_of: str = ""
     started: float | None = None
+
+    def __repr__(self) -> str:
+        carried = f", payload {self.payload}" if self.payload is not None else ""
+        duration = float(self.time[-1] - self.time[0])
+        return f"<recording {self.name}: {len(self.time)} samples, {duration:.3g} s, {self.use}{carried}>"
 
     @property
     def log(self) -> str:

@@ -1,11 +1,17 @@
 """What a diagnosis says."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from bench.effects.select import TAG
+from bench.identification.frame import data_frame, html_table
 from bench.identification.result import CurrentSeries, Identification, Quantity
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", "absorbed"]
 
@@ -136,7 +142,7 @@ class Superfluous:
     replaced_by: str | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis:
     """The answer of `diagnose`. missing: names, strongest first; before, after: the models without and with
     them. differs: what has another value in each recording, whether the model has it or not; `after` has one for all.
@@ -155,3 +161,31 @@ class Diagnosis:
     differs: tuple[Differing, ...] = ()
     superfluous: tuple[Superfluous, ...] = ()
     discovered: tuple[Discovered, ...] = ()
+
+    def __repr__(self) -> str:
+        found = (*self.missing, *(one.formula for one in self.discovered))
+        errors = [one.validate if one.validate is not None else one.identify for one in self.ladder]
+        fall = " → ".join(f"{100.0 * one:.3g} %" for one in errors if one is not None)
+        return f"<{self.robot}: {', '.join(found) or 'nothing'} missing; error {fall}>"
+
+    def rows(self) -> list[dict[str, str | float]]:
+        """The ranking as a table: one row with effect, verdict, evidence and errors before and after each."""
+        return [
+            {
+                "effect": one.effect,
+                "verdict": one.verdict,
+                "evidence": one.evidence,
+                "error_before": one.error_before,
+                "error_after": one.error_after,
+                "at": ", ".join(one.actuators),
+            }
+            for one in self.ranking
+        ]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The same as a data frame. Needs pandas."""
+        rows = self.rows()
+        return data_frame({name: [row[name] for row in rows] for name in rows[0]})
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], self.rows())

@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.identification.finding import Finding, Unknown
 from bench.identification.finding_words import note
-from bench.identification.frame import data_frame
+from bench.identification.frame import data_frame, html_table
 from bench.identification.standard_errors import Deviations, StdFrom
 from bench.signals.settings import FilterSettings
 
@@ -85,7 +85,7 @@ class CurrentSeries:
         return self.measured - self.modelled
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identification:
     """The answer of `identify`.
 
@@ -123,6 +123,18 @@ class Identification:
     def notes(self) -> tuple[str, ...]:
         """What limits the answer, in words."""
         return tuple(map(note, self.findings))
+
+    def __repr__(self) -> str:
+        gains = ", ".join(
+            f"{joint} {one.value:.4g} ± {one.std:.2g}" for joint, one in self.drive_gains.items()
+        )
+        unit = next((one.unit for one in self.drive_gains.values()), "")
+        error = self.error.identify if self.error.validate is None else self.error.validate
+        left = "" if error is None else f", error {100.0 * error:.3g} %"
+        return f"<{self.robot} with {', '.join(self.effects) or 'rigid bodies only'}: {gains} {unit}{left}>"
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], self.rows())
 
     def rows(self) -> list[dict[str, str | float]]:
         """Gains, parameters and effect parameters as a table: one row with kind, name, value, std and unit each."""

@@ -1,0 +1,1 @@
+"""What `import bench` gives to programs: the verbs of the command line, as functions from values to values."""

@@ -1,0 +1,81 @@
+"""Where a model fails on recordings."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.api.sources import Data, Model, as_dataset, as_model, effects_of
+from bench.dataset.dataset import Dataset
+from bench.identification.identify import identify
+from bench.identification.model_file import Comparison, apply_model
+from bench.identification.result import CurrentSeries, ErrorSummary, Identification
+from bench.residuals.motor import Compared, compared
+from bench.residuals.residuals import WhereItFails, errors_by_motor
+from bench.signals.settings import FilterSettings
+
+
+@dataclass(frozen=True, repr=False)
+class ModelErrors:
+    """A model beside recordings: how large its errors are, and where.
+
+    effects: those of the model. identified: what was fitted here, or given as a result; None where a saved model was
+    applied.
+    """
+
+    dataset: Dataset
+    effects: tuple[str, ...]
+    comparison: Comparison
+    motors: Compared
+    where: WhereItFails
+    identified: Identification | None
+
+    @property
+    def error(self) -> ErrorSummary:
+        """Relative errors by use, motor and recording."""
+        return self.comparison.error
+
+    @property
+    def recordings(self) -> tuple[CurrentSeries, ...]:
+        """Measured and modelled currents of every recording."""
+        return self.comparison.recordings
+
+    def __repr__(self) -> str:
+        errors = ", ".join(
+            f"{joint} {100.0 * error:.3g} %" for joint, error in self.error.by_actuator.items()
+        )
+        return f"<errors of {self.comparison.model} on {self.dataset.folder.name}: {errors}>"
+
+
+def compare(
+    data: Data,
+    model: Model | None = None,
+    effects: Sequence[str] = (),
+    *,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    effect_files: Iterable[str | Path] = (),
+) -> ModelErrors:
+    """Where a model fails on a dataset's recordings, motor by motor.
+
+    data: a dataset or its folder. model: a result of `identify`, which is of this dataset; a saved model or its file,
+    applied as it is; left out, the model with these effects and filters is identified from the dataset. Raises
+    BenchError naming what cannot be used.
+    """
+    dataset = as_dataset(data)
+    catalogue = effects_of(dataset, effect_files)
+    result: Identification | None = None
+    if model is None:
+        result = identify(dataset, effects, filters=filters, catalogue=catalogue)
+        name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
+        comparison = Comparison(result.robot, name, result.recordings, result.error, result.findings)
+        has, settings = result.effects, result.settings
+    elif isinstance(model, Identification):
+        result, has, settings = model, model.effects, model.settings
+        name = f"as given, {', '.join(model.effects) or 'rigid bodies only'}"
+        comparison = Comparison(model.robot, name, model.recordings, model.error, model.findings)
+    else:
+        saved = as_model(model)
+        comparison, settings = apply_model(dataset, saved, catalogue), saved.settings
+        has = saved.model.effects
+    motors = compared(dataset.robot, dataset.recordings, comparison.recordings, settings)
+    return ModelErrors(dataset, has, comparison, motors, errors_by_motor(motors), result)

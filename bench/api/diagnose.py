@@ -1,0 +1,48 @@
+"""Which physical effects a model lacks."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from bench.api.sources import Data, as_dataset
+from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.result import Diagnosis
+from bench.discovery.find import find_missing_effects
+from bench.identification.shortness import short_recordings
+from bench.identification.swapped_columns import swapped_columns
+from bench.signals.settings import FilterSettings
+
+
+def diagnose(
+    data: Data,
+    effects: Sequence[str] = (),
+    *,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    effect_files: Iterable[str | Path] = (),
+    discover: bool | None = None,
+    progress: Progress = SILENT,
+) -> Diagnosis:
+    """Which physical effects the model lacks, judged on recordings that were not fitted.
+
+    data: a dataset or its folder. effects: those that the model has already, each as EFFECT or EFFECT:PLACE. filters:
+    settings by name, the others chosen from the data. effect_files: Python files with effects of your own, which
+    compete as well as those that the dataset names. discover: whether laws that are in no catalogue compete too; left
+    out, where the catalogue leaves something unexplained. progress: told how far the search is. Raises BenchError
+    naming what in dataset, robot or files cannot be used.
+    """
+    progress.phase("reading the recordings")
+    dataset = as_dataset(data)
+    diagnosis = find_missing_effects(
+        dataset,
+        effects,
+        filters=filters,
+        effect_files=effect_files,
+        discover=discover,
+        progress=progress,
+    )
+    progress.phase("looking for swapped columns")
+    after = diagnosis.after
+    short = short_recordings(dataset.recordings, after.settings)
+    swapped = swapped_columns(dataset, diagnosis.before)
+    return replace(diagnosis, after=replace(after, findings=(*swapped, *after.findings, *short)))

@@ -1,0 +1,45 @@
+"""From recordings to drive gains and dynamic parameters."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from bench.api.sources import Data, as_dataset, effects_of
+from bench.diagnosis.mounting import mounted_otherwise
+from bench.identification.estimators import DEFAULT_METHOD
+from bench.identification.identify import fit, prepare
+from bench.identification.result import Identification
+from bench.identification.shortness import short_recordings
+from bench.identification.standard_errors import Deviations
+from bench.identification.swapped_columns import swapped_columns
+from bench.signals.settings import FilterSettings
+
+
+def identify(
+    data: Data,
+    effects: Sequence[str] = (),
+    method: str = DEFAULT_METHOD,
+    *,
+    filters: FilterSettings | Mapping[str, Any] | None = None,
+    effect_files: Iterable[str | Path] = (),
+    deviations: Deviations = "autocorrelated",
+    fit_gains: bool | None = None,
+    essential: bool = False,
+) -> Identification:
+    """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
+
+    data: a dataset or its folder. effects: names as EFFECT, EFFECT:PLACE or with @recording, added to the rigid-body
+    model. method: current, ls, wls, tls or wtls. filters: settings, or some of them by name; the others are chosen from
+    the spectra. effect_files: Python files with effects of your own. deviations: how standard errors are computed.
+    fit_gains: by default, where a fitted recording carries a payload of known mass; without one the gains stay
+    nominal. essential: leave out base parameters that the data do not need. The result's findings say what limits it.
+    Raises BenchError naming what in the data or the robot cannot be used.
+    """
+    dataset = as_dataset(data)
+    prepared = prepare(dataset, effects, filters, catalogue=effects_of(dataset, effect_files))
+    result = fit(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
+    swapped = swapped_columns(dataset, result, prepared)
+    mounted = mounted_otherwise(prepared, fit_gains=result.gains_fitted)
+    short = short_recordings(dataset.recordings, result.settings)
+    return replace(result, findings=(*swapped, *mounted, *result.findings, *short))

@@ -1,0 +1,92 @@
+"""What a result says, as text, in a notebook, or as a page."""
+
+import io
+from dataclasses import dataclass
+from functools import singledispatch
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from bench.api.compare import ModelErrors
+from bench.api.sources import Data, as_dataset
+from bench.basics.errors import BenchError
+from bench.diagnosis.result import Diagnosis
+from bench.document.terminal.comparison import where_report
+from bench.document.terminal.diagnosis import diagnosis_report
+from bench.document.terminal.identification import comparison_report, identification_report
+from bench.identification.result import Identification
+from bench.page.folder import Kept
+from bench.page.section_run import Run
+from bench.page.write import write_kept
+
+WIDTH = 110  # characters
+Result = Identification | Diagnosis | ModelErrors
+
+
+@dataclass(frozen=True, repr=False)
+class Report:
+    """A result, told: `print(report)`, or shown at the end of a notebook's cell. verbose: nothing is left out."""
+
+    result: Result
+    verbose: bool = False
+
+    def __str__(self) -> str:
+        console = Console(file=io.StringIO(), width=WIDTH, record=True)
+        told(self.result, console, self.verbose)
+        return console.export_text()
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        console = Console(file=io.StringIO(), width=WIDTH, record=True)
+        told(self.result, console, self.verbose)
+        return console.export_html(
+            inline_styles=True, code_format="<pre style='line-height:1.2'>{code}</pre>"
+        )
+
+    def save(self, path: str | Path, data: Data) -> Path:
+        """Write the page of the result, in one file; data: what it was identified from, or its folder."""
+        dataset, page = as_dataset(data), Path(path)
+        diagnosis = self.result if isinstance(self.result, Diagnosis) else None
+        after = diagnosis.after if diagnosis is not None else self.result
+        if isinstance(after, ModelErrors):
+            if after.identified is None:
+                raise BenchError(
+                    "the page of a saved model is written by `bench report MODEL.json --data DATASET`"
+                )
+            after = after.identified
+        if not isinstance(after, Identification):
+            raise BenchError(f"no page is made of a {type(after).__name__}")
+        verb = "diagnose" if diagnosis is not None else "identify"
+        run = Run(verb, str(dataset.folder), tuple(after.effects), (), {}, str(page.parent))
+        return write_kept(page, Kept(run, dataset, after, diagnosis, ""))
+
+
+def report(result: Result, *, verbose: bool = False) -> Report:
+    """What `identify`, `compare` or `diagnose` found, to be printed, shown in a notebook or saved as a page."""
+    return Report(result, verbose)
+
+
+@singledispatch
+def told(result: Any, console: Console, verbose: bool) -> None:  # noqa: ARG001 - one signature for all
+    """Print a result to a console. Raises BenchError for what is none."""
+    raise BenchError(
+        f"no report is made of a {type(result).__name__}: give what identify, compare or diagnose return"
+    )
+
+
+@told.register
+def _(result: Identification, console: Console, verbose: bool) -> None:
+    identification_report(result, console, verbose=verbose)
+
+
+@told.register
+def _(result: Diagnosis, console: Console, verbose: bool) -> None:
+    diagnosis_report(result, console, verbose=verbose)
+
+
+@told.register
+def _(result: ModelErrors, console: Console, verbose: bool) -> None:  # noqa: ARG001 - as above
+    comparison_report(result.comparison, console)
+    where_report(result.where, console)

@@ -1,0 +1,40 @@
+"""Measurements with known truth."""
+
+from functools import partial
+from pathlib import Path
+
+from bench.basics.progress import SILENT, Progress
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.excitation.scenario import designer
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset, write_simulation
+from bench.truth.simulate import Simulation
+from bench.truth.simulate import simulate as run
+
+
+def simulate(
+    scenario: str | Path,
+    output: str | Path | None = None,
+    *,
+    seed: int | None = None,
+    progress: Progress = SILENT,
+) -> Dataset:
+    """The dataset of a simulated scenario: what a real robot's controller would have logged, and no more.
+
+    scenario: a built-in name, or the path of a scenario file. output: a folder to write it to, with its truth beside
+    it; left out, nothing is written. seed: another one for gains and noise than the scenario's. Raises BenchError
+    naming what in the scenario cannot be simulated.
+    """
+    simulation = simulation_of(scenario, seed, progress)
+    if output is None:
+        return as_dataset(simulation)
+    progress.phase("writing the recordings")
+    write_simulation(simulation, Path(output))
+    return load_dataset(output)
+
+
+def simulation_of(scenario: str | Path, seed: int | None, progress: Progress) -> Simulation:
+    """The same with its truth, as the command line writes it."""
+    loaded = load_scenario(str(scenario), {} if seed is None else {"seed": seed})
+    trajectories = resolve_trajectories(loaded, partial(designer, progress=progress))
+    return run(loaded, trajectories, progress=progress)
