@@ -84,6 +84,10 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         page.locator("#identify").click()
         page.locator("#apply").click()
         expect(page.locator("#applied .charts svg[role=img]")).to_have_count(1)
+        page.locator("#applied").get_by_role("button", name="Show the robot in motion").click()
+        before = page.locator("#applied output").inner_text()
+        page.locator("#applied .charts svg[role=img]").hover()
+        expect(page.locator("#applied output")).not_to_have_text(before)  # it moves with the time cursor
         command = page.locator("#missing .command pre").inner_text()
         page.locator("#history input").nth(0).check()
         page.locator("#history input").nth(1).check()

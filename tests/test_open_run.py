@@ -119,6 +119,12 @@ def test_a_comparison_is_the_command_s_and_its_model_s_too(site, root, monkeypat
     assert ours == shell
     assert [one["effects"] for one in ours["models"]] == [[], [LEFT]]
     assert any("has viscous friction at left" in sentence for sentence in ours["changed"])
+    moving = site.post("api/look/machine", {"dataset": "data", "model": model, "recording": "free.csv"}).json
+    frames = len(moving["time"])
+    assert 2 <= frames <= 400
+    assert len(moving["path"]) == 3 * frames
+    assert {len(bar["from"]) for bar in moving["bars"]} == {3, 3 * frames}
+    assert all(0.0 <= share <= 1.0 for share in moving["error"])
     models = [{"path": model, "name": "after", "role": "after"}]
     figure = site.post("api/look/curves", {"dataset": "data", "models": models}).json
     assert figure["type"] == "figure"

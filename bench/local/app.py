@@ -166,14 +166,17 @@ class Pages:
             for one in paths:
                 inside(one)
             return {"root": str(self.folder.root), "paths": paths}
-        if name in ("dataset", "curves"):
+        if name in ("dataset", "curves", "machine"):
             text = _text(asked, "dataset")
             data = self.folder.root if text == "." else inside(text)
             models = [
                 (str(inside(_text(one, "path"))), _text(one, "name"), _text(one, "role"))
                 for one in asked.get("models", [])
             ]
-            return {"dataset": str(data), "models": models}
+            known = {"dataset": str(data), "models": models}
+            if name == "machine":
+                known |= {"model": str(inside(_text(asked, "model"))), "recording": _text(asked, "recording")}
+            return known
         raise HTTPException(404)
 
 

@@ -72,7 +72,21 @@ def runs(arguments: Mapping[str, Any], _progress: Progress) -> list[dict[str, An
     return [_run(Path(arguments["root"]), path) for path in arguments["paths"]]
 
 
-LOOKS = {"columns": columns, "checks": checks, "dataset": dataset, "curves": curves, "runs": runs}
+def moving(arguments: Mapping[str, Any], progress: Progress) -> dict[str, Any]:
+    """The mechanism in a recording; see `machine`."""
+    from bench.local.machine import machine  # noqa: PLC0415 - the viewer's shapes take their time to import
+
+    return machine(arguments, progress)
+
+
+LOOKS = {
+    "columns": columns,
+    "checks": checks,
+    "dataset": dataset,
+    "curves": curves,
+    "machine": moving,
+    "runs": runs,
+}
 
 
 def _effects(data: Dataset) -> list[dict[str, Any]]:

@@ -11,6 +11,7 @@ SCRIPTS = (
     "dom.js",
     "server.js",
     "figure.js",
+    "machine.js",
     "columns.js",
     "recordings.js",
     "errors.js",

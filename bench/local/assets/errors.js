@@ -52,7 +52,23 @@ const Errors = (() => {
   async function curves(holder, models) {
     try {
       const found = await Server.look("curves", {dataset: app.dataset, models});
-      if (found.type === "figure") Figures.show(holder, found, remembered);
+      if (found.type !== "figure") return;
+      const [figure, robot] = [el("div"), el("div", {class: "part"})];
+      holder.replaceChildren(figure, robot);
+      const recording = found.choices.find((choice) => choice.name === "Recording");
+      const shown = () => (remembered.Recording || recording.options[recording.first]).replace(/ \([^()]*\)$/, "");
+      let machine = null;
+      const open = async () => {
+        try {
+          const asked = {dataset: app.dataset, model: models[models.length - 1].path, recording: shown()};
+          machine = Machine.create(robot, await Server.look("machine", asked));
+        } catch (error) {
+          robot.replaceChildren(el("p", {class: "fault"}, error.message));
+        }
+      };
+      Figures.show(figure, found, remembered, () => machine && open());
+      figure.addEventListener("cursor", (event) => machine && machine.at(event.detail));
+      robot.append(el("button", {type: "button", class: "robot", click: open}, "Show the robot in motion"));
     } catch (error) {
       holder.replaceChildren(el("p", {class: "fault"}, error.message));
     }

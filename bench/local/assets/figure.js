@@ -3,7 +3,7 @@
 const Figures = (() => {
   const {el, select} = Dom;
 
-  function show(holder, figure, remembered = {}) {
+  function show(holder, figure, remembered = {}, chose = () => undefined) {
     const chosen = figure.choices.map((choice) => {
       const before = choice.options.indexOf(remembered[choice.name]);
       return before < 0 ? choice.first : before;
@@ -23,6 +23,7 @@ const Figures = (() => {
         chosen[i] = Number(value);
         remembered[choice.name] = choice.options[chosen[i]];
         draw();
+        chose();
       })),
     );
     holder.replaceChildren(el("h3", {}, figure.title), el("p", {class: "aid"}, figure.aid), el("div", {class: "row"}, ...choices), screen);

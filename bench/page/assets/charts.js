@@ -283,6 +283,7 @@ const Charts = (() => {
           if (distance < gap) [gap, best] = [distance, i];
         }
         if (best < 0) return;
+        if (k === 0) svg.dispatchEvent(new CustomEvent("cursor", {detail: valueAt(one.x, best), bubbles: true}));
         if (k === 0) block("p", "", note, `at ${formatNumber(valueAt(one.x, best))} ${unitIn(chart.figure.x.label)}`.trim());
         const value = formatNumber(values[best] * (y.percent ? 100 : 1), 3);
         block("p", `key ${one.role}`, note, `${one.name} ${value} ${unitIn(y.label)}`.trim());
