@@ -7,16 +7,16 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from bench.dataset import load_dataset
+from bench.basics.errors import BenchError
+from bench.basics.progress import Progress
+from bench.dataset.dataset import load_dataset
 from bench.effects import catalogue_for
-from bench.errors import BenchError
-from bench.estimate.model_file import apply_model, load_model
+from bench.identification.model_file import apply_model, load_model
 from bench.model.geometry import read_geometry
-from bench.progress import Progress
-from bench.report.thin import significant
-from bench.show.body_motion import BodyMotion, body_motion
-from bench.show.geoms import visible_geoms
-from bench.show.scene import TOP, error_share
+from bench.page.thinned import significant
+from bench.viewer.body_motion import BodyMotion, body_motion
+from bench.viewer.geoms import visible_geoms
+from bench.viewer.scene import TOP, error_share
 
 FRAMES = 400  # at most: enough for the eye
 
