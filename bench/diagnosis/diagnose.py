@@ -10,12 +10,19 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
+from bench.diagnosis.as_good import with_spread_over_models
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
-from bench.diagnosis.pruning import SHOWS, impossible_effects, refused, superfluous_effect
+from bench.diagnosis.pruning import (
+    SHOWS,
+    impossible_but_needed,
+    impossible_effects,
+    refused,
+    superfluous_effect,
+)
 from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Superfluous
 from bench.diagnosis.rounds import Problem, Round, first_round, problem_of, searched
 from bench.diagnosis.search import Found
@@ -126,8 +133,11 @@ def found_from(
     while True:
         last = searched(problem, first, known, progress)
         progress.phase("fitting what was found")
-        model, after = _where_it_shows(problem, last.model, given)
-        out = impossible_effects(after, model.effects[own:])
+        whole = fit(last.model, fit_gains=problem.fit_gains)
+        model, after = _where_it_shows(problem, last.model, whole, given)
+        stayed = {(one.effect.name, one.place) for one in model.effects}
+        dropped = [one for one in last.model.effects if (one.effect.name, one.place) not in stayed]
+        out = impossible_effects(after, model.effects[own:]) | impossible_but_needed(whole, after, dropped)
         if not out:
             model, after, superfluous = leaving(problem, model, after, given)
             kept, new = kept_and_new(model.effects[own:], given)
@@ -153,6 +163,10 @@ def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagn
     scale = _relative(after, system, best)
     without = _errors_without(finding.names, finding.fits)
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
+    if left.significant and fit_gains:
+        progress.phase("fitting models that are as good")
+        added = model.effects[len(finding.problem.start.effects) :]
+        after = with_spread_over_models(finding.problem, finding.last, added, after)
     ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
     known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
     ranking = tuple(
@@ -175,13 +189,12 @@ def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagn
 
 
 def _where_it_shows(
-    problem: Problem, model: Prepared, given: Sequence[EffectInstance]
+    problem: Problem, model: Prepared, result: Identification, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification]:
     """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
-    starting model has there, which stay.
+    starting model has there, which stay. result: of the model with all of them.
     """
     fit_gains = problem.fit_gains
-    result = fit(model, fit_gains=fit_gains)
     added = model.effects[len(problem.start.effects) :]
     there = {(one.effect.name, one.joint) for one in given}
     kept = [one for one in added if (one.effect.name, one.joint) in there or _shows(result, one)]

@@ -31,6 +31,30 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
     }
 
 
+def impossible_but_needed(
+    whole: Identification, after: Identification, dropped: Sequence[EffectInstance]
+) -> dict[str, str]:
+    """Effects left out where their sign is impossible, if the model is clearly poorer for it; and why they go.
+
+    What they did there is needed: a part of theirs that is possible, as Stribeck's law has Coulomb friction in it, or
+    something that no effect accounts for. Either is looked for without them. whole: before they were left out.
+    """
+    errors = whole.error.validate, after.error.validate
+    if errors[0] is None or errors[1] is None or errors[1] < (1.0 + MATERIAL) * errors[0]:
+        return {}
+    reasons: dict[str, str] = {}
+    for one in dropped:
+        values = whole.effect_parameters[one.effect.name][one.place]
+        for parameter in one.effect.parameters:
+            value = values[parameter.name]
+            if parameter.positive and value.value < -SHOWS * value.std:
+                reasons[one.effect.name] = (
+                    f"{begun(one.effect.name)} would need a negative {parameter.name} at {one.place} to explain the "
+                    "data, which is physically impossible: something else of a like shape is there."
+                )
+    return reasons
+
+
 def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, str]:
     """The effect added last, if the others do as well without it; and why it goes.
 

@@ -14,7 +14,7 @@ from bench.document.diagnosis import (
     ranking_table,
 )
 from bench.document.identification import effects_table
-from bench.document.numbers import effect_name
+from bench.document.numbers import STD_FROM, effect_name
 from bench.document.terminal.identification import section, sentences_list
 from bench.document.terminal.tables import printed
 from bench.effects.display_names import named_after
@@ -54,6 +54,8 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
         if diagnosis.after.gains_fitted:
             gains = gains_before_after(diagnosis.before, diagnosis.after)
             section(console, "Drive gains, before and after", printed(gains, width))
+            if diagnosis.after.std_from != "noise":
+                console.print(Text(f"± after from {STD_FROM[diagnosis.after.std_from]}", "dim"))
         moved, still = parameters_before_after(diagnosis, None if verbose else MOST_PARAMETERS)
         section(console, "Dynamic parameters, before and after", printed(moved, width))
         if still:

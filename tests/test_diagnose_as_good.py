@@ -1,0 +1,59 @@
+"""Deviations of gains hold what models that are as good make of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.dataset.robot import load_robot
+from bench.diagnosis.pruning import impossible_but_needed
+from bench.effects import CATALOGUE, EffectInstance
+from bench.identification.result import Quantity
+from bench.identification.widened import gains_widened
+from tests.shown import dataset_of, identification_of
+
+
+@pytest.fixture(scope="module")
+def result():
+    return identification_of(dataset_of(load_robot("five_bar")))
+
+
+def with_left(result, value):
+    gains = {**result.drive_gains, "left": replace(result.drive_gains["left"], value=value)}
+    return replace(result, drive_gains=gains)
+
+
+def test_a_gain_that_moves_has_that_for_its_deviation(result):
+    gain = result.drive_gains["left"]
+    others = [with_left(result, gain.value + 20.0 * gain.std), with_left(result, gain.value - 5.0 * gain.std)]
+    wide = gains_widened(result, others)
+    assert wide.std_from == "models"
+    assert wide.drive_gains["left"].std == pytest.approx(20.0 * gain.std)
+    assert wide.drive_gains["left"].value == gain.value
+    assert wide.drive_gains["right"] == result.drive_gains["right"]
+    times = np.array(
+        [20.0 if (one.kind, one.place) == ("gain", "left") else 1.0 for one in result.covariance_rows]
+    )
+    assert np.allclose(wide.covariance, result.covariance * np.outer(times, times))
+
+
+def test_deviations_never_become_smaller(result):
+    gain = result.drive_gains["left"]
+    assert gains_widened(result, [with_left(result, gain.value + 0.5 * gain.std)]) is result
+    assert gains_widened(result, []) is result
+
+
+def test_an_effect_left_out_at_a_cost_goes_with_its_reason(result):
+    stribeck = EffectInstance(CATALOGUE["stribeck_friction"], "left", "stribeck_friction:left")
+    values = {"Fc": Quantity(3.0, 0.1, "N*m"), "Fs": Quantity(-1.0, 0.1, "N*m")}
+    whole = replace(result, effect_parameters={"stribeck_friction": {"left": values}})
+
+    def without(times):
+        return replace(whole, error=replace(whole.error, validate=times * whole.error.validate))
+
+    why = impossible_but_needed(whole, without(2.0), [stribeck])["stribeck_friction"]
+    assert why.startswith("Stribeck friction would need a negative Fs at left to explain the data")
+    assert impossible_but_needed(whole, without(1.01), [stribeck]) == {}
+    assert impossible_but_needed(whole, without(2.0), []) == {}
+    likely = replace(whole, effect_parameters={"stribeck_friction": {"left": {**values, "Fs": values["Fc"]}}})
+    assert impossible_but_needed(likely, without(2.0), [stribeck]) == {}
