@@ -11,7 +11,7 @@ from bench.diagnosis.rounds import problem_of
 from bench.discovery.factors import Decay, Memory, Power, Step, Wave
 from bench.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
 from bench.discovery.named import NAMED, name_of
-from bench.discovery.screen import Known, few_rows, left_by, screened
+from bench.discovery.screen import Known, few_rows, left_without, screened
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.source import law_effect, law_source
 from bench.discovery.term import Term, freed
@@ -165,7 +165,7 @@ def test_the_hidden_law_explains_most_of_what_a_rigid_model_leaves(context):
     terms = grammar(scope_of(context.prepared, context.left, places))
     rows = few_rows(len(context.left.remainder))
     known = [Known(seen_at(context.prepared, place), rows, terms) for place in places]
-    found = screened(left_by(context.left, known, rows), terms, 3)
+    found = screened(left_without(context.left, known, rows), terms, 3)
     assert found[0].term.formulas(places[0]) == ("sign(v)*abs(a)",)
     assert all(one.share >= other.share for one, other in pairwise(found))
     assert re.match(r"\{effort\}", found[0].term.unit(places[0]))

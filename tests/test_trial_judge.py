@@ -15,6 +15,7 @@ from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import NOTHING, SOMETHING, summarised
 from bench.studies.trial.target import Figure, Share
 from bench.studies.trial.true_effects import MODEL_PARAMETERS, WITHOUT_TRUTH, as_logged, true_values
+from bench.studies.trial.unknown import FAMILIES, LAW
 from bench.truth.hidden import HIDDEN_EFFECTS
 from tests.trial_rows import trial_row
 
@@ -75,7 +76,7 @@ def test_a_case_is_the_same_in_whatever_order_it_is_drawn(five_bar: Setup) -> No
     assert draw_case(five_bar, "one", 0, alone.effects).hides == alone.hides
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "unknown"])
 def test_what_is_hidden_makes_sense(five_bar: Setup, kind: Kind) -> None:
     for index in range(60):
         case = draw_case(five_bar, kind, index)
@@ -88,6 +89,15 @@ def test_what_is_hidden_makes_sense(five_bar: Setup, kind: Kind) -> None:
             assert 0.999 * begin <= hide.share <= 1.001 * high
             known = (*five_bar.motors, *five_bar.passive)
             assert set(hide.joints) <= set(known)
+
+
+def test_unknown_laws_go_through_every_family_beside_none_one_or_two_effects(five_bar: Setup) -> None:
+    cases = [draw_case(five_bar, "unknown", i) for i in range(3 * len(FAMILIES))]
+    assert [len(case.effects) - 1 for case in cases[:6]] == [0, 1, 2, 0, 1, 2]
+    assert all(case.effects[0] == LAW and case.hides[0].numbers for case in cases)
+    assert len({tuple(name for name, _ in case.hides[0].numbers) for case in cases}) > 8
+    assert cases[5] == draw_case(five_bar, "unknown", 5)
+    assert five_bar.outside == tuple(name for name in five_bar.outside if name != LAW)
 
 
 def test_one_goes_through_every_effect(five_bar: Setup) -> None:

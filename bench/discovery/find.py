@@ -17,6 +17,7 @@ from bench.diagnosis.search import MATERIAL
 from bench.diagnosis.verdicts import checked_error
 from bench.discovery.laws import Law, laws_of
 from bench.discovery.named import name_of
+from bench.discovery.refine import Refined
 from bench.discovery.search import Laws, search_laws
 from bench.discovery.seen import places_of
 from bench.discovery.term import Term
@@ -69,19 +70,19 @@ def diagnose_and_discover(
     wanted = left.significant or left.error > LEFT * left.noise_floor
     if not (wanted if discover is None else discover):
         return plain
-    laws = search_laws(finding.problem, finding.last, finding.barred, progress)
-    return plain if laws is None else _with_laws(case, finding, laws, plain, progress)
+    found_laws = search_laws(finding.problem, finding.last, finding.barred, progress)
+    return plain if found_laws is None else _with_laws(case, finding, *found_laws, plain, progress)
 
 
 def _with_laws(
-    case: Case, finding: Finding, searched: Laws, plain: Diagnosis, progress: Progress
+    case: Case, finding: Finding, searched: Laws, refined: Refined, plain: Diagnosis, progress: Progress
 ) -> Diagnosis:
     """The answer with the laws that were found, settled and judged beside all effects; without, if they do not stay."""
     problem, last = finding.problem, searched.last
     own = len(problem.start.effects)
-    result = fit(last.model, fit_gains=problem.fit_gains)
-    laws = laws_of(result, last.model.effects[own:], searched.found, places_of(problem.start))
-    named = [one for one in last.model.effects[own:] if one.effect.name not in searched.terms]
+    result = fit(refined.model, fit_gains=problem.fit_gains)
+    laws = laws_of(result, refined.model.effects[own:], refined.terms, places_of(problem.start))
+    named = [one for one in refined.model.effects[own:] if one.effect.name not in refined.terms]
     model = problem.with_instances([*named, *(one for law in laws for one in law.instances)])
     prior = max(one.prior for one in last.proposals)
     settled = {law.name: tuple(one for one in model.effects if one.effect.name == law.name) for law in laws}

@@ -15,6 +15,7 @@ MOST_ROWS = 4000  # that are looked at: more add nothing to a first choice
 TOGETHER = 256  # columns at a time
 INVISIBLE = 1e-3  # share of a column that the model must leave of it
 RIDGE = 1e-9  # added to a unit diagonal, so that parts that are alike can be solved
+DEPENDENT = 1e-10  # of the largest singular value
 DIGITS = 7  # of the share that a term explains
 TOLERANCE = 1e-3  # relative, of a number
 
@@ -161,15 +162,34 @@ class Left:
         return found.reshape(len(found), -1)
 
 
-def left_by(left: PartialRegression, known: Sequence[Known], rows: np.ndarray) -> Left:
-    """What a model leaves of its currents in these rows of every motor."""
-    motors = range(len(left.columns))
-    own = np.concatenate([left.columns[j][rows] @ left.basis for j in motors])
-    basis = np.asarray(np.linalg.qr(own)[0])
-    error = left.remainder[rows].T.reshape(-1)
+def left_without(
+    left: PartialRegression,
+    known: Sequence[Known],
+    rows: np.ndarray,
+    without: Sequence[int] = (),
+    values: Sequence[float] = (),
+) -> Left:
+    """What a solved model leaves of its currents in these rows of every motor, without some of its columns.
+
+    without: their places among the model's; values: their coefficients. All are linearised about the same solution,
+    that of the whole model, so that what is left without a part of it can be compared.
+    """
+    motors, out = range(len(left.columns)), list(without)
+    own = np.concatenate([np.delete(left.columns[j][rows], out, axis=1) for j in motors])
+    gone = [left.columns[j][rows][:, out] @ np.array(values, dtype=float) for j in motors]
+    basis = _orthonormal(own)
+    error = left.remainder[rows].T.reshape(-1) - np.concatenate(gone)
     error = error - basis @ (basis.T @ error)
     weights = [left.moving[rows, j] * left.weights[j] for j in motors]
     return Left(np.split(basis, len(motors)), np.split(error, len(motors)), weights, known)
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal columns of the same span."""
+    lengths = np.linalg.norm(columns, axis=0)
+    orthogonal, triangle = np.linalg.qr(columns / np.where(lengths > 0.0, lengths, 1.0))
+    left, singular, _ = np.linalg.svd(triangle)
+    return np.asarray(orthogonal @ left[:, singular > DEPENDENT * singular[0]])
 
 
 def few_rows(samples: int) -> np.ndarray:

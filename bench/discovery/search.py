@@ -6,21 +6,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.progress import SILENT, Progress
-from bench.diagnosis.candidates import Context, Proposal
+from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.rounds import Problem, Round, reshaped, system_about
 from bench.diagnosis.search import NEEDED, Found, score
 from bench.discovery.choose import best_set
 from bench.discovery.grammar import grammar
 from bench.discovery.named import BASICS, name_of
-from bench.discovery.screen import Known, Screened, at_place, few_rows, left_by
+from bench.discovery.refine import Refined, instances_of, refined
+from bench.discovery.screen import Known, few_rows, left_without
 from bench.discovery.seen import places_of, scope_of, seen_at
-from bench.discovery.source import law_effect
 from bench.discovery.states import State, best_states
-from bench.discovery.term import Term, freed
-from bench.discovery.variables import Place
-from bench.effects import EffectInstance
-from bench.identification.prepare import with_effects
+from bench.discovery.term import Term
+from bench.identification.partial_regression import partial_regression
+from bench.identification.prepare import Prepared
+from bench.identification.solve_only import solved_quickly
 
 ROUNDS = 4
 MOST_TERMS = 16  # that join the effects of the catalogue in a round
@@ -42,7 +42,7 @@ class Laws:
 
 def search_laws(
     problem: Problem, last: Round, barred: Collection[str], progress: Progress = SILENT
-) -> Laws | None:
+) -> tuple[Laws, Refined] | None:
     """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
 
     last: of a search among the effects of the catalogue, with its settled model; barred: names that may not be found.
@@ -50,7 +50,7 @@ def search_laws(
     laws = Laws(last, {})
     for number in range(ROUNDS):
         progress.phase(f"searching for laws, round {number + 1}")
-        states, count = _states(problem, laws.last)
+        states, count = _states(problem, laws)
         if not states:
             break
         if number:
@@ -61,7 +61,9 @@ def search_laws(
             break
         model = problem.with_proposals(laws.last.proposals, laws.last.chosen)
         laws = replace(laws, last=replace(laws.last, model=model))
-    return laws if laws.found else None
+    if not laws.found:
+        return None
+    return laws, refined(problem, laws.last.model, laws.found, places_of(problem.start))
 
 
 def _round(
@@ -74,8 +76,7 @@ def _round(
     proposals = [one for one in here.proposals if one.name not in laws.terms or one.name in terms]
     taken = {one.name for one in proposals}
     own = {one.structure: name for name, one in terms.items()}
-    fresh = [Screened(one, {}, 0.0) for term in terms.values() for one in freed(term)]
-    fresh += [one for state in states for one in state.terms]
+    fresh = [one for state in states for one in state.terms]
     prior = NEEDED + float(np.log(count))
     numbers = iter(range(len(fresh) + len(taken)))
     for one in fresh:
@@ -85,7 +86,7 @@ def _round(
             continue
         name = next(name for i in numbers if (name := f"term_{i}") not in taken)
         terms[name], own[one.term.structure] = one.term, name
-        proposals.append(Proposal(name, _instances(name, one, places), False, "", prior))
+        proposals.append(Proposal(name, instances_of(name, one, places), False, "", prior))
     index = {one.name: i for i, one in enumerate(proposals)}
     usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
     begin = [[index[name] for name in here.names]]
@@ -100,30 +101,36 @@ def _round(
     return Laws(Round(here.model, proposals, system, Found(best, singles, empty)), terms)
 
 
-def _instances(name: str, one: Screened, places: Sequence[Place]) -> tuple[EffectInstance, ...]:
-    """A term at every motor, with its numbers there."""
-    return tuple(
-        EffectInstance(law_effect(name, [at_place(one, place)], place)[0], place.name, f"{name}:{place.name}")
-        for place in places
-    )
-
-
-def _states(problem: Problem, here: Round) -> tuple[list[State], int]:
+def _states(problem: Problem, laws: Laws) -> tuple[list[State], int]:
     """Sets of terms beside nothing, what was found, and that without each of its effects; and how many were tried."""
-    model, own = here.model, len(problem.start.effects)
-    added = model.effects[own:]
-    found = problem.context(model)
-    kept = [tuple(sorted(here.names)), *(tuple(sorted(here.names - {name})) for name in here.names), ()]
-    contexts: dict[tuple[str, ...], Context] = {}
-    for names in dict.fromkeys(kept):
-        some = [one for one in added if one.effect.name in names]
-        whole = len(some) == len(added)
-        contexts[names] = (
-            found if whole else problem.context(with_effects(model, (*problem.start.effects, *some)))
-        )
-    places = places_of(found.prepared)
-    terms = grammar(scope_of(found.prepared, found.left, places))
-    rows = few_rows(len(found.left.remainder))
-    known = [Known(seen_at(found.prepared, place), rows, terms) for place in places]
-    lefts = {names: left_by(one.left, known, rows) for names, one in contexts.items()}
+    model, own = laws.last.model, len(problem.start.effects)
+    names = laws.last.names
+    stack, solution = solved_quickly(model, problem.fit_gains)
+    left = partial_regression(stack, solution)
+    seen = replace(model, signals=problem.nearby.signals(model.present, model.signals))
+    places = places_of(seen)
+    terms = grammar(scope_of(seen, left, places))
+    rows = few_rows(len(left.remainder))
+    known = [Known(seen_at(seen, place), rows, terms) for place in places]
+    columns, unknowns = _columns_of(model, own)
+    lefts = {}
+    fewer = [names, *(names - {name} for name in sorted(names)), set[str]()]
+    for kept in {tuple(sorted(some)): some for some in fewer}.values():
+        out = [i for name, some in columns.items() if name not in kept for i in some]
+        count = sum(unknowns[name] for name in kept)
+        lefts[tuple(sorted(kept))] = left_without(left, known, rows, out, solution.theta[out].tolist()), count
     return best_states(lefts, terms, BASICS), len(terms)
+
+
+def _columns_of(model: Prepared, own: int) -> tuple[dict[str, list[int]], dict[str, int]]:
+    """By effect beyond the first `own` ones: its columns among the model's, and how many unknowns it has."""
+    columns: dict[str, list[int]] = {}
+    unknowns: dict[str, int] = {}
+    at = model.layout.size - model.layout.effects
+    for i, one in enumerate(model.effects):
+        size, name = len(one.effect.parameters), one.effect.name
+        if i >= own:
+            columns.setdefault(name, []).extend(range(at, at + size))
+            unknowns[name] = unknowns.get(name, 0) + size + len(one.effect.shape)
+        at += size
+    return columns, unknowns

@@ -18,26 +18,30 @@ DEPTH = 3  # terms in a set
 @dataclass(frozen=True)
 class State:
     """Terms beside a model with some effects, what they leave, and half the logarithm of the squares that are left,
-    with a charge for each unknown.
+    with a charge for each unknown, `charged` for those of the effects.
     """
 
     beside: tuple[str, ...]
     terms: tuple[Screened, ...]
     left: Left
+    charged: float
     cost: float
 
 
 def best_states(
-    lefts: Mapping[tuple[str, ...], Left], terms: Sequence[Term], basics: Sequence[Term]
+    lefts: Mapping[tuple[str, ...], tuple[Left, int]], terms: Sequence[Term], basics: Sequence[Term]
 ) -> list[State]:
-    """Sets of up to DEPTH terms beside models with these effects, which leave so much: the best of each size, then the
-    second best, and so on; as long as more terms are worth what they cost.
+    """Sets of up to DEPTH terms beside models with these effects, which leave so much with so many unknowns.
 
+    The best of each size, then the second best, and so on; as long as more terms are worth what they cost.
     basics: terms beside which others may show; each model is tried with them as well.
     """
     price = NEEDED + float(np.log(len(terms)))
     levels: list[list[State]] = []
-    alone = [_state(names, (), left, price) for names, left in lefts.items()]
+    alone = [
+        _state(names, (), left, _charge(left, unknowns, NEEDED * len(names)), price)
+        for names, (left, unknowns) in lefts.items()
+    ]
     beam = list(alone)
     least = min(one.cost for one in alone)
     for basic in basics:
@@ -60,14 +64,20 @@ def _known(state: State) -> set[object]:
     return {one.term.structure for one in state.terms}
 
 
-def _state(beside: tuple[str, ...], terms: tuple[Screened, ...], left: Left, price: float) -> State:
-    unknowns = sum(one.term.parts + len(one.term.numbers) for one in terms) * left.motors + len(beside)
-    charge = (0.5 * np.log(left.rows) * unknowns + price * len(terms)) / left.rows
-    return State(beside, terms, left, float(0.5 * np.log(left.squares) + charge))
+def _state(
+    beside: tuple[str, ...], terms: tuple[Screened, ...], left: Left, charged: float, price: float
+) -> State:
+    unknowns = sum(one.term.parts + len(one.term.numbers) for one in terms) * left.motors
+    charge = charged + _charge(left, unknowns, price * len(terms))
+    return State(beside, terms, left, charged, float(0.5 * np.log(left.squares) + charge))
+
+
+def _charge(left: Left, unknowns: int, price: float) -> float:
+    return float((0.5 * np.log(left.rows) * unknowns + price) / left.rows)
 
 
 def _joined(state: State, one: Screened, price: float) -> State:
-    return _state(state.beside, (*state.terms, one), state.left.beside(one), price)
+    return _state(state.beside, (*state.terms, one), state.left.beside(one), state.charged, price)
 
 
 def _distinct(states: Sequence[State]) -> list[State]:

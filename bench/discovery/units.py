@@ -24,4 +24,4 @@ def written(unit: Unit) -> str:
 
 
 def _raised(symbol: str, exponent: float) -> str:
-    return symbol if exponent == 1.0 else f"{symbol}^{exponent:g}"
+    return symbol if exponent == 1.0 else f"{symbol}^{exponent:.3g}"

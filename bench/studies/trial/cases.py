@@ -12,9 +12,10 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.studies.trial.compatible import compatible
 from bench.studies.trial.setup import Setup, where
+from bench.studies.trial.unknown import BESIDE, FRICTIONS, LAW, drawn_law
 
-Kind = Literal["nothing", "one", "two", "three", "outside"]
-KINDS: dict[Kind, int] = {"nothing": 0, "one": 1, "two": 2, "three": 3, "outside": 1}
+Kind = Literal["nothing", "one", "two", "three", "outside", "unknown"]
+KINDS: dict[Kind, int] = {"nothing": 0, "one": 1, "two": 2, "three": 3, "outside": 1, "unknown": 1}
 """Kinds of datasets, with the number of effects that each hides."""
 
 DATASETS_A_SEED = 10
@@ -44,6 +45,9 @@ soft that motor and link swing against each other within the motion's own freque
 SETS_FROM = 0.6
 """Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""
 
+UNKNOWN_SHARES = (0.02, 0.1)
+"""The same of laws that no model knows."""
+
 NOISE = (0.002, 0.02)
 """Noise of the current over its RMS; drawn likewise."""
 
@@ -57,11 +61,15 @@ GAIN_ERROR = 0.1
 
 @dataclass(frozen=True)
 class Hide:
-    """An effect to be hidden: in which joints (none: the machine as a whole), and with what share of the torque."""
+    """An effect to be hidden: in which joints (none: the machine as a whole), and with what share of the torque.
+
+    numbers: of a law that is drawn with numbers of its own.
+    """
 
     effect: str
     joints: tuple[str, ...]
     share: float
+    numbers: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,6 +116,8 @@ def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ())
     One effect alone goes through all effects in turn. effects: draw from these; empty: from all.
     """
     known = chosen_effects(setup, kind, effects)
+    if kind == "unknown":
+        return _unknown_case(setup, index)
     if kind in ("one", "outside"):
         seed, at = divmod(index, len(known))
         random = _random(setup.name, kind, known[at], seed)
@@ -119,6 +129,25 @@ def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ())
         kind=kind,
         index=index,
         hides=tuple(_hide(setup, name, random, SETS_FROM if KINDS[kind] > 1 else 0.0) for name in names),
+        noise=_even_on_log_scale(NOISE, random),
+        encoder_bits=int(random.choice(ENCODER_BITS)),
+        seed=int(random.integers(2**31)),
+    )
+
+
+def _unknown_case(setup: Setup, index: int) -> Case:
+    """A law that no model knows, in one joint, beside none, one or two known effects."""
+    random = _random(setup.name, "unknown", LAW, index)
+    joint = str(random.choice(setup.motors))
+    numbers = drawn_law(index, len(setup.motors), random)
+    law = Hide(LAW, (joint,), _even_on_log_scale(UNKNOWN_SHARES, random), tuple(numbers.items()))
+    beside = _drawn_set(
+        [name for name in FRICTIONS if name in setup.effects], BESIDE[index % len(BESIDE)], random
+    )
+    return Case(
+        kind="unknown",
+        index=index,
+        hides=(law, *(_hide(setup, name, random, SETS_FROM) for name in beside)),
         noise=_even_on_log_scale(NOISE, random),
         encoder_bits=int(random.choice(ENCODER_BITS)),
         seed=int(random.integers(2**31)),

@@ -28,6 +28,7 @@ from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.run_trial import Request, run_trial
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import TrialSummary, summarised
+from bench.studies.trial.unknown_page import unknown_table, write_unknown
 
 
 def run_command(
@@ -74,6 +75,9 @@ def run_command(
     summary, paths = write_results(setup.name, rows, folder, scenario_seconds(setup))
     console.print()
     show(summary, console)
+    unknown = [row for row in rows if row["kind"] == "unknown"]
+    if unknown:
+        console.print(printed(unknown_table(unknown), console.width))
     console.print(f"\n{len(rows)} datasets in {duration_text(time.monotonic() - start)}", highlight=False)
     for path in paths:
         console.print(str(path), highlight=False, soft_wrap=True)
@@ -84,14 +88,19 @@ def write_results(
     robot: str, rows: Sequence[Row], folder: Path, seconds: float
 ) -> tuple[TrialSummary, list[Path]]:
     """Write ROBOT.parquet, ROBOT.md and the figures; returns the figures of the trial and the files."""
+    unknown = [row for row in rows if row["kind"] == "unknown"]
+    rows = [row for row in rows if row["kind"] != "unknown"]
+    written = write_unknown(robot, unknown, folder)
     summary = summarised(robot, rows)
+    if unknown and not rows:
+        return summary, written
     table = folder / f"{robot}.parquet"
     _write_rows(table, rows)
     figures = write_figures(summary, rows, folder / robot)
     page = folder / f"{robot}.md"
     names = [path.name for path in figures]
     write_text_atomically(page, trial_markdown(summary, _notes(rows, seconds), names))
-    return summary, [page, table, *figures]
+    return summary, [page, table, *figures, *written]
 
 
 def show(summary: TrialSummary, console: Console) -> None:

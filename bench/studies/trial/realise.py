@@ -14,6 +14,7 @@ from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.trial.cases import GAIN_ERROR, Case, Hide
 from bench.studies.trial.compatible import COMPANION_SIZE, COMPANIONS, PARTS
 from bench.studies.trial.setup import Setup, where
+from bench.studies.trial.unknown import sized
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import typical
 from bench.truth.simulate import Simulation, simulate
@@ -69,7 +70,10 @@ def entries(hide: Hide, reference: Reference) -> list[Entry]:
         return [_entry(hide.effect, None, typical(hide.effect, reference, hide.share))]
     found: list[Entry] = []
     for joint in hide.joints or (None,):
-        sizes = typical(hide.effect, reference, hide.share, joint)
+        if hide.numbers and joint is not None:
+            sizes = sized(dict(hide.numbers), reference, joint, hide.share)
+        else:
+            sizes = typical(hide.effect, reference, hide.share, joint)
         found.append(_entry(hide.effect, joint, sizes))
         found += [_entry(name, joint, _beside(name, sizes)) for name in COMPANIONS.get(hide.effect, ())]
     return found

@@ -13,6 +13,7 @@ from bench.dataset.robot import Robot, load_robot
 from bench.effects import CATALOGUE, places_in
 from bench.model.geometry import read_geometry
 from bench.scenario.file import find_scenario, read_with_bases
+from bench.studies.trial.unknown import LAW
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
 
 Where = Literal["actuated", "passive", "link", "machine"]
@@ -94,6 +95,8 @@ def where(effect: str) -> Where:
 
 
 def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
+    if effect == LAW:
+        return False  # drawn with numbers of its own, see bench.studies.trial.unknown
     if HIDDEN_EFFECTS[effect].in_catalogue and effect not in CATALOGUE:
         return False
     if effect == "payload_mass_error":

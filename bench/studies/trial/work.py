@@ -9,8 +9,8 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.diagnose import diagnose
 from bench.diagnosis.result import Diagnosis
+from bench.discovery.find import diagnose_and_discover
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.excitation.scenario import designer
 from bench.identification.identify import fit, prepare
@@ -27,12 +27,17 @@ from bench.studies.trial.cases import Case
 from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
 from bench.studies.trial.judge import judged, named_from
+from bench.studies.trial.law_judged import law_columns
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import Entry, hidden_places, realised, reference_scenario
 from bench.studies.trial.setup import Setup
+from bench.studies.trial.unknown import LAW
 from bench.truth.dataset import as_dataset
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import Simulation, simulate
+
+UNNAMED = ("outside", "unknown")
+"""Kinds of cases whose first hidden effect is in no catalogue."""
 
 
 @dataclass(frozen=True)
@@ -109,18 +114,22 @@ def failed_row(setup: Setup, case: Case, number: int, reason: str) -> Row:
 def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation) -> Row:
     """Diagnose the log of a simulation, which is all that the diagnosis is given, and judge the answer."""
     dataset = as_dataset(simulation)
-    diagnosis = diagnose(dataset)
+    diagnosis = diagnose_and_discover(dataset)
     hidden = [_plain_entry(one) for one in simulation.scenario.settings.hidden]
-    told, alone = _told(setup, dataset, hidden, case.effects)
+    known = [name for name in case.effects if name != LAW]
+    told, alone = _told(setup, dataset, hidden, known)
     floor = _floor(simulation, told)
     own = {effect: _error(one) / floor for effect, one in alone.items()}
-    if case.kind == "outside":
-        own = {case.effects[0]: _error(told) / floor}
+    if case.kind in UNNAMED:
+        own[case.effects[0]] = _error(told) / floor
     row = _case_columns(setup, case, number) | {"parameters": json.dumps(hidden)}
     row |= {f"own_error_over_floor.{i + 1}": own[effect] for i, effect in enumerate(case.effects)}
     row["least_own_error_over_floor"] = min((own[effect] for effect in case.effects), default=0.0)
     row |= _answer(case, diagnosis)
     row |= _accuracy(simulation, diagnosis, told, floor)
+    row["laws"] = len(diagnosis.discovered)
+    if case.kind == "unknown":
+        row |= law_columns(simulation, diagnosis, prepare(dataset))
     alike = moving_alike(simulation, setup.passive)
     row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
     row["intervals_told"] = json.dumps(intervals(setup, hidden, told, alike))
@@ -199,7 +208,8 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
         if (one := by_name.get(name)) is not None
     ]
     named = named_from(verdicts[: len(diagnosis.missing)])
-    judgement = judged(case.effects if case.kind != "outside" else (), wanted, named)
+    drawn = case.effects[1:] if case.kind in UNNAMED else case.effects
+    judgement = judged(drawn, wanted, named)
     absorbed = bool(case.effects) and all(
         by_name[name].verdict == "absorbed" for name in case.effects if name in by_name
     )
@@ -211,7 +221,7 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
         "exact": judgement.exact,
         "exact_undecided": judgement.exact_undecided,
         "wrong": " + ".join(judgement.wrong),
-        "absorbed": absorbed and case.kind != "outside",
+        "absorbed": absorbed and case.kind not in UNNAMED,
         "unexplained": diagnosis.unexplained.significant,
         "depends_on": ", ".join(diagnosis.unexplained.depends_on),
     }

@@ -38,6 +38,7 @@ from bench.truth.hidden.platform_force import PlatformForce
 from bench.truth.hidden.position_dependent_friction import PositionDependentFriction
 from bench.truth.hidden.position_dependent_viscous_friction import PositionDependentViscousFriction
 from bench.truth.hidden.presliding_hysteresis import PreslidingHysteresis
+from bench.truth.hidden.product_law import ProductLaw
 from bench.truth.hidden.quadratic_drag import QuadraticDrag
 from bench.truth.hidden.rotor_inertia import RotorInertia
 from bench.truth.hidden.signals import Clock, Law, Parameters, Signals
@@ -92,6 +93,7 @@ HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "position_dependent_friction": PositionDependentFriction,
     "position_dependent_viscous_friction": PositionDependentViscousFriction,
     "presliding_hysteresis": PreslidingHysteresis,
+    "product_law": ProductLaw,
     "quadratic_drag": QuadraticDrag,
     "rotor_inertia": RotorInertia,
     "speed_dependent_gain": SpeedDependentGain,

@@ -142,6 +142,11 @@ LAW_SIZES: Mapping[str, Rule] = {
     "position_dependent_friction": _position_dependent_friction,
     "position_dependent_viscous_friction": _position_dependent_viscous_friction,
     "presliding_hysteresis": _presliding,
+    "product_law": lambda j, share: {
+        "c": share * rms(j.torque) / rms(np.abs(j.velocity) ** 1.5),
+        "direction": 1.0,
+        "v": 1.5,
+    },
     "quadratic_drag": lambda j, share: {"c": share * rms(j.torque) / rms(j.velocity**2)},
     "rotor_inertia": lambda j, share: {"Ia": share * rms(j.torque) / rms(j.acceleration)},
     "speed_dependent_gain": lambda j, share: {"v0": rms(j.torque * j.velocity) / (share * rms(j.torque))},

@@ -1,0 +1,106 @@
+"""Laws that no model is told of, drawn from a grammar wider than that of discovery."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.truth.hidden.product_law import unit_torque
+from bench.truth.hidden.reference import Reference, rms
+
+LAW = "product_law"
+BESIDE = (0, 1, 2)
+"""How many known effects stand beside a law, in turn."""
+
+FRICTIONS = ("coulomb_friction", "viscous_friction", "constant_offset", "joint_spring", "quadratic_drag")
+"""Known effects that any machine may have beside it."""
+
+STEEPEST = 0.5
+"""Of a joint's inertia: how fast a torque may grow with the acceleration that it makes."""
+
+Numbers = dict[str, float]
+Draw = Callable[[np.random.Generator], Numbers]
+
+
+def _odd_exponent(random: np.random.Generator) -> float:
+    """Far enough from those that have names."""
+    low, high = ((0.4, 0.7), (1.3, 1.7), (2.3, 2.8))[int(random.integers(3))]
+    return float(random.uniform(low, high))
+
+
+FAMILIES: Mapping[str, Draw] = {
+    "drag with another exponent": lambda r: {"direction": 1.0, "v": _odd_exponent(r)},
+    "friction by the acceleration": lambda r: {"direction": 1.0, "a": float(r.choice([0.5, 1.0, 1.0, 1.3]))},
+    "drag by the acceleration": lambda r: {"direction": 1.0, "v": 1.0, "a": float(r.choice([0.5, 1.0]))},
+    "friction by a power of the load": lambda r: {"direction": 1.0, "tau": float(r.uniform(1.3, 2.2))},
+    "drag by the load": lambda r: {"direction": 1.0, "v": float(r.choice([1.0, 1.0, 1.5])), "tau": 1.0},
+    "drag by the position": lambda r: {
+        "direction": 1.0,
+        "v": 1.0,
+        "depth": float(r.uniform(0.6, 1.0)),
+        "wave": float(r.choice([1.0, 2.0, 3.0])),
+        "phase": float(r.uniform(0.0, 2.0 * np.pi)),
+    },
+    "friction by load and position": lambda r: {
+        "direction": 1.0,
+        "tau": 1.0,
+        "depth": float(r.uniform(0.6, 1.0)),
+        "wave": float(r.choice([1.0, 2.0])),
+        "phase": float(r.uniform(0.0, 2.0 * np.pi)),
+    },
+    "friction by acceleration and load": lambda r: {
+        "direction": 1.0,
+        "a": 1.0,
+        "tau": float(r.choice([0.5, 1.0])),
+    },
+    "drag by position and acceleration": lambda _: {"direction": 1.0, "v": 1.0, "a": 1.0, "q": 1.0},
+    "a gain that falls with the speed": lambda r: {
+        "odd_tau": 1.0,
+        "tau": 1.0,
+        "v": float(r.choice([1.0, 1.5])),
+    },
+    "a gain that drifts": lambda r: {"odd_tau": 1.0, "tau": 1.0, "T": float(r.uniform(2.0, 6.0))},
+    "friction by the other motors": lambda _: {"direction": 1.0, "others": 1.0},
+    "a link with second-order memory": lambda r: {
+        "direction": 1.0,
+        "v": float(r.choice([1.0, 2.0])),
+        "omega": float(r.uniform(3.0, 12.0)),
+        "zeta": float(r.uniform(0.4, 1.5)),
+    },
+    "drag that fades": lambda r: {"direction": 1.0, "v": 2.0, "T": float(r.uniform(2.0, 6.0))},
+}
+"""Kinds of laws; each draws its numbers."""
+
+
+def drawn_law(index: int, motors: int, random: np.random.Generator) -> Numbers:
+    """The numbers of the law of that index: all families in turn."""
+    known = [name for name in FAMILIES if motors > 1 or name != "friction by the other motors"]
+    numbers = FAMILIES[known[index % len(known)]](random)
+    return {name: float(f"{value:.4g}") for name, value in numbers.items()}
+
+
+def sized(numbers: Mapping[str, float], reference: Reference, joint: str, share: float) -> Numbers:
+    """The law with the coefficient that makes its torque a share of its motor's, RMS over RMS.
+
+    Raises BenchError where it would grow too fast with the acceleration that it makes.
+    """
+    unit = law_along(numbers, reference, joint)
+    movement = reference.movement(joint)
+    c = share * rms(movement.torque) / rms(unit)
+    if numbers.get("a"):
+        fast = np.abs(movement.acceleration) > 0.1 * rms(movement.acceleration)
+        slope = numbers["a"] * np.abs(c * unit[fast] / movement.acceleration[fast]).max()
+        if slope > STEEPEST * movement.inertia:
+            raise BenchError(f"{LAW} of joint {joint}: a share of {share:g} would outweigh the inertia")
+    return {"c": float(f"{c:.4g}"), **numbers}
+
+
+def law_along(numbers: Mapping[str, float], reference: Reference, joint: str) -> np.ndarray:
+    """A law's torque with c = 1 along a movement, all recordings one after the other."""
+    m = reference.movement(joint)
+    starts = np.flatnonzero(np.diff(m.time) < 0.0) + 1
+    signals = (m.position, m.velocity, m.acceleration, m.torque, m.other_torques, m.time)
+    parts = zip(*(np.split(one, starts) for one in signals), strict=True)
+    return np.concatenate([unit_torque(numbers, *part) for part in parts])

@@ -1,0 +1,116 @@
+"""Laws that no catalogue has, in a trial: what was found of them, as a table and a page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from bench.document.markdown.tables import markdown
+from bench.document.table import Column, Table
+from bench.files.atomic import atomic_path, write_text_atomically
+from bench.studies.sweep.journal import Row
+from bench.studies.trial.target import Share
+
+FLOOR = 1.5  # times the noise floor
+NEAR = 0.1  # of the torque's RMS
+LARGE = 3.0  # times the noise floor: what a law must make of an error in a model without it, to count
+
+
+def unknown_table(rows: Sequence[Row]) -> Table:
+    """Shares of the cases that count, and what they must reach."""
+    done = [row for row in rows if row["status"] == "ok" and row["least_own_error_over_floor"] >= LARGE]
+    alone = [row for row in done if " + " not in row["hidden"]]
+    beside = [row for row in done if " + " in row["hidden"]]
+    figures: list[tuple[str, Sequence[Row], Callable[[Row], bool], str]] = [
+        (f"one law alone: error not fitted at most {FLOOR:g} × the noise floor", alone, _at_floor, "80 %"),
+        ("its torque within 10 % (RMS) of the truth's on recordings not fitted", alone, _near, "75 %"),
+        ("its structure: the same variables, the same symmetry", alone, _structure, "70 %"),
+        ("beside one or two known effects: error at the floor", beside, _at_floor, ""),
+        ("its torque within 10 %", beside, _near, ""),
+        ("its structure", beside, _structure, ""),
+        ("the law's torque within 10 %, and the known effects exactly", beside, _both, "60 %"),
+        ("a wrong name of the catalogue for sure", done, lambda row: bool(row["wrong"]), "at most 3 %"),
+        ("a law at a motor that has none", done, lambda row: bool(row.get("law.elsewhere")), ""),
+    ]
+    shares = [Share(sum(rule(row) for row in some), len(some)) for _, some, rule, _ in figures]
+    return Table(
+        (
+            Column("figure", [name for name, *_ in figures], "sentence"),
+            Column("reached", [f"{100.0 * one.value:.0f} %" if one.of else "–" for one in shares]),
+            Column("goal", [goal for *_, goal in figures]),
+            Column("cases", [f"{one.count} of {one.of}" for one in shares]),
+            Column("95 % interval", [_interval(one) for one in shares]),
+        )
+    )
+
+
+def cases_table(rows: Sequence[Row]) -> Table:
+    """Every case: what was hidden, and what was found."""
+    before, after = ([row.get(f"error_over_floor.{name}") for row in rows] for name in ("before", "after"))
+    return Table(
+        (
+            Column("hidden law", [_numbers(row) for row in rows], "sentence"),
+            Column("beside", [", ".join(row["hidden"].split(" + ")[1:]) or "–" for row in rows], "sentence"),
+            Column("found", [row.get("law.found") or "–" for row in rows], "sentence"),
+            Column("named", [row.get("missing") or "–" for row in rows], "sentence"),
+            Column("error over floor, before", before, "number", 0, ".3g"),
+            Column("after", after, "number", 0, ".3g"),
+            Column("torque error", [row.get("law.error") for row in rows], "number", 0, ".2g"),
+        )
+    )
+
+
+def write_unknown(robot: str, rows: Sequence[Row], folder: Path) -> list[Path]:
+    """Write ROBOT_unknown.md and .parquet; nothing where no such case was tried."""
+    if not rows:
+        return []
+    page, table = folder / f"{robot}_unknown.md", folder / f"{robot}_unknown.parquet"
+    counted = [f"Cases count in which the law makes an error of at least {LARGE:g} × the noise floor."]
+    commits = sorted({str(row["commit"]) for row in rows if row.get("commit")})
+    text = [
+        f"# Trial of {robot}: laws that no catalogue has",
+        f"- datasets: {len(rows)}\n- commit: {', '.join(commits)}",
+        *counted,
+        markdown(unknown_table(rows)),
+        "## Every case",
+        markdown(cases_table([row for row in rows if row["status"] == "ok"])),
+    ]
+    write_text_atomically(page, "\n\n".join(text) + "\n")
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    with atomic_path(table) as partial:
+        pq.write_table(
+            pa.table({name: [row.get(name) for row in rows] for name in names}), partial, compression="zstd"
+        )
+    return [page, table]
+
+
+def _at_floor(row: Row) -> bool:
+    return float(row["error_over_floor.after"]) <= FLOOR
+
+
+def _near(row: Row) -> bool:
+    return float(row["law.error"]) <= NEAR
+
+
+def _structure(row: Row) -> bool:
+    return bool(row["law.structure"])
+
+
+def _both(row: Row) -> bool:
+    return _near(row) and bool(row["exact_undecided"])
+
+
+def _interval(share: Share) -> str:
+    if not share.of:
+        return "–"
+    low, high = share.interval
+    return f"{100.0 * low:.0f} % to {100.0 * high:.0f} %"
+
+
+def _numbers(row: Row) -> str:
+    found = json.loads(row.get("law") or "{}")
+    return ", ".join(f"{name} {value:g}" for name, value in found.items())

@@ -1,0 +1,133 @@
+"""A product of powers, a wave, a fading and a memory; not in the catalogue of effects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ProductLaw(JointEffect):
+    """c s |q̇|^v |q̈|^a |τ|^tau |τ_o|^others |q|^q (1 + depth cos(wave q + phase)) exp(-t/T).
+
+    s: sign(q̇) where direction is 1, sign(τ) where odd_tau is 1; τ: of the motor; τ_o: sum of those of the others; q̈:
+    one step ago. T: 0 for what does not fade. omega, zeta: where omega is not 0, the law is what a second-order filter
+    of that frequency (rad/s) and damping makes of all this. Friction (direction 1, v 0, omega 0) also sticks.
+    """
+
+    name: ClassVar[str] = "product_law"
+    not_negative: ClassVar[tuple[str, ...]] = ("v", "a", "tau", "others", "q", "wave", "T", "omega", "zeta")
+    in_catalogue: ClassVar[bool] = False
+    c: float
+    direction: float = 0.0
+    odd_tau: float = 0.0
+    v: float = 0.0
+    a: float = 0.0
+    tau: float = 0.0
+    others: float = 0.0
+    q: float = 0.0
+    depth: float = 0.0
+    wave: float = 0.0
+    phase: float = 0.0
+    T: float = 0.0
+    omega: float = 0.0
+    zeta: float = 0.0
+
+    def change(self, draft: Draft) -> None:
+        if self.direction and not self.v and not self.omega:
+            hard_friction(draft, self.joint)
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        sizes, after = _size(p, s), _remembered(p, s.step, s.position.shape)
+        rubs = _rubs(p)
+
+        def law() -> Array:
+            sign = np.where(p["direction"] > 0.0, np.sign(s.velocity), 1.0)
+            sign = sign * np.where(p["odd_tau"] > 0.0, np.sign(s.torque), 1.0)
+            return np.where(rubs, 0.0, after(sign * sizes()))
+
+        return law
+
+    @staticmethod
+    def dry_friction(p: Parameters, s: Signals) -> Law:
+        sizes, rubs = _size(p, s), _rubs(p)
+        return lambda: np.where(rubs, sizes(), 0.0)
+
+
+def unit_torque(
+    numbers: Mapping[str, float],
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    torque: Array,
+    others: Array,
+    time: Array,
+) -> Array:
+    """The law along a recording of one motor with c = 1, samples (N,) of all."""
+    p = {
+        name: np.array([numbers.get(name, 0.0)])
+        for name in ProductLaw.__dataclass_fields__
+        if name != "joint"
+    }
+    p["c"] = np.ones(1)
+    sign = np.sign(velocity) if p["direction"][0] else np.ones(len(time))
+    if p["odd_tau"][0]:
+        sign = sign * np.sign(torque)
+    driven = sign * _product(p, position, velocity, acceleration, torque, others, time)
+    after = _remembered(p, float(time[1] - time[0]), (1, 1))
+    return np.array([after(np.array([[one]]))[0, 0] for one in driven])
+
+
+def _rubs(p: Parameters) -> Array:
+    return np.asarray((p["direction"] > 0.0) & (p["v"] == 0.0) & (p["omega"] == 0.0))
+
+
+def _size(p: Parameters, s: Signals) -> Callable[[], Array]:
+    def size() -> Array:
+        others = s.all_torques.sum(axis=1, keepdims=True) - s.torque
+        return _product(p, s.position, s.velocity, s.acceleration, s.torque, others, s.clock.time)
+
+    return size
+
+
+def _product(
+    p: Parameters,
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    torque: Array,
+    others: Array,
+    time: Array | float,
+) -> Array:
+    """Without a sign and without memory; powers of zero are one."""
+    product = p["c"] * np.abs(velocity) ** p["v"] * np.abs(acceleration) ** p["a"]
+    product = (
+        product * np.abs(torque) ** p["tau"] * np.abs(others) ** p["others"] * np.abs(position) ** p["q"]
+    )
+    product = product * (1.0 + p["depth"] * np.cos(p["wave"] * position + p["phase"]))
+    fades = p["T"] > 0.0
+    return np.asarray(product * np.where(fades, np.exp(-time / np.where(fades, p["T"], 1.0)), 1.0))
+
+
+def _remembered(p: Parameters, step: float, shape: tuple[int, ...]) -> Callable[[Array], Array]:
+    """A second-order filter, explicit in its rate and implicit in its value, where omega is not 0."""
+    if not np.any(p["omega"]):
+        return lambda driven: driven
+    value, rate = np.zeros(shape), np.zeros(shape)
+
+    def after(driven: Array) -> Array:
+        rate[:] = rate + step * (p["omega"] ** 2 * (driven - value) - 2.0 * p["zeta"] * p["omega"] * rate)
+        value[:] = value + step * rate
+        return np.where(p["omega"] > 0.0, value, driven)
+
+    return after

@@ -1,0 +1,109 @@
+"""Laws that no model is told of: how they are hidden, and how what is found is held against them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnosis.result import Discovered, LawTerm, LooksAt
+from bench.document.markdown.tables import markdown
+from bench.excitation.scenario import designer
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.studies.trial.law_judged import _alike
+from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, sized
+from bench.studies.trial.unknown_page import unknown_table, write_unknown
+from bench.truth.hidden.reference import Reference, rms
+from bench.truth.simulate import simulate
+
+ROW = {
+    "status": "ok",
+    "kind": "unknown",
+    "hidden": "product_law",
+    "least_own_error_over_floor": 20.0,
+    "error_over_floor.before": 20.0,
+    "error_over_floor.after": 1.02,
+    "law": '{"c": 0.1, "direction": 1.0, "v": 1.5}',
+    "law.found": "left: 0.1*sign(v)*abs(v)**1.5",
+    "law.error": 0.03,
+    "law.structure": True,
+    "law.elsewhere": 0,
+    "missing": "",
+    "wrong": "",
+    "exact_undecided": True,
+    "commit": "abc",
+}
+
+
+@pytest.fixture(scope="module")
+def reference() -> Reference:
+    scenario = load_scenario("five_bar", {"design": {"optimise": False, "duration": 4.0}})
+    return Reference(simulate(scenario, resolve_trajectories(scenario, designer)))
+
+
+@pytest.mark.parametrize("index", range(len(FAMILIES)))
+def test_every_family_has_the_size_asked_for(index: int, reference: Reference) -> None:
+    numbers = drawn_law(index, 2, np.random.default_rng(index))
+    law = sized(numbers, reference, "left", 0.002)
+    found = law["c"] * rms(law_along(numbers, reference, "left"))
+    assert found == pytest.approx(0.002 * rms(reference.movement("left").torque), rel=1e-3)
+
+
+def test_the_simulated_machine_has_the_law_that_is_judged() -> None:
+    """What the motor must give beyond the rigid body is the law along the true motion."""
+    law = {
+        "effect": "product_law",
+        "joint": "left",
+        "c": 0.05,
+        "direction": 1.0,
+        "v": 1.5,
+        "depth": 0.8,
+        "wave": 2.0,
+    }
+    changes = {"design": {"optimise": False, "duration": 4.0}}
+    plain = load_scenario("five_bar", changes)
+    with_law = load_scenario("five_bar", {**changes, "hidden": [law]})
+    motions = resolve_trajectories(plain, designer)
+    recordings = simulate(with_law, motions).recordings
+    without = simulate(plain, motions).recordings
+    m, i = recordings[0].motion, 0
+    change = m.torque[:, i] - without[0].motion.torque[:, i]
+    velocity, position = without[0].motion.qvel, without[0].motion.qpos
+    wanted = 0.05 * np.sign(velocity[:, 0]) * np.abs(velocity[:, 0]) ** 1.5
+    wanted = wanted * (1.0 + 0.8 * np.cos(2.0 * position[:, 0]))
+    assert np.corrcoef(change, wanted)[0, 1] > 0.98
+
+
+def test_a_structure_is_alike_where_variables_and_symmetry_are() -> None:
+    looks = (LooksAt("velocity", "", "direction"), LooksAt("acceleration", "", "size"))
+    found = Discovered(
+        "left",
+        "law_left",
+        (LawTerm("sign(v)*abs(a)", 0.1, 0.01, "1", looks),),
+        {},
+        0.1,
+        0.1,
+        0.2,
+        None,
+        None,
+        "",
+    )
+    assert _alike({"c": 0.1, "direction": 1.0, "a": 1.0}, found)
+    assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0, "q": 1.0}, found)
+    even = replace(found.terms[0], looks_at=(LooksAt("velocity", "", "size"), looks[1]))
+    assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0}, replace(found, terms=(even,)))
+
+
+def test_the_page_counts_what_is_large_enough(tmp_path) -> None:
+    rows = [
+        ROW,
+        {**ROW, "law.error": 0.5, "law.structure": False},
+        {**ROW, "least_own_error_over_floor": 2.0, "law.error": 0.9},
+        {**ROW, "hidden": "product_law + viscous_friction", "wrong": "backlash"},
+    ]
+    text = markdown(unknown_table(rows))
+    assert "| 2 of 2 |" in text
+    assert "| 1 of 2 |" in text
+    page, table = write_unknown("five_bar", rows, tmp_path)
+    assert "direction 1, v 1.5" in page.read_text(encoding="utf-8")
+    assert table.stat().st_size > 0
+    assert write_unknown("five_bar", [], tmp_path) == []
