@@ -109,7 +109,9 @@ def test_a_comparison_is_the_command_s_and_its_model_s_too(site, root, monkeypat
     assert ours["where"]["left"]["error"] < 0.3 * fitted["where"]["left"]["error"]
     runs = [one["path"] for one in site.get("api/folder").json["runs"]]
     told = site.post("api/look/runs", {"paths": runs}).json
-    assert {one["path"]: (one["applied"], one["effects"]) for one in told} == {
+    kept = {one["path"]: (one["applied"], one["effects"]) for one in told}
+    assert kept.pop(model) == (False, [LEFT])
+    assert {path: one for path, one in kept.items() if "/model-" not in path} == {
         plain["files"]["run"]: (False, []),
         applied["files"]["run"]: (True, [LEFT]),
     }

@@ -82,9 +82,9 @@ class Pages:
         """What lies in the folder."""
         found = await asyncio.to_thread(self.folder.look)
         answer = asdict(found)
-        answer["runs"] = [
-            {"path": run, "time": said_time(self.folder.root / run / "report.json")} for run in found.runs
-        ]
+        root = self.folder.root
+        answer["runs"] = [{"path": run, "time": said_time(root / run / "report.json")} for run in found.runs]
+        answer["runs"] += [{"path": model, "time": said_time(root / model)} for model in found.models]
         answer |= {"root": str(self.folder.root), "name": self.folder.root.name, "start": self.start}
         return JSONResponse(answer | {"command": self.command, "largest": LARGEST})
 

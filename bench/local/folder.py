@@ -4,7 +4,7 @@ import os
 import re
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from bench.basics.errors import BenchError
@@ -16,17 +16,23 @@ from bench.page.folder import RUN_FILE
 LOGS = (*TEXTS, ".mat", ".npz", ".parquet")
 ROBOT_FILE = "robot.toml"
 DEEP, MANY = 6, 5000  # levels and entries that are looked at
+RESULTS = ".results"  # what the folder of a dataset's results ends in
+MODEL = re.compile(r"(\d+-diagnosis-)?model(-\d+)?\.json")  # in it
 NAME = re.compile(r"[\w][\w .()+=,-]{0,119}")
 
 
 @dataclass(frozen=True)
 class Found:
-    """What lies in the folder, as paths relative to it, with slashes. robots: what a command takes -> its words."""
+    """What lies in the folder, as paths relative to it, with slashes.
+
+    robots: what a command takes -> its words; runs: folders of results; models: model files beside them.
+    """
 
     datasets: list[str] = field(default_factory=list)
     logs: list[str] = field(default_factory=list)
     robots: dict[str, str] = field(default_factory=dict)
     runs: list[str] = field(default_factory=list)
+    models: list[str] = field(default_factory=list)
     cut: bool = False
 
 
@@ -94,7 +100,7 @@ class Folder:
         for folder, files in self._folders():
             count += len(files) + 1
             if count > MANY:
-                return Found(found.datasets, found.logs, found.robots, _by_time(runs), cut=True)
+                return replace(found, runs=_by_time(runs), cut=True)
             place = folder.relative_to(self.root).as_posix()
             if ROBOT_FILE in files and place != ".":
                 found.robots[place] = place
@@ -102,10 +108,12 @@ class Folder:
                 runs.append(((folder / RUN_FILE).stat().st_mtime, place))
             elif DATASET_FILE in files:
                 found.datasets.append(place)
+            elif place.endswith(RESULTS) or (place == RESULTS[1:] and found.datasets == ["."]):
+                found.models.extend(f"{place}/{name}" for name in sorted(files) if MODEL.fullmatch(name))
             elif ROBOT_FILE not in files:
                 logs = sorted(name for name in files if Path(name).suffix.lower() in LOGS)
                 found.logs.extend(name if place == "." else f"{place}/{name}" for name in logs)
-        return Found(found.datasets, found.logs, found.robots, _by_time(runs))
+        return replace(found, runs=_by_time(runs))
 
     def _folders(self) -> Iterator[tuple[Path, list[str]]]:
         for place, folders, files in os.walk(self.root):

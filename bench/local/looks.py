@@ -8,10 +8,12 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.dataset_toml import DATASET_FILE, DatasetSpec
 from bench.dataset.robot import load_robot
 from bench.effects import catalogue_for, places_in
 from bench.effects.display_names import begun, spoken
 from bench.files.atomic import finite
+from bench.files.toml_input import read_toml
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.model_json import to_json
 from bench.local.checks import Mapped, checked
@@ -37,6 +39,8 @@ def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
 def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """Recordings and payloads of a dataset, and the effects that its robot may have, with their places."""
     data = load_dataset(arguments["dataset"])
+    spec = read_toml(data.folder / DATASET_FILE, DatasetSpec)
+    accepted = {one.file: list(one.accept) for one in spec.recordings}
     return {
         "robot": data.robot.name,
         "joints": list(data.robot.joints),
@@ -48,6 +52,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
                 "payload": one.payload,
                 "rate": one.rate,
                 "seconds": float(one.time[-1] - one.time[0]),
+                "accepted": accepted.get(one.log, []),
             }
             for one in data.recordings
         ],

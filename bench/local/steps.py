@@ -13,10 +13,9 @@ from bench.dataset.dataset_toml import DATASET_FILE
 from bench.dataset.recording import Use
 from bench.dataset.recording_checks import Check
 from bench.files.toml_input import UserTable, first_mistake
-from bench.local.folder import Folder
+from bench.local.folder import RESULTS, Folder
 from bench.page.section_run import quoted
 
-RESULTS = ".results"
 Name = Annotated[str, Field(min_length=1, max_length=400)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 _EFFECT = re.compile(r"[a-z][a-z0-9_]*(:[\w .-]+)?(@[\w .-]+)?")

@@ -34,7 +34,7 @@ class Worker:
         self._changing = threading.Lock()
         self._process: Any = None
         self._connection: Connection | None = None
-        self._busy = self._cancelled = False
+        self._busy = self._cancelled = self._gone = False
 
     def call(self, name: str, arguments: Mapping[str, Any], progress: Progress) -> Any:
         """Run a function and wait for its answer; progress is told on the way.
@@ -56,6 +56,7 @@ class Worker:
                     else:
                         return content[0]
             except (EOFError, ConnectionError) as error:
+                self._gone = True  # also where the system has not noticed yet
                 raise CancelledError if self._cancelled else DiedError from error
             finally:
                 with self._changing:
@@ -76,7 +77,7 @@ class Worker:
     def _started(self) -> Connection:
         with self._changing:
             self._busy = True
-            if self._process is None or self._cancelled or not self._process.is_alive():
+            if self._process is None or self._cancelled or self._gone or not self._process.is_alive():
                 self._end()
             if self._connection is None:
                 context = get_context("spawn")  # a fork of a process with threads may hang
@@ -84,7 +85,7 @@ class Worker:
                 self._process = context.Process(target=_serve, args=(theirs, self._functions), daemon=True)
                 self._process.start()
                 theirs.close()
-                self._cancelled = False
+                self._cancelled = self._gone = False
             return self._connection
 
     def _end(self) -> None:

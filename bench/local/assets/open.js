@@ -39,7 +39,8 @@
     document.title = `${name} – parabench`;
     document.getElementById("title").textContent = name;
     const count = datasets.length === 1 ? "1 dataset" : `${datasets.length} datasets`;
-    document.getElementById("facts").replaceChildren(el("span", {}, root), " ", el("span", {}, count), " ", el("span", {}, command));
+    document.getElementById("facts").replaceChildren(el("span", {}, root), " ", el("span", {}, count), " ", el("span", {}, command),
+      ...(app.folder.cut ? [" ", el("span", {}, "too many files: only the first were looked at")] : []));
     for (const part of [Recordings, Errors, Effects, Results]) part.render();
   }
 

@@ -56,7 +56,7 @@ const Recordings = (() => {
     if (!app.described) return el("div");
     const data = app.described;
     const rows = data.recordings.map((one) => [one.name, one.use === "identify" ? "fitted" : "only compared", load(one.payload),
-      `${ChartBasics.formatNumber(one.seconds, 3)} s`, `${ChartBasics.formatNumber(one.rate, 4)} Hz`, "✓ all checks passed"]);
+      `${ChartBasics.formatNumber(one.seconds, 3)} s`, `${ChartBasics.formatNumber(one.rate, 4)} Hz`, one.accepted.length ? `✓ passed; accepted: ${one.accepted.join(", ")}` : "✓ all checks passed"]);
     const weighed = data.recordings.some((one) => one.use === "identify" && one.payload && data.payloads[one.payload]) &&
       data.recordings.some((one) => one.use === "identify" && !one.payload);
     const advice = weighed ? null : el("p", {class: "aid"},

@@ -21,7 +21,9 @@ const Results = (() => {
         else chosen.delete(run.model);
         button.disabled = chosen.size < 2;
       }});
-      return [input, run.time, el("a", {href: `show/${Server.address(run.path)}/report.html`, target: "_blank", rel: "noopener"}, run.path),
+      const link = run.path === run.model ? {href: `files/${Server.address(run.path)}`, download: true} :
+        {href: `show/${Server.address(run.path)}/report.html`, target: "_blank", rel: "noopener"};
+      return [input, run.time, el("a", link, run.path),
         run.effects.map(Effects.said).join(", ") || "none", percent(run.error.identify), percent(run.error.validate)];
     });
     body.replaceChildren(Dom.table(["", "made", "result", "effects", "error, fitted", "not fitted"], rows, ["", "keep", "", "", "right", "right"]),

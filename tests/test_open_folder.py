@@ -1,0 +1,63 @@
+"""What lies in an opened folder: datasets, logs, robots, results and models, wherever they stand."""
+
+import shutil
+
+from bench.dataset.catalogue import built_in_robots
+from bench.local.folder import Folder
+
+
+def test_everything_is_found_for_what_it_is(tmp_path):
+    for path in (
+        "log.csv",
+        "notes.md",
+        "more/log.mat",
+        "data/dataset.toml",
+        "data/free.csv",
+        "data.results/1-compare/report.json",
+        "data.results/1-compare/series.parquet",
+        "data.results/1-compare.json",
+        "data.results/model-3.json",
+        "data.results/2-diagnosis-model.json",
+        ".hidden/log.csv",
+    ):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text("")
+    shutil.copytree(built_in_robots()["five_bar"], tmp_path / "arm")
+    found = Folder(tmp_path).look()
+    assert found.datasets == ["data"]
+    assert found.logs == ["log.csv", "more/log.mat"]
+    assert found.runs == ["data.results/1-compare"]
+    assert found.models == ["data.results/2-diagnosis-model.json", "data.results/model-3.json"]
+    assert set(found.robots) == {*built_in_robots(), "arm"}
+    assert not found.cut
+
+
+def test_a_dataset_that_is_opened_itself_has_its_results_inside(tmp_path):
+    (tmp_path / "dataset.toml").write_text("")
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "model-1.json").write_text("")
+    found = Folder(tmp_path).look()
+    assert (found.datasets, found.models) == (["."], ["results/model-1.json"])
+
+
+def test_a_folder_that_is_called_results_is_a_folder_like_any_other(tmp_path):
+    folder = tmp_path / "results"
+    folder.mkdir()
+    (folder / "log.csv").write_text("")
+    assert Folder(folder).look().logs == ["log.csv"]
+
+
+def test_a_robot_elsewhere_is_offered_where_the_command_names_it(tmp_path, monkeypatch):
+    shutil.copytree(built_in_robots()["five_bar"], tmp_path / "arm")
+    (tmp_path / "opened").mkdir()
+    monkeypatch.chdir(tmp_path)
+    folder = Folder(tmp_path / "opened", (tmp_path / "arm",))
+    assert str(tmp_path / "arm") in folder.look().robots
+    assert folder.robot(str(tmp_path / "arm")) == "arm"
+
+
+def test_a_folder_of_very_many_files_is_cut_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.local.folder.MANY", 3)
+    for name in "abcde":
+        (tmp_path / name).mkdir()
+    assert Folder(tmp_path).look().cut
