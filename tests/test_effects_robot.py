@@ -21,7 +21,13 @@ from tests.effects_kit import PAYLOAD, moving_robot, rigid_torque
 from tests.mechanisms import NAMES, robot_named
 
 INNER = slice(30, -30)
-LINEARISED = {"backlash": "b", "base_tilt": "tilt_y", "drive_flexibility": "C", "encoder_offset": "offset"}
+LINEARISED = {
+    "backlash": "b",
+    "base_tilt": "tilt_y",
+    "drive_flexibility": "C",
+    "encoder_offset": "offset",
+    "transmission_error": "a",
+}
 
 
 def instances_of(name: str, robot: RobotSignals) -> tuple[EffectInstance, ...]:
@@ -219,18 +225,24 @@ def test_encoder_offset_flexibility_and_backlash_move_the_link(
 
 
 @pytest.mark.parametrize("robot_name", ["five_bar", "orthoglide"])
-def test_a_transmission_error_moves_the_link_with_its_wave(robot_name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("size", "share"), [(1e-5, 0.005), (1e-3, 0.01)])
+def test_a_transmission_error_moves_the_link_with_its_wave(
+    robot_name: str, size: float, share: float, tmp_path: Path
+) -> None:
     robot, model, _, present = moving_robot(robot_name, tmp_path, samples=2001, size=0.15)
     joint = list(robot.joints)[1]
     turn = 1.0 if robot.joints[joint].rotates else 2 * np.pi
-    values, periods = np.array([2e-5, -1e-5]), 20.0 / turn
-    angle = 20.0 * robot.position[:, 1]
-    logged, real = link_behind(robot, model, joint, values[0] * np.cos(angle) + values[1] * np.sin(angle))
+    values, logged = np.array([2.0, -1.0]) * size, robot.position[:, 1]
+    true = logged
+    for _ in range(30):
+        true = logged - values[0] * np.cos(20.0 * true) - values[1] * np.sin(20.0 * true)
+    before, real = link_behind(robot, model, joint, logged - true)
     expected = rigid_torque(model, present, model.geometry, real)
-    expected -= rigid_torque(model, present, model.geometry, logged)
-    found = columns_at(robot, "transmission_error", joint, periods=periods) @ values
+    expected -= rigid_torque(model, present, model.geometry, before)
+    about = {"a": values[0], "b": values[1]}
+    found = columns_at(robot, "transmission_error", joint, periods=20.0 / turn, **about) @ values
     scale = np.abs(expected[200:-200]).max()
-    assert found[200:-200] == pytest.approx(expected[200:-200], abs=0.01 * scale)
+    assert found[200:-200] == pytest.approx(expected[200:-200], abs=share * scale)
 
 
 def test_a_wrong_mass_of_the_payload_is_its_share_of_the_payload_s_torque(tmp_path: Path) -> None:

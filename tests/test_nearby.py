@@ -18,7 +18,7 @@ VALUES = {
     "backlash": {"b": 0.005},
     "base_tilt": {"tilt_x": 0.05, "tilt_y": -0.03},
     "drive_flexibility": {"C": 2e-4},
-    "transmission_error": {"periods": 12.0},
+    "transmission_error": {"a": 0.02, "b": -0.01},
 }
 
 

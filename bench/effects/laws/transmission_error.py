@@ -12,14 +12,16 @@ from bench.effects.samples import JointSamples
 from bench.effects.signals import WIDER, RobotSignals
 
 ORDER = 8  # of the roll-off of waves that are faster than the fit sees
+STEEPEST = 0.5  # rate of the error by the position: more would be no small error, and is not followed
+STEPS = 6  # from the logged position towards the true one, each at most STEEPEST of the one before
 
 
 @dataclass(frozen=True)
 class TransmissionError(Effect):
     """A joint that stands beside where it was logged, by a wave of its position.
 
-    The columns are changes of the present model's torque, loops closed, in proportion to the error e and its rates e' q̇
-    and e' q̈ + e'' q̇², so that fast motion shows short waves. Valid for errors that are small beside a period, and for
+    The columns are changes of the present model's torque in proportion to the error e and its rates e' ṗ and
+    e' p̈ + e'' ṗ², so that fast motion shows short waves. Valid for errors that are small beside a period, and for
     periods within the joint's travel that the motion does not sweep faster than the fit's band. Source: Hanselman,
     "Resolver signal requirements for high accuracy resolver-to-digital conversion", IEEE Transactions on Industrial
     Electronics 37(6), 1990; Tuttle and Seering, "A nonlinear model of a harmonic drive gear transmission", IEEE
@@ -27,13 +29,10 @@ class TransmissionError(Effect):
     """
 
     name = "transmission_error"
-    law = (
-        "τ = τ(q − e) − τ(q), e = a cos(N q) + b sin(N q): a joint that stands at q − e where q was logged, loops "
-        "closed."
-    )
+    law = "τ = τ(p) − τ(q), q = p + a cos(N p) + b sin(N p): a joint that stands at p where q was logged, loops closed."
     symbols = (
         "a, b: rad or m, of either sign; N: periods in a turn of what the encoder measures (of a slide: in a metre, "
-        "and the phase is 2 pi N q), found from the data: once a turn for a disc or gear off its centre, once a tooth "
+        "and the phase is 2 pi N p), found from the data: once a turn for a disc or gear off its centre, once a tooth "
         "for teeth."
     )
     shown_by = "move fast over the whole range"
@@ -41,22 +40,36 @@ class TransmissionError(Effect):
     shape = (ShapeParameter("periods", "1/{turn}", (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)),)
     depends_on_model = True
 
+    a: float = 0.0
+    b: float = 0.0
     periods: float = 1.0
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         coarse, own = robot.coarse, robot.joints[joint]
         at = list(robot.joints).index(joint)
         velocity, acceleration = coarse.velocity[:, at, None], coarse.acceleration[:, at, None]
-        steepness = float(
-            phase(np.ones(1), self.periods, own.rotates)[0]
-        )  # rad of the wave by rad or m of the joint
-        highest = 2.0 * np.pi * WIDER * own.band
-        shown = 1.0 / (1.0 + (steepness * velocity / highest) ** ORDER)
-        error = shown * wave(coarse.position[:, at], self.periods, own.rotates)
+        # rad of the wave for each rad or m of the joint
+        steepness = float(phase(np.ones(1), self.periods, own.rotates)[0])
+        about = self._about(steepness)
+        position = logged = coarse.position[:, at]
+        for _ in range(STEPS if about.any() else 0):
+            position = logged - wave(position, self.periods, own.rotates) @ about
+        error = wave(position, self.periods, own.rotates)
         slope = steepness * np.column_stack((-error[:, 1], error[:, 0]))
         bend = -(steepness**2) * error
-        rates = np.stack((error, slope * velocity, slope * acceleration + bend * velocity**2))
+        grown = 1.0 + (slope @ about)[:, None]
+        velocity = velocity / grown
+        acceleration = (acceleration - (bend @ about)[:, None] * velocity**2) / grown
+        highest = 2.0 * np.pi * WIDER * own.band
+        shown = 1.0 / (1.0 + (steepness * velocity / highest) ** ORDER)
+        rates = shown * np.stack((error, slope * velocity, slope * acceleration + bend * velocity**2))
         return robot.refined(-np.einsum("okn,okp->knp", slopes(robot, joint), rates))
+
+    def _about(self, steepness: float) -> np.ndarray:
+        """a and b (2,) about which it is linearised, as far as they are small beside a period."""
+        about = np.array([self.a, self.b])
+        steep = steepness * float(np.hypot(*about))
+        return about * (STEEPEST / steep) if steep > STEEPEST else about
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         if not samples:
