@@ -1,9 +1,14 @@
 """What lies in an opened folder: datasets, logs, robots, results and models, wherever they stand."""
 
+import re
 import shutil
 
+import pytest
+
+from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
-from bench.local.folder import Folder
+from bench.local.folder import LOGS, Folder
+from bench.logs.log_file import read_log
 
 
 def test_everything_is_found_for_what_it_is(tmp_path):
@@ -61,3 +66,11 @@ def test_a_folder_of_very_many_files_is_cut_and_says_so(tmp_path, monkeypatch):
     for name in "abcde":
         (tmp_path / name).mkdir()
     assert Folder(tmp_path).look().cut
+
+
+def test_every_kind_of_log_that_an_import_reads_is_offered(tmp_path):
+    with pytest.raises(BenchError) as refused:
+        read_log(tmp_path / "log.xyz")
+    kinds = re.search(r"a log is one of (.*), or the folder", str(refused.value))
+    assert kinds is not None
+    assert set(LOGS) == set(kinds.group(1).split(", "))

@@ -184,6 +184,8 @@ def test_only_what_belongs_to_the_page_is_an_asset(site, name):
         ("empty.csv", b"", "empty"),
         ("program.parquet", b"\x7fELF", "does not begin as"),
         ("program.mat", b"MZ", "does not begin as"),
+        ("program.mcap", b"\x7fELF", "does not begin as"),
+        ("program.bag", b"#!/bin/sh", "does not begin as"),
         ("program.csv", b"\x7fELF\0\0", "is no text"),
         ("book.csv", b"PK\x03\x04", "Excel"),
     ],

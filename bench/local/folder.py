@@ -11,9 +11,10 @@ from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset_toml import DATASET_FILE
 from bench.logs.log_file import TEXTS
+from bench.logs.ros_bag import SUFFIXES as BAGS
 from bench.page.folder import RUN_FILE
 
-LOGS = (*TEXTS, ".mat", ".npz", ".parquet")
+LOGS = (*TEXTS, ".mat", ".npz", ".parquet", *BAGS)
 ROBOT_FILE = "robot.toml"
 DEEP, MANY = 6, 5000  # levels and entries that are looked at
 RESULTS = ".results"  # what the folder of a dataset's results ends in

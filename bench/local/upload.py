@@ -14,6 +14,9 @@ STARTS: dict[str, tuple[bytes, ...]] = {
     ".parquet": (b"PAR1",),
     ".npz": (b"PK\x03\x04",),
     ".mat": (b"MATLAB ", b"\x89HDF"),
+    ".mcap": (b"\x89MCAP",),
+    ".db3": (b"SQLite format 3\0",),
+    ".bag": (b"#ROSBAG",),
 }
 """How files of a kind begin. A CSV begins with text."""
 

@@ -10,12 +10,12 @@ const Recordings = (() => {
     app = given;
     logs = el("div");
     setup = el("div");
-    const input = el("input", {type: "file", id: "files", multiple: true, accept: ".csv,.tsv,.txt,.dat,.log,.mat,.npz,.parquet", change: () => take([...input.files])});
+    const input = el("input", {type: "file", id: "files", multiple: true, accept: ".csv,.tsv,.txt,.dat,.log,.mat,.npz,.parquet,.mcap,.db3,.bag", change: () => take([...input.files])});
     const drop = el("label", {class: "drop", for: "files",
       dragover: (event) => { event.preventDefault(); drop.classList.add("over"); },
       dragleave: () => drop.classList.remove("over"),
       drop: (event) => { event.preventDefault(); drop.classList.remove("over"); take([...event.dataTransfer.files]); }},
-      input, "Drop logs here, or choose them: CSV and other text, MAT, NPZ, Parquet");
+      input, "Drop logs here, or choose them: CSV and other text, MAT, NPZ, Parquet, ROS bags");
     document.getElementById("add-log").replaceChildren(
       el("div", {class: "panel"}, el("h3", {}, "Add a log"), drop, logs, setup));
   }
