@@ -4,13 +4,18 @@ from bench.dataset.dataset import Dataset
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
-from bench.truth.simulate import simulate
+from bench.truth.simulate import Simulation, simulate
 
 BRAKED = {"effect": "acceleration_dependent_friction", "c": 0.015}
 
 
 def measured(*hidden: dict[str, object]) -> Dataset:
     """Measurements of a five-bar with these hidden effects."""
+    return as_dataset(simulated(*hidden))
+
+
+def simulated(*hidden: dict[str, object]) -> Simulation:
+    """A five-bar with these hidden effects, simulated."""
     changes = {"design": {"optimise": False, "duration": 8.0}, "hidden": list(hidden)}
     scenario = load_scenario("five_bar", changes)
-    return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
+    return simulate(scenario, resolve_trajectories(scenario, designer))

@@ -4,7 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from bench.cli.diagnose import diagnose as diagnose_command
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.diagnose import diagnose
@@ -15,7 +17,9 @@ from bench.discovery.find import diagnose_and_discover, find_missing_effects
 from bench.discovery.written import write_laws
 from bench.effects import catalogue_for
 from bench.identification.identify import identify
-from tests.discover_kit import BRAKED, measured
+from bench.page.folder import read_run
+from bench.truth.dataset import write_simulation
+from tests.discover_kit import BRAKED, measured, simulated
 
 FLOOR = 1.15  # times the noise: what may be left
 
@@ -115,3 +119,21 @@ def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:
     plain = diagnose_and_discover(braked, discover=False)
     assert plain.discovered == ()
     assert plain.ladder == diagnose(braked).ladder
+
+
+def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(braked: Dataset, tmp_path: Path) -> None:
+    runner = CliRunner()
+    folder, out = tmp_path / "data", tmp_path / "out"
+    out.mkdir()
+    write_simulation(simulated({**BRAKED, "joint": "left"}), folder)
+    named = ["--apply", str(out / "model.json"), "--json", str(out / "found.json"), "-o", str(out / "page")]
+    made = runner.invoke(diagnose_command, [str(folder), "-q", *named])
+    assert made.exit_code == 0, made.output
+    (law,) = json.loads((out / "found.json").read_text(encoding="utf-8"))["discovered"]
+    assert law["file"] == "law_left.py"
+    assert (out / "law_left.py").is_file()
+    kept = read_run(out / "page")
+    assert kept.diagnosis is not None
+    assert [one.formula for one in kept.diagnosis.discovered] == [law["formula"]]
+    assert "law_left" in kept.catalogue
+    assert "which no effect of the catalogue is" in (out / "page" / "report.html").read_text(encoding="utf-8")

@@ -81,7 +81,9 @@ def _with_laws(
     problem, last = finding.problem, searched.last
     own = len(problem.start.effects)
     result = fit(refined.model, fit_gains=problem.fit_gains)
-    laws = laws_of(result, refined.model.effects[own:], refined.terms, places_of(problem.start))
+    laws = laws_of(
+        result, refined.model.effects[own:], refined.terms, places_of(problem.start), case.catalogue
+    )
     named = [one for one in refined.model.effects[own:] if one.effect.name not in refined.terms]
     model = problem.with_instances([*named, *(one for law in laws for one in law.instances)])
     prior = max(one.prior for one in last.proposals)

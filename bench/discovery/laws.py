@@ -1,8 +1,9 @@
 """Terms that were found, as laws: one effect for all motors at which the same terms show."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 
 from bench.diagnosis.pruning import SHOWS
 from bench.discovery.source import labelled, law_effect
@@ -35,10 +36,11 @@ def laws_of(
     effects: Sequence[EffectInstance],
     terms: Mapping[str, Term],
     places: Sequence[Place],
+    taken: Collection[str],
 ) -> list[Law]:
     """Laws of the terms of a fitted model, each at the motors at which it shows.
 
-    effects: of the model; terms: by the name of their effect.
+    effects: of the model; terms: by the name of their effect; taken: names that laws cannot have.
     """
     shown: dict[int, list[Term]] = {}
     for place in places:
@@ -54,12 +56,23 @@ def laws_of(
     for index, some in shown.items():
         alike = tuple((one.structure, one.unit(places[index])) for one in some)
         groups.setdefault(alike, []).append(index)
-    return [_law(shown, [places[i] for i in at], len(places)) for at in groups.values()]
+    used = set(taken)
+    laws = []
+    for at in groups.values():
+        name = _name([places[i] for i in at], len(places), used)
+        used.add(name)
+        laws.append(_law(name, shown, [places[i] for i in at]))
+    return laws
 
 
-def _law(shown: Mapping[int, Sequence[Term]], at: Sequence[Place], motors: int) -> Law:
+def _name(at: Sequence[Place], motors: int, taken: Collection[str]) -> str:
+    """Such as law_left; law of all motors."""
     everywhere = len(at) == motors and motors > 1
-    name = re.sub(r"\W", "_", "law" if everywhere else "_".join(["law", *(one.name for one in at)])).lower()
+    plain = re.sub(r"\W", "_", "law" if everywhere else "_".join(["law", *(one.name for one in at)])).lower()
+    return next(name for i in count(1) if (name := plain if i == 1 else f"{plain}_{i}") not in taken)
+
+
+def _law(name: str, shown: Mapping[int, Sequence[Term]], at: Sequence[Place]) -> Law:
     terms = tuple(shown[at[0].index])
     effect, source = law_effect(name, terms, at[0])
     instances = []

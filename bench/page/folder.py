@@ -15,7 +15,16 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.result import Diagnosis, Differing, EffectVerdict, LadderStep, Superfluous, Unexplained
+from bench.diagnosis.law_effects import discovered_from, law_effects
+from bench.diagnosis.result import (
+    Diagnosis,
+    Differing,
+    Discovered,
+    EffectVerdict,
+    LadderStep,
+    Superfluous,
+    Unexplained,
+)
 from bench.diagnosis.split import with_judged_parts
 from bench.effects import Effect, catalogue_for
 from bench.files.atomic import finite, write_json_atomically, write_text_atomically
@@ -58,8 +67,9 @@ class Kept:
 
     @property
     def catalogue(self) -> Mapping[str, Effect]:
-        """The effects that were known, the user's own included."""
-        return catalogue_for(self.dataset.effect_files, self.effect_files)
+        """The effects that were known, the user's own included, and the laws that were discovered."""
+        laws = () if self.diagnosis is None else self.diagnosis.discovered
+        return {**catalogue_for(self.dataset.effect_files, self.effect_files), **law_effects(laws)}
 
     @property
     def effect_files(self) -> list[Path]:
@@ -111,6 +121,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         "unexplained": asdict(diagnosis.unexplained),
         "differs": [asdict(one) for one in diagnosis.differs],
         "superfluous": [asdict(one) for one in diagnosis.superfluous],
+        "discovered": [asdict(one) for one in diagnosis.discovered],
         "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
     }
 
@@ -153,7 +164,11 @@ def read_run(folder: Path) -> Kept:
     names = [MODEL_FILE] if told is None else [AFTER_FILE, BEFORE_FILE]
     paths = [folder / name for name in names]
     if said:
-        models = [read_identification(one, judged, catalogue) for one in paths]
+        try:
+            known_laws = law_effects(_discovered(told or {}))
+        except (KeyError, TypeError, ValueError) as error:
+            raise _damaged(path, error) from None
+        models = [read_identification(one, judged, {**catalogue, **known_laws}) for one in paths]
         diagnosis = None if told is None else _diagnosis(path, told, models, {})
         return Kept(run, dataset, models[0], diagnosis, model, said=said)
     between = _between(path, told)
@@ -219,9 +234,14 @@ def _diagnosis(
             after=after,
             differs=tuple(_differing(one) for one in told.get("differs", ())),
             superfluous=tuple(Superfluous(**one) for one in told.get("superfluous", ())),
+            discovered=_discovered(told),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
+
+
+def _discovered(told: Mapping[str, Any]) -> tuple[Discovered, ...]:
+    return tuple(discovered_from(one) for one in told.get("discovered", ()))
 
 
 def _differing(one: dict[str, Any]) -> Differing:

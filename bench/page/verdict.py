@@ -14,7 +14,7 @@ from bench.residuals.words import motor_words
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Three sentences on a diagnosis."""
+    """Three sentences on a diagnosis, and one for each law that was discovered."""
     said = summary_of(diagnosis)
     doubt = runaway(diagnosis.after)
     middle = sentence(doubt) if doubt else said.nominal or said.moved or gains_sentence(diagnosis.after)
@@ -26,7 +26,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     ]
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    return tuple(typeset(one) for one in (said.verdict, f"{middle}.", said.left))
+    return tuple(typeset(one) for one in (said.verdict, *said.laws, f"{middle}.", said.left))
 
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:

@@ -1,0 +1,30 @@
+"""Laws that were discovered, as effects and as files of them."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from bench.diagnosis.result import Discovered, LawTerm, LooksAt
+from bench.effects import Effect
+from bench.effects.user_file import effects_in
+from bench.identification.result import Quantity
+
+
+def law_effects(discovered: Iterable[Discovered]) -> dict[str, Effect]:
+    """The effects of laws by name, from the text of their files."""
+    sources = {one.law: one.source for one in discovered}
+    return {law: effects_in(source, Path(f"{law}.py"))[law] for law, source in sources.items()}
+
+
+def discovered_from(told: Mapping[str, Any]) -> Discovered:
+    """A law at a motor from its plain form, as `dataclasses.asdict` gives it."""
+    terms = tuple(
+        LawTerm(**{**term, "looks_at": tuple(LooksAt(**look) for look in term["looks_at"])})
+        for term in told["terms"]
+    )
+    numbers = {
+        name: Quantity(one["value"], float("inf") if one["std"] is None else one["std"], one["unit"])
+        for name, one in told["numbers"].items()
+    }
+    nearest = None if told["nearest"] is None else (str(told["nearest"][0]), float(told["nearest"][1]))
+    return Discovered(**{**told, "terms": terms, "numbers": numbers, "nearest": nearest})
