@@ -1,17 +1,21 @@
 """Laws that no model is told of: how they are hidden, and how what is found is held against them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from bench.diagnosis.result import Discovered, LawTerm, LooksAt
+from bench.diagnosis.result import Discovered, EffectVerdict, LawTerm, LooksAt
 from bench.document.markdown.tables import markdown
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.studies.trial.cases import Case, Hide
+from bench.studies.trial.judge import Named, judged
 from bench.studies.trial.law_judged import _alike
 from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, sized
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
+from bench.studies.trial.work import _answer
 from bench.truth.hidden.reference import Reference, rms
 from bench.truth.simulate import simulate
 
@@ -107,3 +111,26 @@ def test_the_page_counts_what_is_large_enough(tmp_path) -> None:
     assert "direction 1, v 1.5" in page.read_text(encoding="utf-8")
     assert table.stat().st_size > 0
     assert write_unknown("five_bar", [], tmp_path) == []
+
+
+def test_the_known_effects_beside_a_law_can_be_named_exactly() -> None:
+    """The law itself has no name, and is not asked for."""
+    named = [Named("viscous_friction", "missing", ())]
+    assert judged(["viscous_friction"], ["viscous_friction"], named).exact
+    case = Case(
+        "unknown",
+        0,
+        (Hide("product_law", ("left",), 0.1), Hide("viscous_friction", ("left",), 0.1)),
+        0.01,
+        20,
+        1,
+    )
+    verdict = EffectVerdict("viscous_friction", "missing", 0.1, 0.01, 90.0, ("left",), (), {}, "")
+    diagnosis = SimpleNamespace(
+        ranking=(verdict,),
+        missing=("viscous_friction",),
+        unexplained=SimpleNamespace(significant=False, depends_on=()),
+    )
+    answer = _answer(case, diagnosis)
+    assert answer["exact"]
+    assert answer["wrong"] == ""
