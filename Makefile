@@ -7,6 +7,7 @@
 #   make measured  identify and diagnose measured logs, beside what is known of their machines
 #   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
 #   make docs    the documentation as a site, in site/; open site/index.html
+#   make atlas   the figures of the atlas of effects, in results/atlas
 #   make format  put the code into the shape that `make test` asks for
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
@@ -19,7 +20,7 @@ INSTALLED := $(VENV)/.installed
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests test-kernels check check-full speed measured peers docs format constraints clean
+.PHONY: demo test lint types imports tests test-kernels check check-full speed measured peers docs atlas format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -65,6 +66,9 @@ $(PEERS)/.installed: pyproject.toml .ci/constraints.txt .ci/constraints-peers.tx
 
 docs: $(INSTALLED)
 	$(BIN)/properdocs build --strict --quiet -f docs/mkdocs.yml
+
+atlas: $(INSTALLED)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/atlas/draw.py
 
 format: $(INSTALLED)
 	$(BIN)/ruff check --fix-only .

@@ -1,8 +1,11 @@
 """The site of the documentation: it builds without a warning, and asks no other machine for anything."""
 
+import inspect
+import json
 import re
 import subprocess
 import sys
+import tomllib
 
 import pytest
 
@@ -49,3 +52,50 @@ def test_equations_are_drawn_by_the_browser_itself(site):
     start = (site / "index.html").read_text(encoding="utf-8")
     assert '<math xmlns="http://www.w3.org/1998/Math/MathML"' in start
     assert "arithmatex" not in start
+
+
+def test_the_key_of_the_atlas_leads_to_every_effect_and_each_has_its_figure(site, project_root):
+    from bench.effects import CATALOGUE
+
+    key = (project_root / "docs" / "pages" / "atlas" / "index.md").read_text(encoding="utf-8")
+    assert {*re.findall(r"\]\((\w+)\.md\)", key)} == {*CATALOGUE}
+    assert {path.stem for path in (site / "atlas").glob("*.png")} == {*CATALOGUE}
+    for name in CATALOGUE:
+        text = (site / "atlas" / f"{name}.html").read_text(encoding="utf-8")
+        assert "What it looks like" in text
+        assert "Which robots can show it" in text
+
+
+def test_no_table_of_a_page_is_left_to_be_made(site):
+    pages = {path.name: path.read_text(encoding="utf-8") for path in site.rglob("*.html")}
+    assert [name for name, text in pages.items() if "<!-- trials" in text or "<!-- seen" in text] == []
+    assert "one hidden effect: named first" in pages["trust.html"]
+
+
+def test_schemas_say_what_is_checked(site, project_root):
+    schemas = {
+        path.stem: json.loads(path.read_text()) for path in (site / "reference/schemas").glob("*.json")
+    }
+    assert {*schemas} == {"robot", "dataset", "map", "scenario", "sweep"}
+    content = tomllib.loads((project_root / "robots" / "five_bar" / "robot.toml").read_text())
+    assert {*content} <= {*schemas["robot"]["properties"]}
+    keys = (site / "reference" / "keys.html").read_text(encoding="utf-8")
+    assert "<code>recordings[].use</code>" in keys
+    assert "<code>payloads.NAME.mass</code>" in keys
+
+
+def test_code_keeps_its_brackets_where_a_page_stands_elsewhere(site):
+    text = (site / "reference" / "sweeps.html").read_text(encoding="utf-8")
+    assert "[axes]" in re.sub(r"<[^>]+>", "", text)
+
+
+def test_answers_have_the_keys_that_the_formats_name(project_root):
+    from bench.diagnosis import as_json
+    from bench.identification import model_json
+
+    page = (project_root / "docs" / "pages" / "reference" / "formats.md").read_text(encoding="utf-8")
+    for module, first in ((as_json, "answer = {"), (model_json, "answer = {")):
+        code = inspect.getsource(module).split(first, 1)[1].split("\n    }\n", 1)[0]
+        keys = re.findall(r'^        "(\w+)":', code, flags=re.MULTILINE)
+        assert len(keys) > 8
+        assert [key for key in keys if f"`{key}`" not in page] == []

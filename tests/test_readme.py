@@ -2,9 +2,12 @@
 
 import re
 
+import pyarrow.parquet as pq
 import pytest
 
 from bench.cli import main
+from bench.studies.trial.summary import summarised
+from bench.studies.trial.target import Figure
 
 
 @pytest.fixture(scope="module")
@@ -13,12 +16,15 @@ def blocks(project_root):
     return re.findall(r"```(\w+)\n(.*?)```", text, flags=re.DOTALL)
 
 
-def test_the_python_example_runs_on_what_the_demo_leaves(blocks, tmp_path, monkeypatch, capsys):
+def test_the_python_example_runs_on_what_the_demo_leaves(blocks, project_root, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["demo"]) == 0
     shown = capsys.readouterr().out
     assert shown.rstrip().splitlines()[-1].startswith("Open results/demo/")
-    example, twin = [code for language, code in blocks if language == "python"]
+    (example,) = [code for language, code in blocks if language == "python"]
+    (reference,) = python_of(project_root / "docs" / "pages" / "reference" / "python.md")
+    (twin,) = python_of(project_root / "docs" / "pages" / "howto" / "export.md")
+    assert reference == example
     assert len(example.strip().splitlines()) <= 10 + 1  # ten lines, one of them blank
     names: dict[str, object] = {}
     exec(compile(example, "README.md", "exec"), names)
@@ -34,8 +40,32 @@ def test_the_python_example_runs_on_what_the_demo_leaves(blocks, tmp_path, monke
     assert names["twin"].data.time >= 2.0
 
 
+def python_of(page):
+    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
 def test_pictures_and_links_of_the_readme_are_there(project_root):
     text = (project_root / "README.md").read_text(encoding="utf-8")
     targets = [t for t in re.findall(r"\]\(([^)#]+)\)", text) if not t.startswith("http")]
     assert targets
     assert [t for t in targets if not (project_root / t).exists()] == []
+
+
+def test_verdicts_of_the_readme_are_those_of_the_trials(project_root):
+    text = (project_root / "README.md").read_text(encoding="utf-8")
+    (heads,) = re.findall(r"^\| \|( five-bar .*)\|$\n\|---", text, flags=re.MULTILINE)[:1]
+    robots = [
+        {"five-bar": "five_bar", "hexapod": "stewart"}.get(r, r.lower())
+        for r in map(str.strip, heads.split("|"))
+    ]
+    for words, figure in (
+        ("one hidden effect: named first", Figure.ONE_FIRST),
+        ("nothing hidden: any alarm", Figure.ALARM),
+    ):
+        (row,) = re.findall(rf"^\| {words} \|(.*)\|$", text, flags=re.MULTILINE)
+        for robot, cell in zip(robots, map(str.strip, row.split("|")), strict=True):
+            if not cell:
+                continue
+            rows = pq.read_table(project_root / "results" / "trial" / f"{robot}.parquet").to_pylist()
+            (target,) = (one for one in summarised(robot, rows).targets if one.figure == figure)
+            assert cell == f"{target.share.count} of {target.share.of}"

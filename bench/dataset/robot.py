@@ -82,7 +82,7 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     the MJCF does not compile, or the two do not fit each other.
     """
     description = _find_description(robot, relative_to)
-    table = read_toml(description, _RobotTable)
+    table = read_toml(description, RobotTable)
     model_path = description.parent / table.model
     if not model_path.is_file():
         raise BenchError(f"{description}: model: there is no file {model_path}")
@@ -125,7 +125,9 @@ class _ToolTable(UserTable):
     site: Text
 
 
-class _RobotTable(UserTable):
+class RobotTable(UserTable):
+    """What robot.toml may hold."""
+
     name: Text
     model: Text
     actuators: tuple[_ActuatorTable, ...]

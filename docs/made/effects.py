@@ -1,11 +1,23 @@
-"""The atlas: a page for each effect of the catalogue, from the catalogue itself."""
+"""The atlas: a page for each effect, from the catalogue, `make atlas`, the trials and the measured machines."""
 
 import inspect
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import mkdocs_gen_files
+import pyarrow.parquet as pq
 
+from bench.document.markdown.tables import rows_in_markdown
 from bench.effects import CATALOGUE, Effect
+from bench.effects.display_names import begun, spoken
+from bench.effects.effect import EffectParameter, ShapeParameter
+from bench.identification.wording import in_percent
+from bench.studies.trial.summary import LARGE, NOTHING, SOMETHING
 
+RESULTS = Path(__file__).resolve().parents[2] / "results"
 PLACES = {
     "actuator": "a motor",
     "passive": "a joint without a motor",
@@ -13,36 +25,212 @@ PLACES = {
     "payload": "a payload",
     "robot": "the robot as a whole",
 }
+Numbers = Mapping[str, Any]
 
 
-def page(effect: Effect) -> str:
-    """Law, parameters with units, where it sits, and the command that adds it."""
+def page(effect: Effect, drawn: Numbers, robots: Numbers, trials: Mapping[str, Sequence[Numbers]]) -> str:
+    """Law, look, confusions, robots, measured sizes, and the command that adds it."""
+    parts = [
+        f"# {begun(effect.name)}",
+        law(effect),
+        look(effect.name, drawn),
+        confused(effect, trials),
+        shown_by_robots(effect.name, robots),
+        measured(effect.name),
+        command(effect),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def law(effect: Effect) -> str:
+    """The law with its symbols, where it holds, its source, and its parameters with units."""
+    rows = [(f"`{one.name}`", units(one)) for one in effect.parameters]
+    rows += [(f"`{one.name}`", f"{units(one)}, found from the data") for one in effect.shape]
+    quoted = f"> {effect.law}\n>\n> {effect.symbols}\n\n" if effect.law else ""
     about = inspect.cleandoc(type(effect).__doc__ or "")
-    law = f"> {effect.law}\n>\n> {effect.symbols}\n" if effect.law else ""
-    rows = [f"| `{one.name}` | {one.unit_at(True)} or {one.unit_at(False)} |" for one in effect.parameters]
-    rows += [f"| `{one.name}` | {one.unit_at(True) or '1'}, found from the data |" for one in effect.shape]
-    return "\n".join(
-        (
-            f"# {effect.name.replace('_', ' ').capitalize()}\n",
-            law,
-            f"{about}\n",
-            f"To see it, {effect.shown_by}.\n",
-            "| parameter | unit |\n|---|---|",
-            *rows,
-            f"\nSits at {PLACES[effect.place]}. Add it everywhere, or at one place:\n",
-            "```sh",
-            f"bench identify DATASET --with {effect.name}",
-            f"bench identify DATASET --with {effect.name}:PLACE",
-            "```",
+    table = rows_in_markdown(("parameter", "unit at a hinge or a slide"), rows)
+    return f"{quoted}{about}\n\nIt sits at {PLACES[effect.place]}.\n\n{table}"
+
+
+def units(one: EffectParameter | ShapeParameter) -> str:
+    """Its unit at a hinge, and at a slide where it is another."""
+    both = dict.fromkeys((one.unit_at(rotates) or "1").replace("*", "·") for rotates in (True, False))
+    return " or ".join(both)
+
+
+def look(name: str, drawn: Numbers) -> str:
+    """The figure of a model without the effect, what `bench compare` says, and what the fit makes of it."""
+    hidden = drawn.get("effects", {}).get(name)
+    if hidden is None:
+        return ""
+    about = drawn["about"]
+    what = ", ".join(
+        f"{spoken(one['effect'])}"
+        + (f" at {one['joint']}" if "joint" in one else "")
+        + f" ({', '.join(f'{key} = {value:g}' for key, value in one.items() if key not in ('effect', 'joint'))})"
+        for one in hidden["hidden"]
+    )
+    said = "\n".join(f"> - {sentence}" for sentence in hidden["says"]) or (
+        "> - nothing: the error is no more than noise leaves"
+        if not hidden["above_noise"]
+        else "> - no single thing that it follows far beyond chance"
+    )
+    gains = ", ".join(
+        f"{joint} {100 * off:+.2f} % (with it {100 * hidden['gains_off']['with'][joint]:+.2f} %)"
+        for joint, off in hidden["gains_off"]["without"].items()
+    )
+    return (
+        "## What it looks like\n\n"
+        f"Hidden in the five-bar: {what}. Its torque is {in_percent(hidden['share'])} of the motor's (RMS over RMS). "
+        f"Error of motor {hidden['motor']} in a model without it: {in_percent(hidden['error'])} of the current, where "
+        f"noise leaves {in_percent(hidden['noise'])}.\n\n"
+        f"[![Errors of a model without {spoken(name)}]({name}.png)]({name}.png)\n\n"
+        f"`bench compare` says:\n\n{said}\n\n"
+        f"What the fit makes of it: the drive gains come out off by {gains}.\n\n"
+        f"*Seed {about['seed']}, {about['seconds']:g} s a recording; commit {about['commit']}: `make atlas`.*"
+    )
+
+
+def confused(effect: Effect, trials: Mapping[str, Sequence[Numbers]]) -> str:
+    """What was named in the blind trials where this effect alone was hidden, and what tells them apart."""
+    rows, others = [], Counter[str]()
+    for robot, all_rows in trials.items():
+        cases = [
+            row
+            for row in all_rows
+            if row["status"] == "ok"
+            and row["kind"] == "one"
+            and row["hidden"] == effect.name
+            and not row["absorbed"]
+        ]
+        large = [row for row in cases if row["least_own_error_over_floor"] >= LARGE]
+        if not large:
+            continue
+        first = Counter(first_named(row) for row in large)
+        instead = {name: count for name, count in first.items() if name != effect.name}
+        listed = Counter(name for row in large for name in listed_beside(row, effect.name))
+        others.update({name: n for name, n in instead.items() if name in CATALOGUE})
+        others.update(listed)
+        rows.append(
+            (robot, f"{first[effect.name]} of {len(large)}", counted(instead) or "–", counted(listed) or "–")
         )
+    if not rows:
+        text = "No case of a trial hid it alone with an error of three times the noise floor or more."
+        return f"## With what it is confused\n\n{text}\n\nTo see it, {effect.shown_by}."
+    table = rows_in_markdown(("robot", "named first", "named instead", "openly one of two, beside"), rows)
+    motions = "\n".join(
+        f"- from [{spoken(name)}]({name}.md): {effect.shown_by}; {CATALOGUE[name].shown_by}"
+        for name, _ in others.most_common(4)
+    )
+    apart = f"\n\nWhat tells them apart:\n\n{motions}" if motions else f"\n\nTo see it, {effect.shown_by}."
+    note = f"Blind trials, cases in which its error is at least {LARGE:g} times the noise floor."
+    return f"## With what it is confused\n\n{note}\n\n{table}{apart}"
+
+
+def first_named(row: Numbers) -> str:
+    """The effect named first; nothing, or something unexplained, where none was."""
+    named = row["missing"].split(" + ")[0]
+    return named or (SOMETHING if row["unexplained"] else NOTHING)
+
+
+def listed_beside(row: Numbers, name: str) -> list[str]:
+    """What a verdict names openly beside the hidden effect."""
+    found = []
+    for one in json.loads(row["verdicts"]):
+        group = {one["effect"], *one["alternatives"]}
+        if one["verdict"] == "indistinguishable" and name in group:
+            found += sorted(group - {name})
+    return found
+
+
+def counted(names: Mapping[str, int]) -> str:
+    """Such as "viscous friction 2, backlash 1"."""
+    return ", ".join(
+        f"{spoken(name)} {count}" for name, count in sorted(names.items(), key=lambda one: -one[1])
     )
 
 
-for name, found in sorted(CATALOGUE.items()):
-    with mkdocs_gen_files.open(f"atlas/{name}.md", "w") as written:
-        written.write(page(found))
+def shown_by_robots(name: str, robots: Numbers) -> str:
+    """Which built-in robots can show it, which take it up, and which have no place for it."""
+    if not robots:
+        return ""
+    by: dict[str, list[str]] = {"can show it": [], "absorb it": [], "have no place for it": []}
+    for robot, one in robots["robots"].items():
+        kind = (
+            "can show it"
+            if name in one["shows"]
+            else "absorb it"
+            if name in one["absorbed"]
+            else "have no place for it"
+        )
+        by[kind].append(robot)
+    rows = [(kind, ", ".join(names)) for kind, names in by.items() if names]
+    return (
+        "## Which robots can show it\n\n"
+        "Computed with the movements and payloads of each robot's scenario. Where a robot absorbs it, the model's own "
+        "parameters take it up, and no data of that kind can tell it from them.\n\n"
+        + rows_in_markdown(("robots that", ""), rows)
+    )
+
+
+def measured(name: str) -> str:
+    """Its sizes on measured machines, beside what is known of them."""
+    rows = []
+    for path in sorted((RESULTS / "measured").glob("*.json")):
+        for one in json.loads(path.read_text(encoding="utf-8"))["runs"][0]["rows"]:
+            if one["quantity"].partition(" ")[0] == name:
+                known = "–" if one["known"] is None else f"{one['known']:g}"
+                value = f"{one['value']:.4g} ± {one['std']:.2g} {one['unit'].replace('*', '·')}"
+                rows.append((path.stem, one["place"], one["quantity"].partition(" ")[2], value, known))
+    if not rows:
+        return ""
+    table = rows_in_markdown(("machine", "at", "parameter", "found", "known"), rows)
+    return f"## On real machines\n\nSources of what is known: [measured machines](../measured.md).\n\n{table}"
+
+
+def command(effect: Effect) -> str:
+    """How it is added to a model, and how a motion is designed that shows it."""
+    return (
+        "## Add it\n\nEverywhere, or at one place:\n\n```sh\n"
+        f"bench identify DATASET --with {effect.name}\n"
+        f"bench identify DATASET --with {effect.name}:PLACE\n```"
+    )
+
+
+def seen_table(drawn: Numbers) -> str:
+    """Shares of the squared error that follow each variable, a row an effect."""
+    effects = drawn.get("effects", {})
+    if not effects:
+        return ""
+    variables = list(next(iter(effects.values()))["follows"])
+    rows = []
+    for name, one in effects.items():
+        cells = {key: f"{100 * share:.0f} %" for key, share in one["follows"].items()}
+        if one["above_noise"]:
+            best = max(one["follows"], key=one["follows"].get)
+            cells[best] = f"**{cells[best]}**"
+        else:
+            cells = dict.fromkeys(cells, "–")
+        over = f"{one['error'] / one['noise']:.1f}"
+        rows.append((f"[{spoken(name)}]({name}.md)", over, *(cells[key] for key in variables)))
+    return rows_in_markdown(("effect", "error over noise", *variables), rows)
+
+
+def read(path: Path) -> dict[str, Any]:
+    """JSON of `make atlas`."""
+    return dict(json.loads(path.read_text(encoding="utf-8")))
+
+
+seen, shown = read(RESULTS / "atlas" / "effects.json"), read(RESULTS / "atlas" / "robots.json")
+tried = {
+    path.stem: pq.read_table(path).to_pylist()
+    for path in sorted((RESULTS / "trial").glob("*.parquet"))
+    if "missing" in pq.read_schema(path).names
+}
+for effect_name, found in sorted(CATALOGUE.items()):
+    with mkdocs_gen_files.open(f"atlas/{effect_name}.md", "w") as written:
+        written.write(page(found, seen, shown, tried))
+with mkdocs_gen_files.open("atlas/index.md", "r") as key:
+    text = key.read()
 with mkdocs_gen_files.open("atlas/index.md", "w") as written:
-    lines = [f"- [{name.replace('_', ' ')}]({name}.md)" for name in sorted(CATALOGUE)]
-    written.write(
-        "# Atlas of effects\n\nWhat a rigid-body model lacks, a page each.\n\n" + "\n".join(lines) + "\n"
-    )
+    written.write(text.replace("<!-- seen -->", seen_table(seen)))

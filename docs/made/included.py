@@ -1,5 +1,6 @@
 """Pages that stand elsewhere in the project, where its folders need them too; here only their links are turned."""
 
+import posixpath
 import re
 from pathlib import Path
 
@@ -9,28 +10,42 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = {
     "scenarios/README.md": "reference/scenarios.md",
     "scenarios/sweeps/README.md": "reference/sweeps.md",
+    "bench/effects/README.md": "reference/effects.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
+    "results/measured/measured.md": "measured.md",
+    "results/peers/peers.md": "trust/peers.md",
+    **{
+        f"results/{kind}/{path.name}": f"trust/{kind}_{path.name}"
+        for kind in ("trial", "montecarlo")
+        for path in sorted((ROOT / "results" / kind).glob("*.md"))
+    },
 }
-LINK = re.compile(r"\]\(([^)#\s]+)(#[^)]*)?\)")
+PICTURES = {"results/pictures": "pictures", "results/trial": "trust", "results/atlas": "atlas"}
+FENCED = re.compile(r"(^```.*?^```$)", re.DOTALL | re.MULTILINE)
+LINK = re.compile(r"(?<!!)\[([^\][]+)\]\(([^)#\s]+)(#[^)]*)?\)")
 
 
 def turned(text: str, source: Path, page: Path) -> str:
     """The text with links to pages of the site where there is one, and without a link to what is not in it."""
 
     def link(found: re.Match[str]) -> str:
-        if "://" in found[1]:
+        if "://" in found[2]:
             return found[0]
-        target = (ROOT / source.parent / found[1]).resolve().relative_to(ROOT).as_posix()
+        target = posixpath.normpath(posixpath.join(source.parent.as_posix(), found[2]))
         if target not in PAGES:
-            return "]"
+            return found[1]
         up = "../" * (len(page.parts) - 1)
-        return f"]({up}{PAGES[target]}{found[2] or ''})"
+        return f"[{found[1]}]({up}{PAGES[target]}{found[3] or ''})"
 
-    text = LINK.sub(link, text)
-    return re.sub(r"(?<!!)\[([^\][]+)\](?![(\[:])", r"\1", text)
+    parts = FENCED.split(text)  # what is code stays as it is: every second part
+    return "".join(part if i % 2 else LINK.sub(link, part) for i, part in enumerate(parts))
 
 
 for source, page in PAGES.items():
     with mkdocs_gen_files.open(page, "w") as written:
         written.write(turned((ROOT / source).read_text(encoding="utf-8"), Path(source), Path(page)))
+for folder, there in PICTURES.items():
+    for picture in sorted((ROOT / folder).glob("*.png")):
+        with mkdocs_gen_files.open(f"{there}/{picture.name}", "wb") as copy:
+            copy.write(picture.read_bytes())
