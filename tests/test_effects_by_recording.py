@@ -18,7 +18,7 @@ from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.result import Identification
 from bench.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset
-from tests.workbench_solver import Solver
+from tests.workbench_sets import Carried
 
 GAIN = 3.3  # N*m/A, of the left motor
 OFFSETS = (0.4, -0.3, 0.05)  # N*m at the left motor: fitted, fitted with payload, not fitted
@@ -142,7 +142,7 @@ def test_the_page_keeps_them_as_they_are(dataset: Dataset) -> None:
     assert names[-2:] == ["c of constant offset at left@free.csv", "c of constant offset at left@held.csv"]
     assert len(names) == data["own"]
     assert data["found"] == [["viscous_friction", "left"]]
-    fitted = Solver(data).fit({"viscous_friction:left"})
+    fitted = Carried(data).fit({"viscous_friction:left"})
     expected = identify(dataset, [REQUEST, "viscous_friction:left"])
     assert fitted.fitted == pytest.approx(expected.error.identify, rel=1e-3)
     assert fitted.judged == pytest.approx(expected.error.validate, rel=1e-3)

@@ -14,10 +14,10 @@ from bench.diagnosis.diagnose import diagnose
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.partial_regression import PartialRegression
-from bench.workbench import kinds, reduce
+from bench.workbench import room
 from bench.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset
-from tests.workbench_solver import Solver
+from tests.workbench_sets import Carried
 
 HIDDEN = (
     {"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},
@@ -108,18 +108,14 @@ def test_diagnose_does_not_hang_on_rounding(dataset, again):
 @pytest.mark.parametrize("digits", CARRIED)
 def test_the_workbench_does_not_hang_on_rounding(dataset, again, digits, monkeypatch):
     if digits == "short":
-        monkeypatch.setattr(kinds, "MANY", 0)
-        monkeypatch.setattr(reduce, "MOST_BYTES", 0)
+        monkeypatch.setattr(room, "MOST_BYTES", 0)
     names = ("cogging_torque", "coulomb_friction", "stribeck_friction", "viscous_friction")
     solvers = [
-        Solver(json.loads(json.dumps(page_data(each, diagnosis_of(each, FOUND, names)))))
+        Carried(json.loads(json.dumps(page_data(each, diagnosis_of(each, FOUND, names)))))
         for each in (dataset, again)
     ]
     for requests in ((), FOUND, names):
-        fits = [
-            one.fit({key for key in one.places if {key, key.partition(":")[0]} & set(requests)})
-            for one in solvers
-        ]
+        fits = [one.fit(one.keys(requests)) for one in solvers]
         assert fits[1].fitted == pytest.approx(fits[0].fitted, rel=CARRIED[digits])
         assert fits[1].judged == pytest.approx(fits[0].judged, rel=CARRIED[digits])
         np.testing.assert_allclose(fits[1].gains, fits[0].gains, rtol=CARRIED[digits])

@@ -1,4 +1,4 @@
-"""What the workbench's page carries is enough to find again what `bench identify` finds."""
+"""What the workbench's page carries is enough to find again what `bench identify` finds, in the shapes found."""
 
 import json
 
@@ -8,10 +8,17 @@ import pytest
 from bench.dataset.dataset import load_dataset
 from bench.effects import CATALOGUE, catalogue_for
 from bench.identification.identify import identify
-from bench.workbench.page_data import page_data
+from bench.identification.model_file import apply_model, load_model, model_json
+from bench.identification.prepare import with_effects
+from bench.identification.solve_only import solved_quickly
+from bench.identification.summary import modelled_series
+from bench.workbench import room
+from bench.workbench.found_model import found_models
+from bench.workbench.page_data import page_data, with_command
 from bench.workbench.page_files import script, style
+from bench.workbench.proposals import instances_of
 from tests.workbench_kit import ABSORBED, FOUND, diagnosis_of, write_dataset
-from tests.workbench_solver import Solver, numbers
+from tests.workbench_sets import Carried, numbers
 
 LAWS = (
     "coulomb_friction",
@@ -25,15 +32,20 @@ LAWS = (
     "stribeck_friction",
     "viscous_friction",
 )
-SETS = (
+LINEAR = (
     (),
     FOUND,
     ("coulomb_friction",),
+    ("coulomb_friction:left", "constant_offset:right"),
+    ("constant_offset", "viscous_friction"),
+    ("passive_viscous_friction", "viscous_friction:left"),
+)
+CURVED = (
+    ("stribeck_friction",),
     ("load_dependent_friction", "viscous_friction:left"),
     ("presliding_hysteresis:left", "passive_viscous_friction"),
     ("coulomb_friction:left", "geometric_error:left_rod", "viscous_friction:left"),
     ("constant_offset", "coulomb_friction:left", "current_delay:left", "viscous_friction:left"),
-    ("stribeck_friction",),
 )
 
 
@@ -43,24 +55,29 @@ def dataset(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def carried(dataset):
-    return json.loads(json.dumps(page_data(dataset, diagnosis_of(dataset, names=LAWS)), allow_nan=False))
+def diagnosis(dataset):
+    return diagnosis_of(dataset, names=LAWS)
+
+
+@pytest.fixture(scope="module")
+def carried(dataset, diagnosis):
+    return json.loads(json.dumps(page_data(dataset, diagnosis), allow_nan=False))
 
 
 @pytest.fixture(scope="module")
 def solver(carried):
-    return Solver(carried)
+    return Carried(carried)
 
 
-@pytest.mark.parametrize("requests", SETS, ids=lambda one: "+".join(one) or "nothing")
+@pytest.mark.parametrize("requests", LINEAR, ids=lambda one: "+".join(one) or "nothing")
 def test_the_page_finds_what_identify_finds(dataset, solver, requests):
     expected = identify(dataset, requests)
-    found = solver.fit({key for key in solver.places if {key, key.partition(":")[0]} & set(requests)})
+    found = solver.fit(solver.keys(requests))
     assert found.fitted == pytest.approx(expected.error.identify, rel=5e-5)
     assert found.judged == pytest.approx(expected.error.validate, rel=5e-5)
     for gain, other in zip(found.gains, expected.drive_gains.values(), strict=True):
         assert gain == pytest.approx(other.value, rel=5e-5)
-    for key, values in found.effects.items():
+    for key, values in found.values.items():
         effect, _, place = key.partition(":")
         known = expected.effect_parameters[effect][place or "robot"]
         for name, value in values.items():
@@ -69,13 +86,63 @@ def test_the_page_finds_what_identify_finds(dataset, solver, requests):
             assert value == pytest.approx(known[name].value, abs=near), (key, name)
 
 
+@pytest.mark.parametrize("requests", CURVED, ids="+".join)
+def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, carried, solver, requests):
+    """The same from rows in place of products: effects in the shape that the page names, about the found model."""
+    model, _ = found_models(dataset, diagnosis, dict(CATALOGUE))
+    keys = solver.keys(requests)
+    instances = [
+        one for one in instances_of(model, {name: CATALOGUE[name] for name in LAWS}) if one.request in keys
+    ]
+    for one in instances:
+        told = {each["name"]: each["value"] for each in solver.places[one.request]["shape"]}
+        assert told == one.effect.shape_values()
+    prepared = with_effects(model.plain, instances, model.found.present)
+    _, expected = solved_quickly(prepared, True)
+    found = solver.fit(keys)
+    np.testing.assert_allclose(found.gains, expected.gains, rtol=1e-4)
+    squares = [
+        modelled_series(prepared, one, expected) for one in prepared.observations if one.use == "validate"
+    ]
+    left = sum(float((((one.measured - one.modelled) * one.moving) ** 2).sum()) for one in squares)
+    whole = sum(float(((one.measured * one.moving) ** 2).sum()) for one in squares)
+    assert found.judged == pytest.approx(np.sqrt(left / whole), rel=2e-4)
+
+
 def test_the_found_set_and_what_is_absorbed_are_told(carried):
     assert [":".join(one) for one in carried["found"]] == list(FOUND)
     effects = {one["name"]: one for one in carried["effects"]}
     assert list(effects) == [name for name in CATALOGUE if name in LAWS]
     assert all(not effects[name]["places"] for name in ABSORBED if name in effects)
     assert [one["place"] for one in effects["stribeck_friction"]["places"]] == ["left", "right"]
-    assert effects["geometric_error"]["places"][0]["follows"] is not None
+    assert effects["geometric_error"]["places"][0]["curved"]
+    assert not effects["viscous_friction"]["places"][0]["curved"]
+
+
+def test_deviations_are_those_of_the_models_that_were_fitted(diagnosis, carried):
+    found, before = carried["deviations"]
+    assert [":".join(one) for one in found["effects"]] == list(FOUND)
+    assert found["gains"] == [one.std for one in diagnosis.after.drive_gains.values()]
+    assert before == {"effects": [], "gains": [one.std for one in diagnosis.before.drive_gains.values()]}
+
+
+def test_effects_that_there_is_no_room_for_are_named(dataset, diagnosis, monkeypatch):
+    monkeypatch.setattr(room, "MOST_BYTES", 0)
+    monkeypatch.setattr(room, "MOST_SHORT_BYTES", 2000)
+    data = page_data(dataset, diagnosis)
+    without = [one["name"] for one in data["effects"] if one["no_room"]]
+    kept = [one["name"] for one in data["effects"] if one["places"]]
+    assert without
+    assert not set(without) & set(kept)
+    assert {"coulomb_friction", "viscous_friction"} <= set(kept)  # what was found stays
+    assert Carried(data).fit(set(FOUND)).judged == pytest.approx(diagnosis.after.error.validate, rel=1e-3)
+
+
+def test_the_model_that_was_found_is_carried_as_its_file_holds_it(carried, diagnosis, dataset, tmp_path):
+    given = with_command(carried, "bench identify data", model_json(diagnosis.after, dataset.folder))
+    (tmp_path / "model.json").write_text(json.dumps(given["model"], allow_nan=False))
+    compared = apply_model(dataset, load_model(tmp_path / "model.json"))
+    assert compared.error.validate == pytest.approx(diagnosis.after.error.validate, rel=1e-6)
 
 
 def test_curves_show_what_was_measured(dataset, carried):
@@ -94,7 +161,7 @@ def test_curves_show_what_was_measured(dataset, carried):
 
 
 def test_a_page_stays_small(carried):
-    assert len(json.dumps(carried)) < 1_800_000
+    assert len(json.dumps(carried)) < 600_000
 
 
 def test_effects_of_the_user_are_carried_too(dataset, tmp_path):
@@ -111,9 +178,9 @@ def test_effects_of_the_user_are_carried_too(dataset, tmp_path):
     )
     catalogue = catalogue_for((), [file])
     diagnosis = diagnosis_of(dataset, names=("coulomb_friction", "fan_torque", "viscous_friction"))
-    solver = Solver(page_data(dataset, diagnosis, catalogue))
+    solver = Carried(page_data(dataset, diagnosis, catalogue))
     expected = identify(dataset, ["coulomb_friction", "fan_torque"], catalogue=catalogue)
-    found = solver.fit({key for key in solver.places if key.startswith(("coulomb", "fan"))})
+    found = solver.fit(solver.keys(("coulomb_friction", "fan_torque")))
     assert found.judged == pytest.approx(expected.error.validate, rel=5e-5)
 
 

@@ -7,12 +7,14 @@ import pytest
 
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
+from bench.identification.model_file import apply_model, load_model, model_json
 from bench.page.browser import opened
 from bench.page.parts import Page, Section
 from bench.page.render import Workbench, render_page
-from bench.workbench.page_data import page_data
+from bench.workbench.page_data import page_data, with_command
 from bench.workbench.page_files import script, style
 from tests.workbench_kit import FOUND, diagnosis_of, write_dataset
+from tests.workbench_sets import Carried
 
 LAWS = (
     "coulomb_friction",
@@ -30,9 +32,13 @@ def folder(tmp_path_factory):
     """A dataset, and a page with nothing but the workbench."""
     folder = tmp_path_factory.mktemp("workbench")
     dataset = load_dataset(write_dataset(folder / "data"))
-    data = page_data(dataset, diagnosis_of(dataset, names=LAWS))
+    diagnosis = diagnosis_of(dataset, names=LAWS)
+    data, model = page_data(dataset, diagnosis), model_json(diagnosis.after, dataset.folder)
+    (folder / "page.json").write_text(json.dumps(data))
     page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
-    text = render_page(page, Workbench(data, script(), style()))
+    text = render_page(
+        page, Workbench(with_command(data, "bench identify 'my data'", model), script(), style())
+    )
     (folder / "page.html").write_text(text, encoding="utf-8")
     return folder
 
@@ -78,6 +84,7 @@ def shown(page):
           return {
             error: Object.fromEntries(all("[data-figure]").map((one) => [one.dataset.figure, value(one)])),
             words: Object.fromEntries(all("[data-figure]").map((one) => [one.dataset.figure, one.textContent])),
+            deviations: Object.fromEntries(all("[data-deviation]").map((one) => [one.dataset.deviation, value(one)])),
             gains: Object.fromEntries(all("[data-gain]").map((one) => [one.dataset.gain, value(one)])),
             parameters: all("[data-parameter]").map((one) => [one.dataset.key, one.dataset.parameter, value(one)]),
             then: Object.fromEntries(all(".bench-effect").map((one) =>
@@ -113,6 +120,15 @@ def agree(seen, answer, sure=None):
     assert compared == len(sure or seen["parameters"])
 
 
+def as_found(seen, folder, *requests):
+    """The page's figures are those that `solve_set` gives with what the page carries."""
+    carried = Carried(json.loads((folder / "page.json").read_text()))
+    answer = carried.fit(carried.keys(requests))
+    assert seen["error"]["identify"] == pytest.approx(answer.fitted, rel=1e-5)
+    assert seen["error"]["validate"] == pytest.approx(answer.judged, rel=1e-4)
+    assert list(seen["gains"].values()) == pytest.approx(list(answer.gains), rel=1e-4)
+
+
 def test_what_was_found_is_ticked_and_agrees(look, folder):
     page = look()
     agree(shown(page), identified(folder, *FOUND))
@@ -136,8 +152,9 @@ def test_effects_ticked_by_keyboard_agree_with_the_command(look, folder):
     two = shown(press(page, "input[data-effect=stribeck_friction]"))
     assert one["then"]["stribeck_friction"] == pytest.approx(two["error"]["validate"], rel=1e-9)
     press(page, "input[data-effect=coulomb_friction]")
-    agree(shown(page), identified(folder, "stribeck_friction"))
-    assert "--with stribeck_friction" in page.locator("#workbench pre").text_content()
+    as_found(shown(page), folder, "stribeck_friction")
+    command = page.locator("#workbench pre").text_content()
+    assert command == "bench identify 'my data' \\\n  --with stribeck_friction"
     assert page.heard == []
 
 
@@ -147,9 +164,13 @@ def test_places_of_an_effect_can_be_ticked_one_by_one(look, folder):
     press(page, opener, "Enter")
     assert page.locator(opener).get_attribute("aria-expanded") == "true"
     press(page, "input[data-key='geometric_error:left_rod']")
-    agree(
-        shown(page),
-        identified(folder, "coulomb_friction:left", "geometric_error:left_rod", "viscous_friction:left"),
+    as_found(
+        shown(page), folder, "coulomb_friction:left", "geometric_error:left_rod", "viscous_friction:left"
+    )
+    some = page.locator("[data-effect=geometric_error] .bench-some")
+    assert some.text_content() == "A dash: at 1 of 5 places: left_rod"
+    assert page.locator("[data-effect=geometric_error] input[data-effect]").evaluate(
+        "one => one.indeterminate"
     )
 
 
@@ -172,28 +193,72 @@ def test_the_address_holds_the_choice_and_back_takes_it_back(look, folder):
     assert page.heard == [] == again.heard
 
 
-def test_a_shape_can_be_held_by_a_slider_and_let_go(look, folder):
-    page = look("#workbench?with=stribeck_friction:left")
-    found = shown(page)
-    slider = page.locator("[data-effect=stribeck_friction] input[type=range]")
-    slider.focus()
-    for _ in range(12):
-        page.keyboard.press("ArrowLeft")
-    settled(page)
-    held = shown(page)
-    assert held["error"]["identify"] > found["error"]["identify"]
-    assert "hold=stribeck_friction:left@" in page.evaluate("location.hash")
-    assert "held where you put it" in page.locator("#workbench [role=status]").text_content()
-    again = shown(look(page.evaluate("location.hash")))
-    assert again["error"] == held["error"]
-    page.get_by_role("button", name="back to the value that the fit finds").click()
-    assert shown(settled(page))["error"] == found["error"]
-
-
-def test_what_the_page_cannot_follow_is_said(look):
-    page = look("#workbench?with=drive_flexibility")
-    assert "may differ" in page.locator("#workbench [role=status]").text_content()
+def test_what_stays_as_found_is_said(look, folder):
+    page = look("#workbench?with=drive_flexibility,stribeck_friction")
+    status = page.locator("#workbench [role=status]").text_content()
+    assert "Drive flexibility and Stribeck friction: in the shape" in status
+    assert "may find other values" in status
+    assert "Shapes, such as a speed or a period, stay" in page.locator("#workbench .lead").text_content()
+    assert "as found" in page.locator("[data-parameter=vs]").first.text_content()
     assert "rotor inertia" in page.locator("#workbench .bench-list").text_content()
+    as_found(shown(page), folder, "drive_flexibility", "stribeck_friction")
+    assert page.locator("#workbench [role=status]").is_visible()
+    assert look().locator("#workbench [role=status]").text_content() == ""  # the model that diagnose fitted
+
+
+def test_deviations_stand_beside_the_gains_of_what_was_fitted(look, folder):
+    page = look()
+    for requests in (FOUND, ()):
+        known = identified(folder, *requests)["drive_gains"]
+        seen = shown(page)["deviations"]
+        assert seen == {joint: pytest.approx(one["std"], rel=1e-6) for joint, one in known.items()}
+        page.get_by_role("button", name="Nothing").click()
+        settled(page)
+    press(page, "input[data-effect=rotor_inertia], input[data-effect=stribeck_friction]")
+    assert shown(page)["deviations"] == {}
+
+
+def test_the_command_can_be_copied_and_the_model_downloaded(look, tmp_path, folder):
+    page = look()
+    page.get_by_role("button", name="Copy the command").click()
+    page.wait_for_function("document.querySelector('.bench-command button').textContent !== 'Copy'")
+    assert page.locator(".bench-command button").text_content() in ("Copied", "Selected")
+    with page.expect_download() as given:
+        page.get_by_role("button", name="Download model").click()
+    given.value.save_as(tmp_path / "model.json")
+    compared = apply_model(load_dataset(folder / "data"), load_model(tmp_path / "model.json"))
+    assert compared.error.validate == pytest.approx(shown(page)["error"]["validate"], rel=5e-5)
+    page.get_by_role("button", name="Nothing").click()
+    settled(page)
+    assert page.get_by_role("button", name="Download model").is_disabled()
+    assert page.heard == []
+
+
+def test_two_models_stand_beside_each_other(look):
+    page = look()
+    before = shown(page)
+    page.get_by_role("button", name="Keep as A").click()
+    page.get_by_role("button", name="Nothing").click()
+    settled(page)
+    words = page.locator(".bench-pinned").text_content()
+    assert words.startswith("A: Coulomb friction:left, viscous friction:left; not fitted ")
+    assert before["words"]["validate"] in words
+    assert "error of A" in page.locator("#workbench").text_content()
+    assert page.locator("#workbench th").filter(has_text="gain of A").count() == 1
+    page.get_by_role("button", name="Let go of A").click()
+    assert page.locator(".bench-pinned").text_content() == ""
+    assert page.locator("#workbench th").filter(has_text="gain of A").count() == 0
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_buttons_are_large_enough_for_a_finger(look, width):
+    page = look(width=width)
+    sizes = page.evaluate(
+        """() => [...document.querySelectorAll("#workbench button")].map((one) => one.getBoundingClientRect())
+          .map((box) => [box.width, box.height])"""
+    )
+    assert len(sizes) > 8
+    assert all(min(size) >= 24 for size in sizes)
 
 
 @pytest.mark.parametrize("width", [390, 1366])
@@ -204,7 +269,7 @@ def test_nothing_is_wider_than_the_page(look, width):
 
 
 def test_a_choice_that_the_page_does_not_know_is_left_out(look, folder):
-    page = look("#workbench?with=warp_drive,coulomb_friction&hold=nothing@x&motor=third&recording=%E0%A4")
+    page = look("#workbench?with=warp_drive,coulomb_friction&motor=third&recording=%E0%A4")
     agree(shown(page), identified(folder, *FOUND))
-    page = look("#workbench?with=warp_drive,coulomb_friction&hold=nothing@x&motor=third")
+    page = look("#workbench?with=warp_drive,coulomb_friction&motor=third")
     agree(shown(page), identified(folder, "coulomb_friction"))

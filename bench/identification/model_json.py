@@ -54,7 +54,7 @@ def to_json(result: Identification) -> dict[str, Any]:
             {"name": one.name, "use": one.use, "payload": one.payload} for one in result.recordings
         ],
         "notes": list(result.notes),
-        "findings": [asdict(one) for one in result.findings],
+        "findings": [_finding(one) for one in result.findings],
     }
     return dict(finite(answer))
 
@@ -99,6 +99,11 @@ def from_json(content: dict[str, Any]) -> Identification:
         findings=_findings(content),
         std_from=content.get("std_from", "noise"),
     )
+
+
+def _finding(one: Finding) -> dict[str, Any]:
+    """As JSON; a count is written as the number that it is read back as."""
+    return {**asdict(one), "numbers": {name: float(value) for name, value in one.numbers.items()}}
 
 
 def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:

@@ -6,8 +6,9 @@ from pathlib import Path
 from bench.basics.progress import SILENT, Progress
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
+from bench.effects.select import TAG
 from bench.files.atomic import write_text_atomically
-from bench.identification.model_file import Comparison
+from bench.identification.model_file import Comparison, model_json
 from bench.identification.result import Identification
 from bench.page.folder import Kept, keep_run
 from bench.page.pages import comparison_page, diagnosis_page, identification_page
@@ -17,7 +18,7 @@ from bench.page.section_run import Made, Run, quoted
 from bench.page.sweep_page import read_sweep, sweep_page
 from bench.page.trial_page import again_line, read_trial, trial_page
 from bench.studies.sweep.run_sweep import FILE
-from bench.workbench.page_data import page_data
+from bench.workbench.page_data import page_data, with_command
 from bench.workbench.page_files import script, style
 
 REPORT_FILE = "report.html"
@@ -63,13 +64,20 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Pro
         if data is None:
             progress.phase("preparing the workbench of the page")
             data = page_data(kept.dataset, kept.diagnosis, kept.catalogue)
-        workbench = Workbench(data, script(), style())
+        model = model_json(kept.diagnosis.after, kept.dataset.folder)
+        workbench = Workbench(with_command(data, _identify_line(kept), model), script(), style())
     elif kept.model:
         comparison = Comparison(after.robot, kept.model, after.recordings, after.error)
         page = comparison_page(comparison, kept.dataset, after, made)
     else:
         page = identification_page(after, kept.dataset, made)
     return write_page(path, page, workbench)
+
+
+def _identify_line(kept: Kept) -> str:
+    """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
+    each = tuple(one for one in kept.after.effects if one.endswith(TAG))
+    return Run("identify", kept.run.dataset, each, kept.run.effect_files, kept.run.options).line()
 
 
 def write_sweep_report(folder: Path, output: Path) -> Path:

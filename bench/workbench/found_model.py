@@ -14,7 +14,6 @@ from bench.effects.select import TAG
 from bench.identification.effect_columns import PresentModel
 from bench.identification.identify import gains_can_be_fitted
 from bench.identification.nonlinear import present_model
-from bench.identification.partial_regression import PartialRegression, partial_regression
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.result import Identification
 from bench.identification.solution import Solution
@@ -27,16 +26,13 @@ from bench.signals.settings import FilterSettings, choose_settings
 class FoundModel:
     """plain: the equations without any effect but those with a value for each recording, which the page does not
     change; found: with those that the diagnosis found behind them, linearised about the answer; solution: the answer,
-    theta in the order of `found`. bare, left: what the fits of plain and found leave. started: effects that the model
-    had before the diagnosis, as (effect, place).
+    theta in the order of `found`. started: effects that the model had before the diagnosis, as (effect, place).
     """
 
     plain: Prepared
     found: Prepared
     solution: Solution
     fit_gains: bool
-    bare: PartialRegression
-    left: PartialRegression
     started: tuple[tuple[str, str], ...]
     judged_on: str
 
@@ -97,15 +93,13 @@ def _found_model(
     present = _present(plain, after)
     plain = with_effects(plain, own, present)
     found = with_effects(plain, (*own, *instances), present)
-    stack, solution = solved_quickly(found, fit_gains)
+    _, solution = solved_quickly(found, fit_gains)
     # the solution is about itself once more, as identify does it
     found = with_effects(plain, (*own, *instances), present_model(found, solution))
-    stack, solution = solved_quickly(found, fit_gains)
-    left = partial_regression(stack, solution)
-    bare = left if not instances else partial_regression(*solved_quickly(plain, fit_gains))
+    _, solution = solved_quickly(found, fit_gains)
     kept = [one for one in before.effects if not one.endswith(TAG)]
     started = tuple((one.effect.name, one.joint) for one in select_effects(kept, places, catalogue))
-    return FoundModel(plain, found, solution, fit_gains, bare, left, started, split)
+    return FoundModel(plain, found, solution, fit_gains, started, split)
 
 
 def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:

@@ -1,6 +1,6 @@
 """What the workbench's page carries: equations of the fitted and of the judged recordings, and a thinned sample."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,92 +8,104 @@ import numpy as np
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.effects import catalogue_for
+from bench.effects import EffectInstance, catalogue_for
 from bench.effects.display_names import spoken
 from bench.effects.effect import Effect
+from bench.files.atomic import finite
+from bench.identification.result import Identification
 from bench.workbench.encode import doubles, floats, short_triangle, triangle
 from bench.workbench.found_model import FoundModel, found_models
-from bench.workbench.reduce import Reduced
+from bench.workbench.proposals import instances_of
+from bench.workbench.room import Room, room_for
 from bench.workbench.sample import thinned
-from bench.workbench.system import System, build, coordinates_of
-from bench.workbench.variants import shape_order
+from bench.workbench.system import System, build
 
-VERSION = 1
+VERSION = 2
 
 
 @on_one_thread
 def page_data(
     dataset: Dataset, diagnosis: Diagnosis, catalogue: Mapping[str, Effect] | None = None
 ) -> dict[str, Any]:
-    """Everything with which the page solves for any choice of effects, ready for JSON.
+    """Everything with which the page solves for any choice of effects in the shapes found, ready for JSON.
 
     diagnosis: of this dataset; its filters are used. catalogue: the effects by name, by default the built-in ones
     and the dataset's own. Arrays are base64 of little-endian numbers; `triangle` holds the upper triangle of the
-    factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis: where the columns are
-    combined, how the model's parameters follow from those that stand for its own, and from others. whole: the same of
-    all rows, fitted as `bench identify` does it, where a part of every recording is kept apart to judge on; None where
-    recordings are. The rest then only judges.
+    factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis: how the model's parameters
+    follow from the coordinates by the columns. whole: the same of all rows, fitted as `bench identify` does it, where
+    a part of every recording is kept apart to judge on; None where recordings are. The rest then only judges.
     """
     known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
     model, whole = found_models(dataset, diagnosis, known)
+    instances = instances_of(model, _usable(model, diagnosis, known))
+    systems = [build(one, instances) for one in (model, whole) if one is not None]
+    room = room_for(systems, _ranks(model, diagnosis))
+    judging = _carried(model, systems[0], diagnosis, known, room, drawn=whole is None)
     if whole is None:
-        return _carried(model, diagnosis, known) | {"whole": None}
-    judging = _carried(model, diagnosis, known, triangles=3, drawn=False)
-    return judging | {"whole": _carried(whole, diagnosis, known, triangles=3)}
+        return judging | {"whole": None}
+    return judging | {"whole": _carried(whole, systems[1], diagnosis, known, room)}
+
+
+def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | None = None) -> dict[str, Any]:
+    """The page's data with the command that identifies without the effects that are ticked, and the model that was
+    found as its file holds it, to be downloaded.
+    """
+    return {**data, "command": command, "model": finite(model)}
+
+
+def _usable(model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
+    """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has itself."""
+    own = {one.effect.name for one in model.plain.effects}  # columns of the model, as the rigid bodies' are
+    found = {one.effect.name for one in model.effects}
+    shown = {one.effect for one in diagnosis.ranking if one.verdict != "absorbed"}
+    return {name: effect for name, effect in known.items() if name not in own and name in found | shown}
+
+
+def _ranks(model: FoundModel, diagnosis: Diagnosis) -> dict[str, int]:
+    """How early an effect must have its place; those found before all."""
+    ranks = {one.effect: i for i, one in enumerate(diagnosis.ranking)}
+    return ranks | {one.effect.name: -1 for one in model.effects}
 
 
 def _carried(
     model: FoundModel,
+    system: System,
     diagnosis: Diagnosis,
     known: Mapping[str, Effect],
+    room: Room,
     *,
-    triangles: int = 2,
     drawn: bool = True,
 ) -> dict[str, Any]:
-    """One model's equations, and, where its curves are drawn, a sample of the recordings.
-
-    triangles: how many the page carries of each motor.
-    """
-    verdicts = {one.effect: one for one in diagnosis.ranking}
-    own = {one.effect.name for one in model.plain.effects}  # columns of the model, as the rigid bodies' are
-    usable = [
-        effect
-        for name, effect in known.items()
-        if name not in own
-        and (
-            name in {one.effect.name for one in model.effects}
-            or (name in verdicts and verdicts[name].verdict != "absorbed")
-        )
-    ]
-    system = build(model, usable, triangles)
+    """One model's equations, and, where its curves are drawn, a sample of the recordings."""
     robot = model.plain.dataset.robot
+    kept = room.kept(system)
+    listed = {one.effect.name for one in system.effects}
+    listed |= {one.effect for one in diagnosis.ranking if one.effect in known}
     return {
         "version": VERSION,
         "robot": robot.name,
         "judged_on": model.judged_on,
         "fits_gains": model.fit_gains,
         "noise_floor": diagnosis.unexplained.noise_floor,
-        "motors": [_motor(model, system, j) for j in range(len(robot.actuators))],
+        "motors": [_motor(model, system, kept, room, j) for j in range(len(robot.actuators))],
         "rows": int(system.fitted.sum()),
         "own": system.starts[0],
         "columns": system.columns.shape[2],
+        "short": room.short,
         "parameters": _parameters(model, diagnosis),
         "reference": doubles(system.reference),
-        "basis": None if system.basis is None else _basis(system.basis),
-        "effects": [
-            _effect(model, system, diagnosis, name)
-            for name in known
-            if name in verdicts or known[name] in usable
-        ],
+        "basis": _basis(system.basis),
+        "effects": [_effect(model, system, diagnosis, room, name) for name in known if name in listed],
         "found": [[one.effect.name, one.joint] for one in model.effects],
         "started": [list(one) for one in model.started],
-        "recordings": thinned(model, system) if drawn else [],
+        "deviations": _deviations(model, diagnosis),
+        "recordings": thinned(model, system, kept, short=room.short) if drawn else [],
     }
 
 
-def _motor(model: FoundModel, system: System, j: int) -> dict[str, Any]:
+def _motor(model: FoundModel, system: System, kept: np.ndarray, room: Room, j: int) -> dict[str, Any]:
     actuator = model.plain.dataset.robot.actuators[j]
-    columns = np.flatnonzero(system.columns[:, j].any(axis=0))
+    columns = np.flatnonzero(kept[j])
     rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
     measured = system.modelled[:, j] + system.error[:, j]
     found: dict[str, Any] = {
@@ -109,12 +121,8 @@ def _motor(model: FoundModel, system: System, j: int) -> dict[str, Any]:
             factor = np.zeros((rows.shape[1], rows.shape[1]))
             upper = np.linalg.qr(rows[chosen], mode="r")
             factor[: len(upper)] = upper
-            packed = triangle(factor) if system.basis is None else short_triangle(factor)
-        found[use] = {
-            "triangle": packed,
-            "squares": float((measured[chosen] ** 2).sum()),
-            "moving": int(system.moving[chosen, j].sum()),
-        }
+            packed = short_triangle(factor) if room.short else triangle(factor)
+        found[use] = {"triangle": packed, "squares": float((measured[chosen] ** 2).sum())}
     return found
 
 
@@ -135,78 +143,48 @@ def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]
     return rigid + effects
 
 
-def _effect(model: FoundModel, system: System, diagnosis: Diagnosis, name: str) -> dict[str, Any]:
+def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Standard deviations of the gains of the two models that the diagnosis fitted, with the effects that each has."""
+
+    def of(result: Identification, effects: Sequence[tuple[str, str]]) -> dict[str, Any]:
+        stds = [one.std if np.isfinite(one.std) else None for one in result.drive_gains.values()]
+        return {"effects": [list(one) for one in effects], "gains": stds}
+
+    found = [(one.effect.name, one.joint) for one in model.effects]
+    return [of(diagnosis.after, found), of(diagnosis.before, model.started)]
+
+
+def _effect(model: FoundModel, system: System, diagnosis: Diagnosis, room: Room, name: str) -> dict[str, Any]:
     ranks = [one.effect for one in diagnosis.ranking]
     verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
-    parts = [(i, part) for i, part in enumerate(system.effects) if part.variants.instance.effect.name == name]
+    places = [(i, one) for i, one in enumerate(system.effects) if one.effect.name == name]
     return {
         "name": name,
         "rank": ranks.index(name) if name in ranks else -1,
         "verdict": None if verdict is None else verdict.verdict,
         "why": "" if verdict is None else verdict.why,
-        "places": [_place(model, system, i, part) for i, part in parts],
+        "no_room": name in room.without,
+        "places": [] if name in room.without else [_place(model, system, i, one) for i, one in places],
     }
 
 
-def _follows(system: System, part: Reduced) -> dict[str, Any] | None:
-    """How the columns move with the present model: coordinates (m, c) by so many of the page's columns."""
-    coordinates = coordinates_of(system, part)
-    if coordinates is None:
-        return None
-    columns = np.flatnonzero(coordinates.any(axis=0))
-    return {
-        "count": len(coordinates),
-        "columns": columns.tolist(),
-        "coordinates": floats(coordinates[:, columns]),
-    }
-
-
-def _place(model: FoundModel, system: System, i: int, part: Reduced) -> dict[str, Any]:
-    variants = part.variants
-    instance, effect = variants.instance, variants.instance.effect
+def _place(model: FoundModel, system: System, i: int, instance: EffectInstance) -> dict[str, Any]:
+    effect = instance.effect
     robot = model.plain.dataset.robot
     names = list(robot.joints)
     joint = names.index(instance.joint) if instance.joint in names else -1
     rotates = {one.name: one.kind != "slide" for one in model.plain.model.geometry.joints}
     turning = rotates.get(instance.joint, True)
     drive = robot.actuators[joint].gain_unit.partition("/")[2] if joint >= 0 else "A"
-    shape = None
-    if effect.shape:
-        free, others = shape_order(effect)
-        shape = {
-            "name": free.name,
-            "unit": free.unit_at(turning, drive),
-            "value": float(getattr(effect, free.name)),
-            "others": [{"name": one.name, "unit": one.unit_at(turning, drive)} for one in others],
-            "branches": [list(one) for one in variants.branches],
-        }
+    shape = effect.shape_values()
     return {
         "place": instance.joint,
-        "motor": joint,
         "start": system.starts[i],
         "stop": system.starts[i + 1],
-        "drawn": part.drawn,
-        "kind": variants.kind,
-        "scale": variants.scale,
-        "follows": _follows(system, part),
-        "table": floats(part.tables[0]) if variants.follows and not variants.pieces else None,
-        "needed": variants.follows == "needed",
-        "approximate": variants.approximate,
-        "windows": variants.windows,
-        "curved": bool(effect.shape or effect.depends_on_model),
-        "parameters": [
-            {"name": one.name, "unit": one.unit_at(turning, drive), "positive": one.positive}
-            for one in effect.parameters
-        ],
-        "shape": shape,
-        "brackets": [[list(one) for one in branch] for branch in variants.brackets],
-        "pieces": [
-            {
-                "nodes": piece.nodes.tolist(),
-                "logarithmic": piece.logarithmic,
-                "branch": piece.branch,
-                "table": floats(table),
-            }
-            for piece, table in zip(variants.pieces, part.tables, strict=bool(variants.pieces))
+        "curved": bool(effect.shape or effect.depends_on_model or effect.about_values()),
+        "parameters": [{"name": one.name, "unit": one.unit_at(turning, drive)} for one in effect.parameters],
+        "shape": [
+            {"name": one.name, "unit": one.unit_at(turning, drive), "value": float(shape[one.name])}
+            for one in effect.shape
         ],
     }

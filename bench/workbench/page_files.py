@@ -6,13 +6,11 @@ ASSETS = Path(__file__).with_name("assets")
 
 SCRIPTS = (
     "numbers.js",
-    "columns.js",
     "equations.js",
     "fit.js",
     "models.js",
     "choice.js",
     "curves.js",
-    "sliders.js",
     "effects_list.js",
     "skeleton.js",
     "workbench.js",

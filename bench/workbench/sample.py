@@ -12,15 +12,15 @@ BYTES, FEW_BYTES = 560_000, 300_000  # of all quantised columns together, in two
 FEWEST, MOST = 60, 500  # rows of a recording
 
 
-def thinned(model: FoundModel, system: System) -> list[dict[str, Any]]:
-    """Every recording at evenly spaced rows of the fit, with the columns that curves need.
+def thinned(model: FoundModel, system: System, kept: np.ndarray, *, short: bool) -> list[dict[str, Any]]:
+    """Every recording at evenly spaced rows of the fit, with the columns that are kept for each motor (n, C).
 
-    Of the measured current each stretch around such a row also has its smallest and largest value.
+    short: in one byte each instead of two. Of the measured current each stretch around such a row also has its
+    smallest and largest value.
     """
-    drawn = drawn_columns(system)
-    used = [np.intersect1d(drawn, np.flatnonzero(one.any(axis=0))) for one in system.columns.swapaxes(0, 1)]
+    used = [np.flatnonzero(one) for one in kept]
     lengths = [len(one.time) for one in model.plain.observations]
-    size, most = (2, BYTES) if system.basis is None else (1, FEW_BYTES)
+    size, most = (1, FEW_BYTES) if short else (2, BYTES)
     wanted = most / (size * sum(len(one) for one in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
     found, start = [], 0
@@ -54,12 +54,3 @@ def thinned(model: FoundModel, system: System) -> list[dict[str, Any]]:
         )
         start += len(one.time)
     return found
-
-
-def drawn_columns(system: System) -> np.ndarray:
-    """Indices of the model's own columns and of those that curves need of each effect."""
-    parts = [np.arange(system.starts[0])]
-    parts += [
-        start + np.arange(one.drawn) for start, one in zip(system.starts[:-1], system.effects, strict=True)
-    ]
-    return np.concatenate(parts)

@@ -23,13 +23,11 @@ const WorkbenchChoice = (() => {
 
   function start(data, places) {
     const found = data.found.map(([effect, place]) => (place ? `${effect}:${place}` : effect));
-    return {ticks: keysOf(places, found), held: {}, motor: 0, recording: 0};
+    return {ticks: keysOf(places, found), motor: 0, recording: 0};
   }
 
   function written(data, places, state) {
     const parts = [["with", requests(data, places, state.ticks).join(",") || "none"]];
-    const held = Object.entries(state.held).filter(([key]) => state.ticks.has(key));
-    if (held.length) parts.push(["hold", held.map(([key, value]) => `${key}@${value}`).join(",")]);
     parts.push(["motor", data.motors[state.motor].joint], ["recording", data.recordings[state.recording].name]);
     const safe = (text) => encodeURIComponent(text).replace(/%(2C|3A|40)/g, decodeURIComponent);
     return `${NAME}?${parts.map(([name, value]) => `${name}=${safe(value)}`).join("&")}`;
@@ -50,11 +48,6 @@ const WorkbenchChoice = (() => {
     }
     const state = start(data, places);
     if (given.has("with")) state.ticks = keysOf(places, given.get("with").split(","));
-    for (const one of (given.get("hold") || "").split(",")) {
-      const at = one.lastIndexOf("@");
-      const [key, value] = [one.slice(0, at), Number(one.slice(at + 1))];
-      if (state.ticks.has(key) && Number.isFinite(value)) state.held[key] = value;
-    }
     state.motor = Math.max(data.motors.findIndex((motor) => motor.joint === given.get("motor")), 0);
     state.recording = Math.max(data.recordings.findIndex((one) => one.name === given.get("recording")), 0);
     return state;

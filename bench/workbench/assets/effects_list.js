@@ -1,6 +1,8 @@
 "use strict";
 /* The list of effects: what is ticked, what each gives, and what the error would become. */
 const WorkbenchList = (() => {
+  const MOST_NAMED = 3; // places of an effect
+
   function make(name, kind, parent, text) {
     const found = document.createElement(name);
     if (kind) found.className = kind;
@@ -30,6 +32,7 @@ const WorkbenchList = (() => {
     const head = make("div", "bench-head", item);
     const {input} = tickOf(head, "bench-tick", titled(effect.name), (on) => actions.effect(effect.name, on));
     input.dataset.effect = effect.name;
+    const some = make("span", "bench-some", head);
     const then = make("span", "bench-then", head);
     const opener = make("button", "bench-open", head);
     opener.type = "button";
@@ -55,31 +58,24 @@ const WorkbenchList = (() => {
     open(false);
     opener.addEventListener("click", () => open(details.hidden));
     const values = make("ul", "bench-values", item);
-    const sliders = own
-      .filter((place) => place.kind !== "linear")
-      .map((place) => ({place, slider: WorkbenchSliders.create(place, actions.hold)}));
 
     function show(state, fit) {
       const ticked = own.filter((place) => state.ticks.has(place.key));
       input.checked = ticked.length > 0;
       input.indeterminate = ticked.length > 0 && ticked.length < own.length;
+      const where = ticked.length > MOST_NAMED ? "" : `: ${ticked.map((place) => place.place).join(", ")}`;
+      some.textContent = input.indeterminate ? `A dash: at ${ticked.length} of ${own.length} places${where}` : "";
       item.classList.toggle("ticked", ticked.length > 0);
       for (const [key, box] of boxes) box.checked = state.ticks.has(key);
       values.replaceChildren();
       for (const one of fit.effects.filter((term) => term.place.effect === effect.name)) {
         const line = make("li", "", values);
         if (own.length > 1) make("span", "bench-place", line, one.place.place);
-        for (const value of one.values.filter((each) => !each.searched && one.place.kind !== "value")) {
+        for (const value of one.values) {
           const text = value.absorbed ? `${value.name} taken up by the model` : `${value.name} ${format(value.value)} ${unitOf(value.unit)}`;
-          const shown = make("span", "bench-number", line, text);
+          const shown = make("span", value.shape ? "bench-number bench-shape" : "bench-number", line, value.shape ? `${text}, as found` : text);
           Object.assign(shown.dataset, {key: one.key, parameter: value.name, value: value.value});
         }
-        const slider = sliders.find((each) => each.place.key === one.key);
-        if (!slider) continue;
-        const moved = one.values.find((each) => each.searched) || one.values[0];
-        slider.slider.show(moved.value, moved.held === true, format, unitOf);
-        Object.assign(slider.slider.holder.dataset, {key: one.key, parameter: moved.name, value: moved.value});
-        line.appendChild(slider.slider.holder);
       }
     }
 

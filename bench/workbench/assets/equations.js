@@ -1,38 +1,81 @@
 "use strict";
 /*
-The normal equations of the page's data, for any effects: a second writing of bench/estimate (weighted least squares, then
+The normal equations of the page's data, for any effects: a second writing of bench/identification (weighted least squares, then
 the current's error), on inner products in place of rows.
 
 The torque of a model is columns d + known + g0 modelled: `modelled` is the current of the found model, g0 its gains, d
-how the parameters differ from it, and `known` takes out the found model's effects that are not ticked. A motor's current
+how the model's own parameters differ from it, or an effect's values; `known` takes all found effects out. A motor's current
 error is then error + (1 - g0/g) modelled - (columns d + known)/g, which loses no digits near the found model.
 */
 const WorkbenchEquations = (() => {
-  const {product, times, factorised, solved} = WorkbenchNumbers; // of symmetric matrices, `factorised` reads the lower half
+  const {doubles, triangleOf, gramOf, product, times, factorised, solved} = WorkbenchNumbers; // of symmetric matrices, `factorised` reads the lower half
   const REWEIGHTINGS = 3;
   const MOST_STEPS = 50;
   const CONVERGED = {exact: 1e-13, short: 1e-10}; // of the cost: what a further step would gain
-  const DEPENDENT = {exact: 4e-10, short: 1e-7}; // of a column's square: what others must leave of it; see KEPT in reduce.py
+  const DEPENDENT = {exact: 4e-10, short: 1e-7}; // of a column's square: what others must leave of it
   const TINY = 1e-300;
 
-  function create(data, columns) {
-    const {motors, reference, mapOf, combined} = columns;
+  /* A motor's inner products of [the page's columns that it has, known, modelled, error]; place: of a column there. */
+  function motorOf(data, motor, reference) {
+    const count = motor.columns.length;
+    const place = new Int32Array(data.columns + 3).fill(-1);
+    motor.columns.forEach((column, i) => (place[column] = i));
+    for (let i = 0; i < 3; i++) place[data.columns + i] = count + i;
+    const known = new Float64Array(count + 2);
+    motor.columns.forEach((column, i) => (known[i] = column < data.own ? 0 : -reference[column]));
+    const gram = (use) => withKnown(gramOf(triangleOf(motor[use].triangle, count + 2), count + 2), count + 2, known);
+    return {place, size: count + 3, fitted: gram("fitted"), judged: gram("judged")};
+  }
+
+  /* Inner products (size + 1) with one more column before the last two: `known` says how it is combined of the others. */
+  function withKnown(gram, size, known) {
+    const wide = size + 1;
+    const found = new Float64Array(wide * wide);
+    const at = (i) => (i < size - 2 ? i : i + 1);
+    for (let a = 0; a < size; a++) for (let b = 0; b < size; b++) found[at(a) * wide + at(b)] = gram[a * size + b];
+    const cross = times(gram, size, known);
+    for (let a = 0; a < size; a++) found[at(a) * wide + size - 2] = found[(size - 2) * wide + at(a)] = cross[a];
+    found[(size - 2) * wide + size - 2] = product(gram, size, known, known);
+    return found;
+  }
+
+  function create(data) {
     const n = data.motors.length;
-    const own = data.own;
+    const {own} = data;
+    const reference = doubles(data.reference);
+    const motors = data.motors.map((motor) => motorOf(data, motor, reference));
     const fitGains = data.fits_gains;
-    const digits = data.basis ? "short" : "exact"; // numbers of 16 bits tell no finer
-    const foundGains = columns.found.gains;
+    const digits = data.short ? "short" : "exact"; // numbers of 16 bits tell no finer
+    const foundGains = data.motors.map((motor) => motor.gain);
     const nominal = data.motors.map((motor) => motor.nominal);
     const squares = {
       fitted: data.motors.map((motor) => motor.fitted.squares),
       judged: data.motors.map((motor) => motor.judged.squares),
     };
 
-    function systemOf(terms, present) {
-      const {columns, p} = mapOf(terms, present);
+    /* Inner products (K, K) of these columns for each motor; one that it does not have is zero. */
+    function gramsOf(use, index) {
+      const K = index.length;
+      return motors.map(({place, size, [use]: gram}) => {
+        const found = new Float64Array(K * K);
+        const at = index.map((column) => place[column]);
+        for (let a = 0; a < K; a++) {
+          if (at[a] < 0) continue;
+          for (let b = 0; b < K; b++) if (at[b] >= 0) found[a * K + b] = gram[at[a] * size + at[b]];
+        }
+        return found;
+      });
+    }
+
+    /* The system with these places' columns beside the model's own. */
+    function systemOf(terms) {
+      const index = Array.from({length: own}, (_, i) => i);
+      for (const {start, stop} of terms) for (let i = start; i < stop; i++) index.push(i);
+      const p = index.length;
+      for (let i = 0; i < 3; i++) index.push(data.columns + i);
       const start = new Float64Array(p);
       start.set(reference.subarray(0, own));
-      return {terms, columns, p, K: p + 3, start, fitted: motors.map((one) => combined(one, one.fitted, columns))};
+      return {index, p, K: p + 3, start, fitted: gramsOf("fitted", index)};
     }
 
     /* A current error as a combination of [columns, known, modelled, error]. */
@@ -116,7 +159,7 @@ const WorkbenchEquations = (() => {
     function keptOnly({p, K: whole, fitted}, kept) {
       const index = [...kept, p, p + 1, p + 2];
       const K = index.length;
-      return {index, K, grams: K === whole ? fitted : fitted.map((gram) => taken(gram, whole, index))};
+      return {K, grams: K === whole ? fitted : fitted.map((gram) => taken(gram, whole, index))};
     }
 
     /* Least squares of the torque's error with given weights. */
@@ -231,80 +274,21 @@ const WorkbenchEquations = (() => {
         weights = currentWeights(at);
       }
       const d = new Float64Array(p);
-      const theta = new Float64Array(p);
-      kept.forEach((column, i) => {
-        d[column] = at.d[i];
-        theta[column] = at.d[i] + system.start[column];
-      });
-      return {d, theta, gains: at.gains, kept};
+      kept.forEach((column, i) => (d[column] = at.d[i]));
+      return {d, gains: at.gains, kept};
     }
 
-    /*
-    What an effect's columns explain beside a solved system: Schur complements (b, b) and (b,); `whole` (b, b): the
-    columns' own inner products.
-    */
-    function besides(system, solution, place) {
-      const {index, K, grams} = keptOnly(system, solution.kept);
-      const b = place.size;
-      const all = index.map((at) => system.columns[at]);
-      for (let i = 0; i < b; i++) all.push({index: [place.start + i], value: [1]});
-      const size = all.length;
-      const {gains} = solution;
-      const d = solution.kept.map((at) => solution.d[at]);
-      const now = left(grams, K, d, gains);
-      const rms = now.map((one, j) => Math.sqrt(one.square / Math.max(data.motors[j].fitted.moving, 1)));
-      const floor = 1e-12 * Math.max(...rms) + TINY;
-      const weights = rms.map((one) => 1 / Math.max(one, floor));
-      const {normal, right, size: unknowns, byGain} = linearisedStep(grams, K, d, gains, weights, now);
-      const whole = new Float64Array(b * b);
-      const score = new Float64Array(b);
-      const cross = Array.from({length: b}, () => new Float64Array(unknowns));
-      motors.forEach((motor, j) => {
-        if (place.motor >= 0 && j !== place.motor) return; // its columns are zero there
-        const gram = combined(motor, motor.fitted, all);
-        const w = weights[j] ** 2;
-        const g = gains[j];
-        const error = now[j].x;
-        for (let i = 0; i < b; i++) {
-          const row = gram.subarray((K + i) * size, (K + i + 1) * size);
-          for (let m = 0; m < b; m++) whole[i * b + m] += (w / (g * g)) * row[K + m];
-          let along = 0;
-          let gain = 0;
-          for (let a = 0; a < K; a++) {
-            along += row[a] * error[a];
-            gain += row[a] * byGain[j][a];
-          }
-          score[i] += (w / g) * along;
-          for (let a = 0; a < d.length; a++) cross[i][a] += (w / (g * g)) * row[a];
-          if (fitGains) cross[i][d.length + j] += (w / g) * gain;
-        }
-      });
-      const inner = whole.slice();
-      const factor = factorised(normal, unknowns);
-      const explained = solved(factor, right);
-      for (let i = 0; i < b; i++) {
-        const x = solved(factor, cross[i]);
-        for (let a = 0; a < unknowns; a++) score[i] -= cross[i][a] * explained[a];
-        for (let m = 0; m < b; m++) {
-          let sum = 0;
-          for (let a = 0; a < unknowns; a++) sum += cross[m][a] * x[a];
-          inner[m * b + i] -= sum;
-        }
-      }
-      return {inner, score, whole};
-    }
-
-    /* How the page's columns are combined beside the found model (C,), for curves. */
-    function differenceOf(system, solution) {
-      const sum = new Float64Array(reference.length);
-      system.columns.slice(0, system.p + 1).forEach(({index, value}, k) => {
-        const share = k < system.p ? solution.d[k] : 1;
-        if (share !== 0) index.forEach((at, i) => (sum[at] += share * value[i]));
-      });
+    /* How the page's columns are combined beside the found model (C,). */
+    function differenceOf({index, p}, solution) {
+      const sum = reference.map((value, i) => (i < own ? 0 : -value));
+      for (let k = 0; k < p; k++) sum[index[k]] += solution.d[k];
       return sum;
     }
 
-    return {systemOf, errors, solve, besides, differenceOf, squares, dependent: DEPENDENT[digits]};
+    const judged = (system, solution) => errors(gramsOf("judged", system.index), system.K, solution.d, solution.gains);
+    const fitted = (system, solution) => errors(system.fitted, system.K, solution.d, solution.gains);
+
+    return {systemOf, solve, fitted, judged, differenceOf, squares};
   }
 
   return {create};

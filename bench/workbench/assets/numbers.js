@@ -1,5 +1,5 @@
 "use strict";
-/* Numbers in text, small dense matrices (row after row in a Float64Array), and a search along a line. */
+/* Numbers in text, and small dense matrices (row after row in a Float64Array). */
 const WorkbenchNumbers = (() => {
   function bytes(text) {
     const raw = atob(text);
@@ -86,12 +86,11 @@ const WorkbenchNumbers = (() => {
 
   /*
   Cholesky factor of a symmetric matrix whose diagonal is made one first. A column that the ones before leave less than
-  `least` of, in squares, is passed over: its unknown is zero. squares: of the columns, where those before them are not
-  in the matrix but taken out of it.
+  `least` of, in squares, is passed over: its unknown is zero.
   */
-  function factorised(matrix, size, least = 1e-14, squares = null) {
+  function factorised(matrix, size, least = 1e-14) {
     const norms = new Float64Array(size);
-    for (let i = 0; i < size; i++) norms[i] = Math.sqrt(Math.max(squares ? squares[i] : matrix[i * size + i], 0)) || 1;
+    for (let i = 0; i < size; i++) norms[i] = Math.sqrt(Math.max(matrix[i * size + i], 0)) || 1;
     const factor = new Float64Array(size * size);
     const passed = new Uint8Array(size);
     for (let i = 0; i < size; i++) {
@@ -122,63 +121,5 @@ const WorkbenchNumbers = (() => {
     return x;
   }
 
-  /*
-  The smallest value of a function between two ends: golden section and parabolas. Source: Brent, "Algorithms for
-  Minimization without Derivatives", 1973; Forsythe, Malcolm and Moler, "Computer Methods for Mathematical
-  Computations", 1977 (fmin).
-  */
-  function smallest(cost, low, high, tolerance) {
-    const golden = 0.5 * (3 - Math.sqrt(5));
-    const precision = Math.sqrt(2.2e-16);
-    let [a, b] = [low, high];
-    let best = a + golden * (b - a);
-    let [second, third] = [best, best];
-    let [step, last] = [0, 0];
-    let costBest = cost(best);
-    let [costSecond, costThird] = [costBest, costBest];
-    for (let count = 1; count < 500; count++) {
-      const middle = 0.5 * (a + b);
-      const fine = precision * Math.abs(best) + tolerance / 3;
-      if (Math.abs(best - middle) <= 2 * fine - 0.5 * (b - a)) break;
-      let parabola = false;
-      if (Math.abs(last) > fine) {
-        const r = (best - second) * (costBest - costThird);
-        let q = (best - third) * (costBest - costSecond);
-        let p = (best - third) * q - (best - second) * r;
-        q = 2 * (q - r);
-        if (q > 0) p = -p;
-        q = Math.abs(q);
-        const before = last;
-        last = step;
-        if (Math.abs(p) < Math.abs(0.5 * q * before) && p > q * (a - best) && p < q * (b - best)) {
-          parabola = true;
-          step = p / q;
-          const x = best + step;
-          if (x - a < 2 * fine || b - x < 2 * fine) step = middle >= best ? fine : -fine;
-        }
-      }
-      if (!parabola) {
-        last = best >= middle ? a - best : b - best;
-        step = golden * last;
-      }
-      const x = best + (step >= 0 ? 1 : -1) * Math.max(Math.abs(step), fine);
-      const value = cost(x);
-      if (value <= costBest) {
-        if (x >= best) a = best;
-        else b = best;
-        [third, costThird, second, costSecond, best, costBest] = [second, costSecond, best, costBest, x, value];
-      } else {
-        if (x < best) a = x;
-        else b = x;
-        if (value <= costSecond || second === best) {
-          [third, costThird, second, costSecond] = [second, costSecond, x, value];
-        } else if (value <= costThird || third === best || third === second) {
-          [third, costThird] = [x, value];
-        }
-      }
-    }
-    return {at: best, cost: costBest};
-  }
-
-  return {floats, doubles, counts, triangleOf, gramOf, product, times, factorised, solved, smallest};
+  return {floats, doubles, counts, triangleOf, gramOf, product, times, factorised, solved};
 })();

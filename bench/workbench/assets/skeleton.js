@@ -26,24 +26,26 @@ const WorkbenchSkeleton = (() => {
       "p",
       "lead",
       section,
-      "Tick an effect, and this page fits the model anew. What it shows is what bench identify finds with these effects.",
+      "Tick an effect, and this page fits gains and all that enters linearly anew, at once. Shapes, such as a speed or a period, stay as diagnose found them; the command below fits them anew, too.",
     );
     const now = make("div", "bench-now", section);
     const tiles = make("dl", "tiles", now);
     const judged = tile(tiles, "Error, not fitted");
     const fitted = tile(tiles, "Error, fitted");
     const buttons = make("div", "bench-buttons", now);
+    const pin = make("button", "", buttons, "Keep as A");
     const found = make("button", "", buttons, "Found by diagnose");
     const nothing = make("button", "", buttons, "Nothing");
-    for (const one of [found, nothing]) one.type = "button";
+    for (const one of [found, nothing, pin]) one.type = "button";
+    pin.title = "Keep this model, to see another one beside it";
+    const pinned = make("p", "bench-pinned", section);
     const said = make("p", "bench-said", section);
     said.setAttribute("role", "status");
     const grid = make("div", "bench-grid", section);
     const left = make("div", "bench-list", grid);
     make("h3", "", left, "Effects");
     const then = "Beside each: the error on recordings that were not fitted, if you tick it or take it out";
-    const kept = data.basis ? ", with the shapes of the others as they are" : ""; // of many effects
-    make("p", "aid", left, `${then}${kept}.`);
+    make("p", "aid", left, `${then}.`);
     const list = make("ul", "bench-effects", left);
     const hidden = make("p", "aid", left);
     const right = make("div", "bench-answer", grid);
@@ -53,10 +55,10 @@ const WorkbenchSkeleton = (() => {
       if (aid) make("p", "aid", one, aid);
       return one;
     };
-    const steps = `From the model without any effect; at each step the one that helps most${kept}.`;
+    const steps = `From the model without any effect; at each step the one that helps most.`;
     const judge = data.whole ? ` Judged on ${data.judged_on.replace(/, not fitted$/, "")}; fitted to the rest.` : "";
     const ladder = part("Error, effect by effect", steps + judge);
-    const plainly = "Fitted, not fitted: error of this motor's current.";
+    const plainly = "Deviation: standard deviation of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.";
     const motors = part(
       "Drive gains and errors",
       data.whole ? `${plainly} Gains and fitted error: a fit to all rows. Not fitted: judged as the ladder.` : plainly,
@@ -64,17 +66,26 @@ const WorkbenchSkeleton = (() => {
     const curves = part("Currents", "");
     const choices = make("div", "choices", curves);
     const aid = make("p", "aid", curves);
-    const more = make("div", "part", right);
-    const fold = (title) => {
-      const details = make("details", "", more);
-      make("summary", "", details, title);
-      return details;
-    };
+    const line = part("The same on the command line", "With its shapes fitted anew, and all deviations.");
+    const holder = make("div", "bench-command", line);
+    const command = make("pre", "", holder);
+    command.tabIndex = 0;
+    const copy = make("button", "", holder, "Copy");
+    copy.type = "button";
+    copy.setAttribute("aria-label", "Copy the command");
+    const model = make("p", "bench-model", line);
+    const download = make("button", "", model, "Download model");
+    download.type = "button";
+    const file = make("span", "aid", model);
+    const details = make("details", "", make("div", "part", right));
+    make("summary", "", details, "Dynamic parameters");
     return {
       judged,
       fitted,
       found,
       nothing,
+      pin,
+      pinned,
       said,
       list,
       hidden,
@@ -83,10 +94,38 @@ const WorkbenchSkeleton = (() => {
       choices,
       aid,
       curves: make("div", "chart", curves),
-      parameters: make("div", "scroll", fold("Dynamic parameters")),
-      command: make("pre", "", fold("The same on the command line")),
-      data,
+      parameters: make("div", "scroll", details),
+      command,
+      copy,
+      download,
+      file,
     };
+  }
+
+  /* The command with these effects; line: as far as it does not depend on them. A word is as a shell takes it. */
+  function command(line, requests) {
+    const quoted = (word) => (/^[\w\-./:=,+~]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
+    return [line, ...requests.map((one) => `--with ${quoted(one)}`)].join(" \\\n  ");
+  }
+
+  async function copied(text, button) {
+    try {
+      await navigator.clipboard.writeText(text.textContent);
+      button.textContent = "Copied";
+    } catch {
+      getSelection().selectAllChildren(text); // a browser may not let a page write there
+      button.textContent = "Selected";
+    }
+    setTimeout(() => (button.textContent = "Copy"), 2000);
+  }
+
+  /* Hand the reader a file. */
+  function saved(content, name) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([`${JSON.stringify(content, null, 1)}\n`], {type: "application/json"}));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   }
 
   function table(holder, heads, rows) {
@@ -104,5 +143,5 @@ const WorkbenchSkeleton = (() => {
     holder.replaceChildren(found);
   }
 
-  return {segments, skeleton, table};
+  return {segments, skeleton, table, command, copied, saved};
 })();

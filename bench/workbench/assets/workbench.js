@@ -20,18 +20,13 @@
     const errorOf = (fit) => (judgedAny ? fit.judged : fit.fitted);
     const percent = (share, digits = 3) => (share === null ? "–" : `${formatNumber(100 * share, digits)} %`);
     const apart = data.judged_on.replace(/, not fitted$/, "");
-    const many = Boolean(data.basis || drawn.basis); // effects: more than can be fitted in an instant
     let task = 0;
     let shown = null;
+    let pinned = null; // model A: its name, and its fit
     let began = 0;
 
+    const same = (one, other) => one.size === other.size && [...one].every((key) => other.has(key));
     const ownOf = (name) => places.filter((place) => place.effect === name);
-    /* For ladder and ticks: the model that judges, or of many effects nearly the same, from a model nearby. */
-    function* lookedAt(ticks, near) {
-      yield;
-      return many ? judging.nearly(ticks, state.held, near) : yield* judging.fitted(ticks, state.held);
-    }
-
     function switched(name) {
       const ticks = new Set(state.ticks);
       const own = ownOf(name).map((place) => place.key);
@@ -47,13 +42,13 @@
       }
     }
 
-    /* A new choice; kept in the address as a step that the back button takes back, unless it is in passing. */
-    function choose(changes, lasting = true) {
+    /* A new choice, kept in the address as a step that the back button takes back. */
+    function choose(changes) {
       state = {...state, ...changes};
       remember();
       const hash = WorkbenchChoice.written(drawn, places, state);
-      if (lasting && location.hash !== hash) location.hash = hash;
-      draw(lasting);
+      if (location.hash !== hash) location.hash = hash;
+      draw();
     }
 
     const actions = {
@@ -64,27 +59,34 @@
         else ticks.delete(key);
         choose({ticks});
       },
-      hold(key, value, lasting) {
-        const held = {...state.held};
-        if (value === undefined) delete held[key];
-        else held[key] = value;
-        choose({held}, lasting);
-      },
     };
 
     const rows = data.effects
       .filter((effect) => effect.places.length)
       .sort((a, b) => a.rank - b.rank)
       .map((effect) => rowOf(parts.list, effect, ownOf(effect.name), (value) => formatNumber(value, 4), actions));
-    const unseen = data.effects.filter((effect) => !effect.places.length).map((effect) => spoken(effect.name));
-    parts.hidden.textContent = unseen.length
-      ? `Not listed, since the model's own parameters take them up and no data of this robot can show them: ${unseen.join(", ")}.`
-      : "";
-    parts.found.addEventListener("click", () => choose({ticks: new Set(foundTicks), held: {}}));
-    parts.nothing.addEventListener("click", () => choose({ticks: new Set(), held: {}}));
+    const named = (test) => data.effects.filter((effect) => !effect.places.length && test(effect)).map((effect) => spoken(effect.name));
+    const unseen = named((effect) => !effect.no_room);
+    const crowded = named((effect) => effect.no_room);
+    const unlisted = [];
+    if (unseen.length) {
+      unlisted.push(`Not listed, since the model's own parameters take them up and no data of this robot can show them: ${unseen.join(", ")}.`);
+    }
+    if (crowded.length) {
+      unlisted.push(`Not listed, since the page would be too large, and diagnose gives them least: ${crowded.join(", ")}; bench identify fits them.`);
+    }
+    parts.hidden.textContent = unlisted.join(" ");
+    parts.found.addEventListener("click", () => choose({ticks: new Set(foundTicks)}));
+    parts.nothing.addEventListener("click", () => choose({ticks: new Set()}));
+    parts.pin.addEventListener("click", () => {
+      pinned = pinned ? null : {ticks: state.ticks, fit: shown};
+      show(shown);
+    });
+    parts.copy.addEventListener("click", () => WorkbenchSkeleton.copied(parts.command, parts.copy));
+    parts.download.addEventListener("click", () => WorkbenchSkeleton.saved(data.model, "model.json"));
     const motor = segments(parts.choices, "Motor", data.motors.map((one) => one.joint), (i) => choose({motor: i}));
-    const named = drawn.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
-    const recording = segments(parts.choices, "Recording", named, (i) => choose({recording: i}));
+    const titles = drawn.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
+    const recording = segments(parts.choices, "Recording", titles, (i) => choose({recording: i}));
     const ladderChart = Charts.create(parts.ladder, ladderFigure([["no effect", null]]));
     let curveChart = null;
 
@@ -117,24 +119,24 @@
       parts.judged.value.dataset.figure = "validate";
       parts.fitted.value.dataset.figure = "identify";
       parts.judged.note.textContent = `noise of the currents ${percent(data.noise_floor)}`;
-      parts.fitted.note.textContent = `${state.ticks.size ? WorkbenchChoice.requests(data, places, state.ticks).length : "no"} effect${
-        WorkbenchChoice.requests(data, places, state.ticks).length === 1 ? "" : "s"
-      } ticked`;
-      const same = (other) => other.size === state.ticks.size && [...other].every((key) => state.ticks.has(key));
-      parts.found.setAttribute("aria-pressed", same(foundTicks));
+      const requests = WorkbenchChoice.requests(data, places, state.ticks);
+      parts.fitted.note.textContent = `${requests.length || "no"} effect${requests.length === 1 ? "" : "s"} ticked`;
+      parts.found.setAttribute("aria-pressed", same(foundTicks, state.ticks));
       parts.nothing.setAttribute("aria-pressed", state.ticks.size === 0);
       table(
         parts.gains,
-        ["motor", "drive gain", "off nominal", "fitted", "not fitted"],
+        ["motor", "drive gain", "deviation", "off nominal", "fitted", "not fitted", ...(pinned ? ["gain of A", "A, not fitted"] : [])],
         data.motors.map((one, j) => {
           const {gain, fitted, judged} = fit.by[j];
           const off = 100 * (gain / one.nominal - 1);
           return [
             one.joint,
             {text: `${formatNumber(gain, 5)} ${unitOf(one.unit)}`, data: {gain: one.joint, value: gain}},
+            deviationOf(j),
             `${off > 0 ? "+" : ""}${formatNumber(off, 3)} %`,
             percent(fitted),
             percent(judged),
+            ...(pinned ? [`${formatNumber(pinned.fit.by[j].gain, 5)} ${unitOf(one.unit)}`, percent(pinned.fit.by[j].judged)] : []),
           ];
         }),
       );
@@ -143,9 +145,24 @@
         ["parameter", "value", "unit"],
         data.parameters.map((one, i) => [one.name, formatNumber(fit.theta[i], 5), unitOf(one.unit)]),
       );
-      const requests = WorkbenchChoice.requests(data, places, state.ticks);
-      parts.command.textContent = ["bench identify DATASET", ...requests.map((one) => `--with ${one}`)].join(" \\\n  ");
+      parts.command.textContent = WorkbenchSkeleton.command(data.command, requests);
+      const found = same(foundTicks, state.ticks);
+      parts.download.disabled = !found || !data.model;
+      parts.file.textContent = found ? "" : "Diagnose fitted the model of what it found; of another choice the command writes one.";
+      parts.pin.setAttribute("aria-pressed", pinned !== null);
+      parts.pin.textContent = pinned ? "Let go of A" : "Keep as A";
+      parts.pinned.textContent = pinned ? `A: ${namesOf(pinned.ticks)}; not fitted ${percent(pinned.fit.judged, 4)}, fitted ${percent(pinned.fit.fitted, 4)}.` : "";
       parts.said.textContent = notes(fit).join(" ");
+    }
+
+    const namesOf = (ticks) => WorkbenchChoice.requests(data, places, ticks).map(spoken).join(", ") || "no effect";
+
+    /* Of a gain: known of the models that diagnose fitted. */
+    function deviationOf(motor) {
+      const keyOf = ([effect, place]) => (place ? `${effect}:${place}` : effect);
+      const one = data.deviations.find(({effects}) => same(new Set(effects.map(keyOf)), state.ticks));
+      const std = one ? one.gains[motor] : null;
+      return std === null ? "–" : {text: `± ${formatNumber(std, 2)}`, data: {deviation: data.motors[motor].joint, value: std}};
     }
 
     /* What keeps the page from being bench identify to the last digit, for what is ticked. */
@@ -153,42 +170,13 @@
       const said = [];
       const names = (test) => [...new Set(fit.effects.filter(test).map((one) => spoken(one.place.effect)))];
       const list = (words) => (words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}` : words[0]);
-      const near = names((one) => one.place.approximate && one.place.kind !== "shape");
-      const guessed = names((one) => one.place.approximate && one.place.kind === "shape");
-      const whole = [...foundTicks].every((key) => state.ticks.has(key));
-      const needed = names((one) => one.place.needed && !whole);
-      const short = names((one) => many && one.place.kind === "shape" && !one.place.approximate);
-      const outside = names((one) => one.outside);
-      const windows = names((one) => one.place.windows && !one.values.some((value) => value.held));
-      const held = names((one) => one.values.some((value) => value.held));
-      if (near.length) {
-        const several = fit.effects.filter((one) => one.place.approximate && one.place.kind !== "shape").length > 1;
+      const curved = names((one) => one.place.curved);
+      if (curved.length && !same(foundTicks, state.ticks)) {
         said.push(
-          `${titled(list(near))}: linearised about the model that was found; bench identify linearises anew, and may differ in the third digit${
-            several ? ", at many places at once by some percent" : ""
-          }.`,
+          `${titled(list(curved))}: in the shape, and beside the model, in which diagnose judged ${curved.length > 1 ? "them" : "it"}; bench identify fits that anew, and may find other values and a smaller error.`,
         );
       }
-      if (guessed.length) {
-        said.push(
-          `${titled(list(guessed))}: a first guess, since where it acts follows from the model; bench identify may find other values and an error far smaller.`,
-        );
-      }
-      if (short.length) {
-        said.push(`${titled(list(short))}: beside so many effects, in few digits; bench identify may differ in the fourth one.`);
-      }
-      if (needed.length) {
-        said.push(
-          `${titled(list(needed))}: made of the torque that the model needs; without all effects that were found, bench identify may differ by some percent.`,
-        );
-      }
-      if (outside.length) {
-        said.push(`${titled(list(outside))}: a time beyond what this page carries; bench identify may differ.`);
-      }
-      if (windows.length) {
-        said.push(`${titled(list(windows))}: the period is looked for near the two that stood out of the error; bench identify looks everywhere.`);
-      }
-      if (held.length) said.push(`${titled(list(held))}: held where you put it; bench identify would look for the best value.`);
+      if (data.short) said.push("So many effects are carried in few digits: bench identify may differ in the fourth one.");
       if (data.whole) {
         said.push(
           `No recording is kept to judge on. Gains, parameters, curves and the fitted error come from a fit to all rows, as bench identify does it; the error not fitted, the ladder and the errors beside the effects from a fit without ${apart}.`,
@@ -202,6 +190,9 @@
       recording.value = state.recording;
       const seen = drawn.recordings[state.recording];
       const {time, low, high, modelled, error} = curves.of(fit, state.recording, state.motor);
+      const ofA = pinned
+        ? [{kind: "line", role: "before", name: "error of A", x: time, y: curves.of(pinned.fit, state.recording, state.motor).error}]
+        : [];
       const unit = data.motors[state.motor].unit.split("/")[1] || "A";
       parts.aid.textContent =
         seen.step > 1
@@ -222,27 +213,22 @@
               {kind: "line", role: "modelled", name: "modelled", x: time, y: modelled},
             ],
           },
-          {y: {label: `error [${unit}]`}, series: [{kind: "line", role: "error", name: "error", x: time, y: error}]},
+          {y: {label: `error [${unit}]`}, series: [...ofA, {kind: "line", role: "error", name: "error", x: time, y: error}]},
         ],
       };
       if (curveChart) curveChart.update(figure);
       else curveChart = Charts.create(parts.curves, figure);
     }
 
-    /* All that follows a choice, in parts: ladder, the model itself where it was shown nearly, errors behind ticks. */
+    /* All that follows a choice, in parts, so that the page stays awake: the ladder, and the errors behind the ticks. */
     function* all() {
-      const nothing = yield* judging.fitted(new Set(), {});
-      const steps = yield* ladder(nothing);
-      if (!models.has(state.ticks, state.held)) {
-        show(yield* models.fitted(state.ticks, state.held));
-        if (steps.length > 1) steps[steps.length - 1][1] = ofJudging(shown);
-        ladderChart.update(ladderFigure(steps));
-      }
+      const nothing = judging.fit(new Set());
       yield;
+      yield* ladder(nothing);
       const now = ofJudging(shown);
       const largest = Math.max(errorOf(nothing), errorOf(now));
       for (const row of rows) {
-        row.after(state, now, yield* lookedAt(switched(row.name), now), errorOf, largest, percent);
+        row.after(state, now, judging.fit(switched(row.name)), errorOf, largest, percent);
         yield;
       }
       section.dataset.ready = "true";
@@ -257,21 +243,17 @@
         let best = null;
         for (const name of left) {
           const ticks = new Set([...taken, ...ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key))]);
-          const last = ticks.size === state.ticks.size;
-          const fit = last ? ofJudging(shown) : yield* lookedAt(ticks, ofJudging(shown));
+          const fit = judging.fit(ticks);
           if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
           yield;
         }
         taken = best.ticks;
         left = left.filter((name) => name !== best.name);
         steps.push([`+ ${spoken(best.name)}`, best.fit]);
-        const ahead = left.slice(0, MOST_STEPS + 1 - steps.length).map(() => ["…", null]);
-        if (many && ahead.length) ladderChart.update(ladderFigure([...steps, ...ahead])); // step by step
       }
       if (left.length) steps.push([`+ ${left.length} more`, ofJudging(shown)]);
       ladderChart.update(ladderFigure(steps));
       section.dataset.ladder = (performance.now() - began).toFixed(1);
-      return steps;
     }
 
     function show(fit) {
@@ -281,16 +263,12 @@
       drawCurves(fit);
     }
 
-    function draw(whole = true) {
+    function draw() {
       began = performance.now();
-      show(many && shown ? models.nearly(state.ticks, state.held, shown) : models.fit(state.ticks, state.held));
+      show(models.fit(state.ticks));
       section.dataset.ready = "false";
       section.dataset.reaction = (performance.now() - began).toFixed(1);
       clearTimeout(task);
-      if (!whole) {
-        task = setTimeout(() => draw(true), 250);
-        return;
-      }
       const work = all();
       const slice = () => {
         const until = performance.now() + SLICE;

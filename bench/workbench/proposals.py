@@ -1,0 +1,43 @@
+"""Effects that can be ticked: those found as they are, all others in the shape that suits beside them."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bench.basics.progress import SILENT
+from bench.diagnosis.candidates import Proposal, propose
+from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.rounds import Problem, Round, problem_of, reshaped, system_about
+from bench.diagnosis.search import Found, score
+from bench.effects import Effect, EffectInstance
+from bench.workbench.found_model import FoundModel
+
+
+def instances_of(model: FoundModel, effects: Mapping[str, Effect]) -> tuple[EffectInstance, ...]:
+    """These effects wherever the recordings show them, in the shape in which a diagnosis about `model` judges them.
+
+    In the order of `effects`; an effect that the model takes up everywhere has no instance.
+    """
+    problem = problem_of(model.plain, model.fit_gains)
+    proposals = propose(problem.context(problem.start), effects)
+    if model.effects:
+        proposals = _about_the_found(problem, model, proposals)
+    instances = [one for each in proposals if not each.absorbed for one in each.instances]
+    names = list(effects)
+    return tuple(sorted(instances, key=lambda one: names.index(one.effect.name)))
+
+
+def _about_the_found(problem: Problem, model: FoundModel, proposals: list[Proposal]) -> list[Proposal]:
+    """Proposals as the last round of a search leaves them, which found the effects of `model`."""
+    found = {(one.effect.name, one.joint) for one in model.effects}
+    some = []
+    for one in proposals:
+        kept = tuple(each for each in one.instances if (one.name, each.joint) not in found)
+        if kept:
+            some.append(replace(one, instances=kept))
+    names = dict.fromkeys(one.effect.name for one in model.effects)
+    groups = [tuple(one for one in model.effects if one.effect.name == name) for name in names]
+    every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
+    system = system_about(problem, model.found, every)
+    empty = solve_set(system, ())
+    best = score(system, solve_set(system, range(len(groups))), empty)
+    return reshaped(problem, Round(model.found, every, system, Found(best, {}, empty)), SILENT)
