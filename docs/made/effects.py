@@ -31,7 +31,7 @@ Numbers = Mapping[str, Any]
 def page(effect: Effect, drawn: Numbers, robots: Numbers, trials: Mapping[str, Sequence[Numbers]]) -> str:
     """Law, look, confusions, robots, measured sizes, and the command that adds it."""
     parts = [
-        f"# {begun(effect.name)}",
+        f"[Atlas of effects](index.md)\n\n# {begun(effect.name)}",
         law(effect),
         look(effect.name, drawn),
         confused(effect, trials),

@@ -41,7 +41,8 @@ def trial_table(summaries: list[TrialSummary]) -> str:
 
 def _with_cases(cells: tuple[object, ...]) -> str:
     _, reached, _, _, cases, _ = cells
-    return f"{reached} of {cases}" if cases else str(reached)
+    text = f"{reached} of {cases}" if cases else str(reached)
+    return text.replace(" ", "&nbsp;")
 
 
 def speed_table() -> str:
