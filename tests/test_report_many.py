@@ -14,6 +14,7 @@ from bench.page.render import render_page
 from bench.page.sweep_page import read_sweep, sweep_page
 from bench.page.trial_page import again_line, read_trial, trial_page, trial_table
 from bench.page.write import write_sweep_report, write_trial_report
+from bench.studies.sweep.titles import axis_words
 from tests.report_kit import Tags
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 from tests.trial_rows import trial_rows
@@ -64,7 +65,8 @@ def test_a_sweep_says_what_it_gave_and_where_it_was_worst(swept):
     lines = {line.values: line.spreads["gain_error"].median for line in found.summary.lines}
     worst = max(lines, key=lines.get)
     by_axis = dict(zip(found.summary.axes, worst, strict=True))
-    assert page.verdict[2].endswith(" and ".join(f"{axis} {value}" for axis, value in by_axis.items()) + ".")
+    place = " and ".join(f"{axis_words(axis)} {value}" for axis, value in by_axis.items())
+    assert page.verdict[2].endswith(f"{place}.")
     assert "nothing moves" in words
     assert "bench sweep x -o y" in words
     assert "0.2, 0.8" in words

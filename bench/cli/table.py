@@ -27,8 +27,11 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
     """
     from bench.studies.sweep.console import table_console
     from bench.studies.sweep.print_summary import print_summary
-    from bench.studies.sweep.results import table_in, write_table_summary
+    from bench.studies.sweep.results import pooled_axes, table_in, write_table_summary
 
-    summary, path = write_table_summary(table_in(folder), axes, metrics or ("gain_error",))
+    runs = table_in(folder)
+    summary, path = write_table_summary(runs, axes, metrics or ("gain_error",))
     print_summary(summary, table_console())
-    say([wrote(path, "summary")])
+    pooled = pooled_axes(runs, axes)
+    told = f"all values together of {', '.join(pooled)}; --by tells them apart"
+    say([*([told] if pooled else []), wrote(path, "summary")])

@@ -6,26 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from bench.effects.display_names import begun
 from bench.page.parts import Chart, Figure, Variant, one_figure
 from bench.page.thinned import significant
 from bench.page.words import typeset
 from bench.studies.sweep.measure import METRICS
 from bench.studies.sweep.summary import Spread, is_share, spread, summarise
 from bench.studies.sweep.table import read_table
-
-PERCENT = frozenset(
-    {
-        "error",
-        "gain_error",
-        "gain_rms",
-        "gain_std",
-        "gain_within",
-        "noise_floor",
-        "parameter_error",
-        "parameter_within",
-    }
-)
-"""Metrics that are relative."""
+from bench.studies.sweep.titles import axis_title, axis_words, is_relative, metric_title
 
 UNITS = {"loop_gap": "m", "position_cutoff": "Hz"}
 ROLES = ("one", "two", "three", "four", "five", "six", "seven")
@@ -43,10 +31,10 @@ Points = list[tuple[Any, Spread]]
 
 
 def metric_label(metric: str) -> str:
-    """A metric with its unit."""
-    head = metric.split(".", maxsplit=1)[0]
-    unit = "%" if head in PERCENT else UNITS.get(head, "")
-    return f"{metric} [{unit}]" if unit else metric
+    """A metric in words with its unit."""
+    unit = "%" if is_relative(metric) else UNITS.get(metric.split(".", maxsplit=1)[0], "")
+    title = begun(metric_title(metric))
+    return f"{title} [{unit}]" if unit else title
 
 
 def plot_figure(table: Path, x: str, y: str, lines: str | None) -> Figure:
@@ -59,14 +47,16 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None) -> Figure:
     values = list(dict.fromkeys(value for value, _ in every))
     across, at = _across(x, values)
     up = _up(y, every)
-    label = f"{y} against {x}" + (f" by {lines}" if lines else "")
+    label = begun(
+        f"{metric_title(y)} against {axis_title(x)}" + (f", by {axis_title(lines)}" if lines else "")
+    )
     drawn = []
     for i, (name, points) in enumerate(found.items()):
         # lines stand side by side, or their whiskers would hide each other
         beside = i - (len(found) - 1) / 2.0 if len(found) <= len(ROLES) else 0.0
         x_of = _moved([at[value] for value, _ in points], list(at.values()), beside, across)
         one = _line(points, x_of, share=is_share(y)) | {"apart": "categories" in across}
-        drawn.append(one | ({"name": f"{lines} {_short(name)}"} if lines else {}))
+        drawn.append(one | ({"name": f"{axis_words(lines)} {_short(name)}"} if lines else {}))
     marks = [{"kind": "rule", "role": "noise", "name": "95 %", "at": COVERAGE, "dashed": True}]
     marks = marks if is_share(y) else []
     what = METRICS.get(y.split(".", maxsplit=1)[0], y).split(";")[0]
@@ -87,7 +77,11 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None) -> Figure:
         coloured = [one | {"role": role} for one, role in zip(drawn, ROLES, strict=False)]
         return one_figure(label, aid, spec(300 + _turned(across), coloured))
     charts = tuple(
-        Chart(f"{lines} {_short(name)}", "", spec(200 + _turned(across), [one | {"role": "one", "name": ""}]))
+        Chart(
+            f"{axis_title(lines or '')} {_short(name)}",
+            "",
+            spec(200 + _turned(across), [one | {"role": "one", "name": ""}]),
+        )
         for name, one in zip(found, drawn, strict=True)
     )
     return Figure(label, aid, False, (), {"": Variant(charts)}, ("",))
@@ -99,9 +93,13 @@ def _across(x: str, values: Sequence[Any]) -> tuple[Spec, dict[Any, float]]:
     if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         names = [str(value).replace("_", " ") for value in values]
         turned = sum(map(len, names)) > MOST_LETTERS
-        axis = {"label": x, "scale": "band", "categories": names, "turned": turned}
+        axis = {"label": axis_title(x), "scale": "band", "categories": names, "turned": turned}
         return axis, {value: float(i) for i, value in enumerate(values)}
-    axis = {"label": x, "scale": "log"} if _is_wide(values) else {"label": x, "room": True}
+    axis = (
+        {"label": axis_title(x), "scale": "log"}
+        if _is_wide(values)
+        else {"label": axis_title(x), "room": True}
+    )
     return axis, {value: float(value) for value in values}
 
 
@@ -121,7 +119,7 @@ def _moved(x: Sequence[float], every: Sequence[float], beside: float, across: Sp
 
 
 def _up(y: str, every: Points) -> Spec:
-    axis: Spec = {"label": metric_label(y), "percent": y.split(".", maxsplit=1)[0] in PERCENT}
+    axis: Spec = {"label": metric_label(y), "percent": is_relative(y)}
     if not is_share(y) and _is_wide([one.median for _, one in every]):
         axis["scale"] = "log"
     ends = [one.low for _, one in every] + [one.high for _, one in every]
@@ -153,14 +151,14 @@ def spread_figure(columns: Mapping[str, Sequence[Any]], metrics: Sequence[str]) 
             "axis": "x",
             "at": float(np.median(values)),
         }
-        percent = metric.split(".", maxsplit=1)[0] in PERCENT
+        percent = is_relative(metric)
         spec = {
-            "label": f"Runs by {metric}",
+            "label": f"Runs by {metric_title(metric)}",
             "height": 210,
             "x": {"label": metric_label(metric), "percent": percent},
             "panels": [{"y": {"label": "runs", "include": [0]}, "series": [one, median]}],
         }
-        charts.append(Chart(metric, "", spec))
+        charts.append(Chart(begun(metric_title(metric)), "", spec))
     aid = "How many runs fall where; none is left out."
     return Figure("Histograms", aid, False, (), {"": Variant(tuple(charts))}, ("",))
 

@@ -9,7 +9,8 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.diagnosis.summary import and_list
-from bench.page.figures_sweep import PERCENT, metric_label, plot_figure, spread_figure
+from bench.effects.display_names import begun
+from bench.page.figures_sweep import metric_label, plot_figure, spread_figure
 from bench.page.parts import Cell, Column, Commands, Items, Page, Part, Row, Section, Table, Tile, row
 from bench.page.section_run import versions_of
 from bench.page.words import plural, share, short, typeset
@@ -21,6 +22,7 @@ from bench.studies.sweep.run_sweep import FILE, RECORD
 from bench.studies.sweep.summary import Line, Spread, Summary, is_share, summarise
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
+from bench.studies.sweep.titles import axis_title, axis_words, is_relative, metric_title
 from bench.studies.sweep.versions import versions
 
 MOST_LINES = 200  # of a table on the page; the file beside it has all
@@ -128,9 +130,9 @@ def _over_all(metric: str, spread: Spread) -> str:
     what = METRICS.get(metric.split(".", maxsplit=1)[0], metric).split(";")[0]
     low, high = value_text(metric, spread.low), value_text(metric, spread.high)
     if is_share(metric):
-        return f"{metric} ({what}) is {value_text(metric, spread.mean)}, 95 % interval {low} to {high}."
+        return f"{begun(what)}: {value_text(metric, spread.mean)}, 95 % interval {low} to {high}."
     middle = value_text(metric, spread.median)
-    return f"{metric} ({what}) is {middle} in the median; nine runs in ten lie between {low} and {high}."
+    return f"{begun(what)}: {middle} in the median; nine runs in ten lie between {low} and {high}."
 
 
 def _middle(metric: str, spread: Spread) -> float:
@@ -138,7 +140,8 @@ def _middle(metric: str, spread: Spread) -> float:
 
 
 def _place(found: SweepResult, line: Line) -> str:
-    return and_list([f"{axis} {_label(v)}" for axis, v in zip(found.summary.axes, line.values, strict=True)])
+    values = zip(found.summary.axes, line.values, strict=True)
+    return and_list([f"{axis_words(axis)} {_label(value)}" for axis, value in values])
 
 
 def _label(value: Any) -> str:
@@ -147,11 +150,7 @@ def _label(value: Any) -> str:
 
 def value_text(metric: str, value: float) -> str:
     """A metric's value as it is set: relative ones in percent."""
-    return share(value) if _in_percent(metric) else short(value, 3)
-
-
-def _in_percent(metric: str) -> bool:
-    return metric.split(".", maxsplit=1)[0] in PERCENT
+    return share(value) if is_relative(metric) else short(value, 3)
 
 
 def _tiles(found: SweepResult) -> tuple[Tile, ...]:
@@ -163,7 +162,7 @@ def _tiles(found: SweepResult) -> tuple[Tile, ...]:
         if spread.count:
             kind = "95 % interval" if is_share(metric) else "middle 90 %"
             note = f"{kind}: {value_text(metric, spread.low)} to {value_text(metric, spread.high)}"
-            name = f"{metric}, {'mean' if is_share(metric) else 'median'}"
+            name = f"{begun(metric_title(metric))}, {'mean' if is_share(metric) else 'median'}"
             tiles.append(Tile(name, value_text(metric, _middle(metric, spread)), typeset(note)))
     return tuple(tiles)
 
@@ -183,11 +182,12 @@ def _plots_section(found: SweepResult) -> Section:
 
 def _numbers_section(found: SweepResult) -> Section:
     summary = found.summary
-    columns = [Column(axis, "keep") for axis in summary.axes]
+    columns = [Column(axis_title(axis), "keep") for axis in summary.axes]
     failed = any(line.failed for line in summary.lines)
     columns += [Column("runs", "right"), *([Column("failed", "right")] if failed else [])]
     columns += [
-        Column(metric if _in_percent(metric) else metric_label(metric), "right") for metric in summary.metrics
+        Column(begun(metric_title(metric)) if is_relative(metric) else metric_label(metric), "right")
+        for metric in summary.metrics
     ]
     rows = tuple(_line(summary, line, failed=failed) for line in summary.lines[:MOST_LINES])
     aid = "Median, and in brackets the middle 90 % of the runs."
@@ -246,11 +246,11 @@ def _plan_section(found: SweepResult) -> Section:
     for axis in sweep.axes:
         if isinstance(axis, DrawnAxis):
             told = ", ".join(f"{k} {_label(v)}" for k, v in axis.draw.model_dump(by_alias=True).items())
-            rows.append(row(axis.name, "drawn for each seed", told))
+            rows.append(row(axis_title(axis.name), "drawn for each seed", told))
             continue
         values = [_label(point.label) for point in axis.points]
         more = f" … {values[-1]}" if len(values) > MOST_VALUES else ""
-        rows.append(row(axis.name, str(len(values)), ", ".join(values[:MOST_VALUES]) + more))
+        rows.append(row(axis_title(axis.name), str(len(values)), ", ".join(values[:MOST_VALUES]) + more))
     seeds = list(sweep.seeds)
     rows.append(
         row("seed", str(len(seeds)), f"{seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else str(seeds[0]))

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.studies.sweep.summary import Spread, Summary, is_share
+from bench.studies.sweep.titles import is_relative
 
 GAP = 2  # blanks between columns
 
@@ -123,6 +124,8 @@ def _cell(metric: str, spread: Spread) -> str:
     if not spread.count:
         return "–"
     middle = spread.mean if is_share(metric) else spread.median
+    scale, unit = (100.0, " %") if is_relative(metric) else (1.0, "")
     if spread.count == 1 and not is_share(metric):
-        return number(middle)
-    return f"{number(middle)} [{number(spread.low, 2)}, {number(spread.high, 2)}]"
+        return f"{number(scale * middle)}{unit}"
+    low, high = number(scale * spread.low, 2), number(scale * spread.high, 2)
+    return f"{number(scale * middle)}{unit} [{low}, {high}]"

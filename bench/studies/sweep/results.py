@@ -10,9 +10,9 @@ from bench.files.atomic import write_text_atomically
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.plot import plot_sweep
 from bench.studies.sweep.print_summary import summary_markdown
-from bench.studies.sweep.run_sweep import TABLE
+from bench.studies.sweep.run_sweep import FILE, TABLE
 from bench.studies.sweep.summary import Summary, summarise, summarise_in_parts
-from bench.studies.sweep.sweep_file import PlotTable
+from bench.studies.sweep.sweep_file import PlotTable, load_sweep
 from bench.studies.sweep.table import column_names
 
 SUMMARY = "summary.md"
@@ -33,6 +33,21 @@ def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]
     path = table.with_name(f"{_file_name(name)}.md")
     write_text_atomically(path, summary_markdown(summary))
     return summary, path
+
+
+def pooled_axes(table: Path, axes: Sequence[str]) -> tuple[str, ...]:
+    """Axes of the sweep that a summary by these throws together, with how many values each has; of a table that
+    stands without its sweep, none.
+    """
+    file = table.with_name(FILE)
+    if not file.is_file():
+        return ()
+    plan = Plan(load_sweep(file))
+    return tuple(
+        f"{axis.name} ({len(axis.points)} values)"
+        for axis in plan.sweep.grid
+        if axis.name not in axes and len(axis.points) > 1
+    )
 
 
 def write_summary(plan: Plan, folder: Path) -> Summary:
