@@ -1,6 +1,7 @@
 """What the README shows is run."""
 
 import re
+import statistics
 
 import pyarrow.parquet as pq
 import pytest
@@ -51,7 +52,7 @@ def test_pictures_and_links_of_the_readme_are_there(project_root):
     assert [t for t in targets if not (project_root / t).exists()] == []
 
 
-def test_verdicts_of_the_readme_are_those_of_the_trials(project_root):
+def test_figures_of_the_readme_are_those_of_the_results(project_root):
     text = (project_root / "README.md").read_text(encoding="utf-8")
     (heads,) = re.findall(r"^\| \|( five-bar .*)\|$\n\|---", text, flags=re.MULTILINE)[:1]
     robots = [
@@ -69,3 +70,11 @@ def test_verdicts_of_the_readme_are_those_of_the_trials(project_root):
             rows = pq.read_table(project_root / "results" / "trial" / f"{robot}.parquet").to_pylist()
             (target,) = (one for one in summarised(robot, rows).targets if one.figure == figure)
             assert cell == f"{target.share.count} of {target.share.of}"
+    (row,) = re.findall(r"^\| largest gain error \|(.*)\|$", text, flags=re.MULTILINE)
+    found = dict(zip(robots, map(str.strip, row.split("|")), strict=True))
+    found["three_rrr"] = found.pop("3-rrr")
+    for robot, cell in found.items():
+        seeds = {"five_bar": "five_bar", "delta": "delta"}.get(robot, "robots")
+        table = pq.read_table(project_root / "results" / "montecarlo" / f"{seeds}_seeds.parquet").to_pylist()
+        errors = [one["gain_error"] for one in table if one["scenario"] == robot]
+        assert cell == f"{100 * statistics.median(errors):.3f} %"

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import mkdocs_gen_files
+import numpy as np
 import pyarrow.parquet as pq
 
 from bench.document.markdown.tables import rows_in_markdown
@@ -11,6 +12,10 @@ from bench.studies.trial.markdown import MAIN, target_cells
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Figure
 
+SEEDS = ("five_bar", "delta", "robots")
+METRICS = ("gain_error", "validate_error_over_noise_floor", "gain_within")
+GAIN_GOAL = "0.1 % five-bar, 0.4 % Delta, 0.3 % others"
+ENCODER_BITS = 20
 SHOWN = MAIN | {Figure.ONE_UNDECIDED, Figure.TWO_UNDECIDED, Figure.THREE_UNDECIDED}
 RESULTS = Path(__file__).resolve().parents[2] / "results"
 
@@ -45,6 +50,55 @@ def _with_cases(cells: tuple[object, ...]) -> str:
     return text.replace(" ", "&nbsp;")
 
 
+def gains_table() -> str:
+    """Errors and coverage of the gains, a column a robot."""
+    tables = [pq.read_table(RESULTS / "montecarlo" / f"{name}_seeds.parquet") for name in SEEDS]
+    runs: dict[str, dict[str, list[float]]] = {}
+    for table in tables:
+        for row in table.select(["scenario", *METRICS]).to_pylist():
+            of = runs.setdefault(row["scenario"], {name: [] for name in METRICS})
+            for name in METRICS:
+                of[name].append(row[name])
+    error, over, within = METRICS
+    rows: list[tuple[str, list[str], str]] = [
+        ("seeds", [str(len(of[error])) for of in runs.values()], ""),
+        ("largest gain error, median", [percent(np.median(of[error])) for of in runs.values()], GAIN_GOAL),
+        ("the same, 95th percentile", [percent(np.percentile(of[error], 95)) for of in runs.values()], ""),
+        (
+            "error not fitted, over the noise floor",
+            [f"{np.median(of[over]):.3g}" for of in runs.values()],
+            "1.1",
+        ),
+        (
+            "95 % intervals that hold the truth",
+            [percent(np.mean(of[within])) for of in runs.values()],
+            "90–98 %",
+        ),
+    ]
+    return rows_in_markdown(("", *runs, "at most"), [(name, *cells, most) for name, cells, most in rows])
+
+
+def estimators_table() -> str:
+    """Median gain error and coverage of every estimator, by the noise of the current."""
+    table = pq.read_table(RESULTS / "montecarlo" / "estimators.parquet").to_pylist()
+    rows = [row for row in table if row["sensors.encoder_bits"] == ENCODER_BITS]
+    methods = list(dict.fromkeys(row["method"] for row in rows))
+    lines = []
+    for noise in sorted({row["sensors.current_noise_ratio"] for row in rows}):
+        cells = []
+        for method in methods:
+            of = [r for r in rows if (r["method"], r["sensors.current_noise_ratio"]) == (method, noise)]
+            within = 100 * float(np.mean([row["gain_within"] for row in of]))
+            cells.append(f"{percent(np.median([row['gain_error'] for row in of]))} ({within:.0f}&nbsp;%)")
+        lines.append((f"{100 * noise:g} %", *cells))
+    return rows_in_markdown(("current noise", *(f"`{one}`" for one in methods)), lines)
+
+
+def percent(share: float) -> str:
+    """In percent, three figures; not to be broken."""
+    return f"{100 * float(share):.3g}&nbsp;%"
+
+
 def speed_table() -> str:
     """Every figure of speed as it was last measured, with its commit."""
     last: dict[str, tuple[float, str]] = {}
@@ -57,7 +111,12 @@ def speed_table() -> str:
 
 def page(text: str) -> str:
     """The text with its tables in their places."""
-    for place, table in (("trials", trial_table(trials())), ("speed", speed_table())):
+    for place, table in (
+        ("trials", trial_table(trials())),
+        ("gains", gains_table()),
+        ("speed", speed_table()),
+        ("estimators", estimators_table()),
+    ):
         text = text.replace(f"<!-- {place} -->", table)
     return text
 
