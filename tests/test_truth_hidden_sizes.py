@@ -73,6 +73,14 @@ def test_a_larger_share_is_a_stronger_effect(effect):
     assert ratio == pytest.approx(0.25 if effect == "drive_flexibility" else 4, rel=0.1)
 
 
+def test_an_offset_larger_than_the_movement_is_refused():
+    """A turret about the vertical: its zero changes no torque, whatever the size."""
+    reference = Reference(plain("palletiser"))
+    with pytest.raises(BenchError, match="the torque of joint motor_1 hardly depends on its zero"):
+        typical("encoder_offset", reference, 0.01, "motor_1")
+    assert 0 < typical("encoder_offset", reference, 0.01, "motor_2")["offset"] < 0.3
+
+
 def test_a_position_dependent_friction_is_never_negative():
     for robot in ("five_bar", "delta"):
         reference = Reference(plain(robot))

@@ -21,6 +21,7 @@ Sizes = dict[str, float]
 
 SAMPLES = 40  # of each recording
 CLOSE = 0.02  # of the wished share
+FURTHEST = np.log(100.0)  # step of a search, as a logarithm
 ROTOR = 0.1  # of the inertia that the joint feels
 
 
@@ -76,7 +77,10 @@ def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, s
             reference, movement, [np.full(len(movement.time), -x), *(np.zeros(len(movement.time)),) * 2]
         )
 
-    return {"offset": _solved(felt, offset, share, 1)}
+    found = _solved(felt, offset, share, 1)
+    if abs(found) > movement.span:
+        raise BenchError(f"the torque of joint {movement.joint} hardly depends on its zero")
+    return {"offset": found}
 
 
 def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
@@ -248,7 +252,10 @@ def _solved(felt: Callable[[float], float], start: float, share: float, exponent
             raise BenchError("no motor feels the effect in this movement")
         if abs(found / share - 1) < CLOSE:
             break
-        before, x = (x, found), x * float(np.clip((share / found) ** (1 / exponent), 0.01, 100.0))
+        before, x = (
+            (x, found),
+            x * float(np.exp(np.clip(np.log(share / found) / exponent, -FURTHEST, FURTHEST))),
+        )
         found = felt(x)
         if found > 0 and found != before[1]:
             slope = np.log(found / before[1]) / np.log(x / before[0])
