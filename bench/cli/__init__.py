@@ -55,6 +55,11 @@ COMMANDS = {
     "discriminate": LazyCommand(
         "bench.cli.discriminate:discriminate", "Design the motion that tells two effects apart.", MEASUREMENTS
     ),
+    "excite": LazyCommand(
+        "bench.cli.excite:excite",
+        "Plan the motions to identify a robot with, and what they tell.",
+        MEASUREMENTS,
+    ),
     "report": LazyCommand(
         "bench.cli.report:report", "Write one page, in one file, that shows what a run found.", RESULTS
     ),

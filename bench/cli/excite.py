@@ -1,0 +1,130 @@
+"""`bench excite`: the experiment to make, before there is any data."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from bench.cli.completion import effects as effect_names
+from bench.cli.completion import robots as robot_names
+from bench.cli.last_lines import next_line, say, wrote
+from bench.cli.options import effect_file_option, in_existing_folder, with_option
+from bench.cli.progress import quiet_option, shown_progress
+
+POSITIVE = click.FloatRange(min=0.0, min_open=True)
+
+
+def _share(_context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+    """A share as 0.5% or 0.005."""
+    if text is None:
+        return None
+    try:
+        share = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+    except ValueError:
+        share = -1.0
+    if not 0.0 < share < 1.0:
+        raise click.BadParameter(f"{text!r} is no share such as 0.5%", param=option)
+    return share
+
+
+@click.command("excite")
+@click.argument("robot", shell_complete=robot_names)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="DIR",
+    help="Folder for tables, coefficients, a scenario, pictures and the forecast.",
+)
+@click.option(
+    "--for",
+    "wanted",
+    multiple=True,
+    shell_complete=effect_names,
+    metavar="WHAT",
+    help="all, gains, parameters, or an effect as EFFECT or EFFECT:JOINT. Repeat for each.  [default: all]",
+)
+@click.option(
+    "--limits",
+    "limits",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    callback=in_existing_folder,
+    help="TOML with limits by joint, workspace boxes, payload and sensors.",
+)
+@click.option("--velocity", type=POSITIVE, metavar="V", help="Largest speed of every joint, rad/s or m/s.")
+@click.option("--acceleration", type=POSITIVE, metavar="A", help="Largest acceleration, rad/s2 or m/s2.")
+@click.option("--current", type=POSITIVE, metavar="I", help="Largest current, drive unit.")
+@click.option("--duration", type=POSITIVE, metavar="S", help="Of each motion.  [default: 20]")
+@click.option("--payload-mass", type=POSITIVE, metavar="KG", help="Weighed; its centre is then estimated.")
+@click.option(
+    "--gain-accuracy", callback=_share, metavar="SHARE", help="Say what is enough for, such as, 0.5%."
+)
+@with_option
+@effect_file_option
+@click.option(
+    "--criterion",
+    type=click.Choice(["worst", "d-optimal"]),
+    default="worst",
+    show_default=True,
+    help="Worst relative standard error, or volume of the error ellipsoid.",
+)
+@click.option("--steps", type=click.IntRange(0), default=900, show_default=True, help="Of the search.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the search.")
+@quiet_option
+def excite(
+    robot: str,
+    output: Path,
+    wanted: tuple[str, ...],
+    limits: Path | None,
+    gain_accuracy: float | None,
+    effects: tuple[str, ...],
+    effect_files: tuple[Path, ...],
+    quiet: bool,
+    **options: Any,
+) -> None:
+    """Plan the motions to identify a robot with, and what they tell.
+
+    The motions start and end at rest at home, with and without a payload, and keep all limits: joint ranges, speeds,
+    accelerations, currents by nominal gains and the masses of the MJCF, workspace boxes, distance from singular poses.
+    The standard errors to be expected are told before a motor turns.
+    """
+    criterion, steps, seed = (options.pop(name) for name in ("criterion", "steps", "seed"))
+    with shown_progress(quiet) as progress:
+        from bench.dataset.robot import load_robot
+        from bench.effects import catalogue_for
+        from bench.excitation.experiment.figure import write_plan_figure
+        from bench.excitation.experiment.files import PICTURE, VIEW, check_folder, write_plan
+        from bench.excitation.experiment.forecast import forecast
+        from bench.excitation.experiment.plan import Plan, plan_experiment
+        from bench.excitation.experiment.request_file import asked_table
+        from bench.excitation.experiment.sentences import sentences
+        from bench.viewer.planned import write_planned_rrd
+
+        check_folder(output)
+        plan = plan_experiment(
+            load_robot(robot),
+            asked_table(limits, options),
+            wanted,
+            effects,
+            criterion=criterion,
+            steps=steps,
+            seed=seed,
+            catalogue=catalogue_for((), effect_files),
+            progress=progress,
+        )
+        progress.phase("forecasting the standard errors")
+        told = forecast(plan, gain_accuracy)
+        progress.phase("writing the motions")
+
+        def view(path: Path, plan: Plan) -> None:
+            motions = [one.trajectory for one in plan.motions]
+            write_planned_rrd(path, plan.robot, dict(zip(plan.names, motions, strict=True)))
+
+        write_plan(output, plan, told, {PICTURE: write_plan_figure, VIEW: view})
+    for sentence in sentences(plan, told):
+        click.echo(sentence)
+    say([wrote(output, "tables, coefficients, scenario, pictures, forecast")])
+    folder = output.with_name(f"{output.resolve().name}.data")
+    say([next_line(["simulate", output / "scenario.toml", "-o", folder], "tries it in simulation")])

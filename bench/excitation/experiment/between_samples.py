@@ -1,0 +1,74 @@
+"""How far a Fourier trajectory goes at any time, between samples too: bounds that hold, not samples alone.
+
+Between two samples a distance h apart a function stays within h^2 / 8 times the largest size of its second derivative
+of the line through them. Those derivatives are bounded by the sums of the series' coefficients and, in the ramps, by
+the derivatives of the blend.
+"""
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+from bench.scenario.trajectory import FourierTrajectory
+
+RISE = (1.0, 35.0 / 16.0, 7.6, 52.5, 840.0)
+"""Largest sizes of the blend 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7 and its first four derivatives on [0, 1].
+
+The first is 140 / 4^3, the second 420 x^2 y^2 (y - x) < 7.6 with y = 1 - x, the third 420 |2 u - 10 u^2| at u = x y =
+1/4, the fourth that at the ends.
+"""
+PERIOD = 60.0  # samples of a period of the highest harmonic
+RAMP = 200.0  # samples of a ramp, at least
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Between which a trajectory stays at all times, (n,) each: positions, and largest sizes of its rates."""
+
+    low: np.ndarray
+    high: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+def extremes(trajectory: FourierTrajectory) -> Extremes:
+    """Bounds of position, velocity and acceleration that hold at every time."""
+    ramp, duration = trajectory.ramp, trajectory.duration
+    found = [
+        _piece(trajectory, 0.0, ramp, blended=True),
+        _piece(trajectory, duration - ramp, duration, blended=True),
+    ]
+    if duration > 2.0 * ramp:
+        found.append(_piece(trajectory, ramp, duration - ramp, blended=False))
+    return Extremes(
+        np.min([one.low for one in found], axis=0),
+        np.max([one.high for one in found], axis=0),
+        np.max([one.velocity for one in found], axis=0),
+        np.max([one.acceleration for one in found], axis=0),
+    )
+
+
+def derivative_bound(trajectory: FourierTrajectory, order: int, *, blended: bool) -> np.ndarray:
+    """A size (n,) that the derivative of this order, 1 to 4, never exceeds; blended: in the ramps, else between."""
+    k_omega = 2.0 * np.pi * trajectory.base_frequency * np.arange(1, trajectory.harmonics + 1)
+    amplitude = np.hypot(trajectory.a, trajectory.b)
+    sizes = [(amplitude * k_omega**m).sum(axis=1) for m in range(order + 1)]
+    if not blended:
+        return np.asarray(sizes[order])
+    terms = [comb(order, j) * RISE[j] / trajectory.ramp**j * sizes[order - j] for j in range(order + 1)]
+    return np.asarray(np.sum(terms, axis=0))
+
+
+def _piece(trajectory: FourierTrajectory, start: float, end: float, *, blended: bool) -> Extremes:
+    highest = trajectory.harmonics * trajectory.base_frequency
+    count = max(int(np.ceil((end - start) * PERIOD * highest)), int(RAMP)) + 1
+    position, velocity, acceleration = trajectory.evaluate(np.linspace(start, end, count))
+    step = (end - start) / (count - 1)
+    beyond = [step**2 / 8.0 * derivative_bound(trajectory, order, blended=blended) for order in (2, 3, 4)]
+    return Extremes(
+        position.min(axis=0) - beyond[0],
+        position.max(axis=0) + beyond[0],
+        np.abs(velocity).max(axis=0) + beyond[1],
+        np.abs(acceleration).max(axis=0) + beyond[2],
+    )

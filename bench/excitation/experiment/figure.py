@@ -1,0 +1,62 @@
+"""The planned motions: positions, speeds and expected currents of every motor, beside their limits."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bench.document.figures.currents import DPI, STYLE
+from bench.excitation.experiment.nominal import seen
+from bench.excitation.experiment.plan import Plan
+from bench.files.atomic import atomic_path
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73")  # after Okabe and Ito
+LIMIT = "#9AA0A6"
+
+
+def plan_figure(plan: Plan) -> Figure:
+    """A row a motor: position, speed, current; dashed: the limits."""
+    robot, room = plan.robot, plan.room
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11.5, 1.9 * len(robot.joints) + 1.0), dpi=DPI, layout="constrained")
+        axes = figure.subplots(len(robot.joints), 3, sharex=True, squeeze=False)
+        for name, load, one, colour in zip(
+            plan.names, plan.search.loads, plan.motions, COLOURS, strict=False
+        ):
+            time = plan.search.shape.times
+            position, velocity, _ = one.trajectory.evaluate(time)
+            current = seen(plan.nominal, one.motion, load).current
+            for j in range(len(robot.joints)):
+                for column, values in enumerate((position, velocity, current)):
+                    axes[j, column].plot(time, values[:, j], color=colour, linewidth=1.1, label=name)
+        for j, actuator in enumerate(robot.actuators):
+            length = "rad" if actuator.gain_unit.startswith("N*m") else "m"
+            drive = actuator.gain_unit.partition("/")[2] or "N·m"
+            _limits(axes[j, 0], (room.joint.low[j], room.joint.high[j]))
+            _limits(axes[j, 1], (-room.velocity[j], room.velocity[j]))
+            largest = room.torque[j] / plan.nominal.gains[j]
+            _limits(axes[j, 2], (-largest, largest))
+            for column, unit in enumerate((length, f"{length}/s", drive)):
+                axes[j, column].set_ylabel(f"{actuator.joint} [{unit}]")
+        for column, title in enumerate(("Position", "Velocity", "Current, expected")):
+            axes[0, column].set_title(title)
+            axes[-1, column].set_xlabel("time [s]")
+        figure.align_ylabels()
+        handles = axes[0, 0].get_lines()[: len(plan.names)]
+        figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
+    return figure
+
+
+def _limits(axes: Axes, values: tuple[float, float]) -> None:
+    for value in values:
+        if np.isfinite(value):
+            axes.axhline(value, color=LIMIT, linewidth=0.9, linestyle="--")
+
+
+def write_plan_figure(path: Path, plan: Plan) -> None:
+    """Write `plan_figure` as a picture, whole or not at all."""
+    figure = plan_figure(plan)
+    with atomic_path(path) as partial:
+        figure.savefig(partial)

@@ -1,0 +1,226 @@
+"""The experiment as files: for the controller, for a simulation, and for people."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.payload import Payload
+from bench.dataset.recording import write_table
+from bench.excitation.discrimination.files import trajectory_table
+from bench.excitation.experiment.between_samples import extremes
+from bench.excitation.experiment.forecast import Forecast
+from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.sentences import percent, sentences
+from bench.files.atomic import finite, whole_folder, write_json_atomically, write_text_atomically
+from bench.scenario.trajectory import FourierTrajectory
+
+ANSWER, SCENARIO, SUMMARY, PICTURE, VIEW = (
+    "answer.json",
+    "scenario.toml",
+    "README.md",
+    "motions.png",
+    "motions.rrd",
+)
+
+STIFF = 30.0  # Hz: of the simulated controller
+
+Draw = Callable[[Path, Plan], None]
+
+
+def write_plan(folder: str | Path, plan: Plan, told: Forecast, drawn: Mapping[str, Draw]) -> list[Path]:
+    """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
+
+    drawn: pictures and recordings by file name, and what writes each. Raises BenchError if the folder holds anything
+    else, or cannot be written.
+    """
+    check_folder(folder)
+    with whole_folder(folder) as partial:
+        for name, motion in zip(plan.names, plan.motions, strict=True):
+            table = trajectory_table(motion.trajectory, list(plan.robot.joints), plan.nominal.noise.rate)
+            write_table(partial / f"{name}.csv", table)
+            write_text_atomically(partial / f"{name}.toml", _coefficients(plan, motion.trajectory))
+        write_text_atomically(partial / SCENARIO, scenario_text(plan))
+        for file, draw in drawn.items():
+            draw(partial / file, plan)
+        write_text_atomically(partial / SUMMARY, _readme(plan, told, tuple(drawn)))
+        write_json_atomically(partial / ANSWER, plan_json(plan, told))
+        names = sorted(path.name for path in partial.iterdir())
+    return [Path(folder) / name for name in names]
+
+
+def check_folder(folder: str | Path) -> None:
+    """Raise BenchError where the folder holds anything that `write_plan` did not write."""
+    target = Path(folder)
+    empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
+    if not empty and not ((target / ANSWER).is_file() and (target / SCENARIO).is_file()):
+        raise BenchError(f"{folder}: is there already and holds something else: name another folder")
+
+
+def plan_json(plan: Plan, told: Forecast) -> dict[str, Any]:
+    """The answer as plain data, ready for JSON."""
+    reach = {
+        name: _limits(plan, motion.trajectory) for name, motion in zip(plan.names, plan.motions, strict=True)
+    }
+    answer = {
+        "robot": plan.robot.name,
+        "for": list(plan.wanted),
+        "criterion": plan.criterion,
+        "value": plan.value,
+        "random": dict(plan.random),
+        "seed": plan.seed,
+        "steps": plan.steps,
+        "unknowns": [
+            {
+                "name": one.name,
+                "kind": one.kind,
+                "unit": one.unit,
+                "nominal": one.value,
+                "std": one.std,
+                "relative_to": one.size,
+                "grouping": one.grouping,
+                "aimed_at": i in plan.targets,
+            }
+            for i, one in enumerate(told.unknowns)
+        ],
+        "undetermined": [list(names) for names in told.together],
+        "gain_accuracy": None
+        if told.enough is None
+        else {
+            "asked": told.enough.accuracy,
+            "expected": told.enough.expected,
+            "seconds": told.enough.seconds,
+            "mass": told.enough.mass,
+        },
+        "assumed": list(plan.room.assumed),
+        "reach": reach,
+        "recordings": {
+            name: {"payload": load, "trajectory": motion.trajectory.to_dict()}
+            for name, load, motion in zip(plan.names, plan.search.loads, plan.motions, strict=True)
+        },
+        "summary": sentences(plan, told),
+    }
+    return dict(finite(answer))
+
+
+def _limits(plan: Plan, trajectory: FourierTrajectory) -> dict[str, Any]:
+    """What a motion reaches at most, proven between samples, beside what it may, by joint."""
+    reach, room = extremes(trajectory), plan.room
+    return {
+        joint: {
+            "position": [float(reach.low[j]), float(reach.high[j])],
+            "position_limit": [float(room.joint.low[j]), float(room.joint.high[j])],
+            "velocity": float(reach.velocity[j]),
+            "velocity_limit": float(room.velocity[j]),
+            "acceleration": float(reach.acceleration[j]),
+            "acceleration_limit": float(room.acceleration[j]),
+            "torque_limit": float(room.torque[j]),
+        }
+        for j, joint in enumerate(plan.robot.joints)
+    }
+
+
+def _coefficients(plan: Plan, trajectory: FourierTrajectory) -> str:
+    lines = [
+        f"# Joints: {', '.join(plan.robot.joints)}.",
+        "# q(t) = center + s(t) sum_k (a_k sin k w t + b_k cos k w t) with w = 2 pi base_frequency;",
+        "# s rises in the first `ramp` seconds as 35x^4 - 84x^5 + 70x^6 - 20x^7 and falls in the last.",
+    ]
+    lines += [f"{key} = {value!r}" for key, value in trajectory.to_dict().items()]
+    return "\n".join(lines) + "\n"
+
+
+def scenario_text(plan: Plan) -> str:
+    """A scenario that `bench simulate` runs: the motions to identify from, and the same as a check."""
+    robot = plan.robot
+    reference = robot.name if built_in_robots().get(robot.name) == robot.folder else str(robot.folder)
+    lines = [
+        f'description = "Planned by bench excite for {robot.name}"',
+        f"robot = {_quoted(reference)}",
+        f"seed = {plan.seed}",
+        f"log_rate = {plan.nominal.noise.rate!r}",
+        "",
+        "[controller]  # stiff, so that the motion is the planned one",
+        f"natural_frequency = {STIFF!r}",
+        'feedforward = "acceleration"',
+        "",
+        "[sensors]",
+        *_sensors(plan),
+    ]
+    for name, payload in plan.nominal.payloads.items():
+        lines += ["", f"[payloads.{_quoted(name)}]", *_payload(payload)]
+    for use in ("identify", "validate"):
+        for name, load in zip(plan.names, plan.search.loads, strict=True):
+            lines += ["", "[[recordings]]", f'name = "{name}{"_check" if use == "validate" else ""}"']
+            lines += [f'use = "{use}"', *([] if load is None else [f"payload = {_quoted(load)}"])]
+            lines.append(f'trajectory_file = "{name}.toml"')
+    return "\n".join(lines) + "\n"
+
+
+def _sensors(plan: Plan) -> list[str]:
+    noise, joints = plan.nominal.noise, plan.robot.joints
+    lines = (
+        [f"current_noise_ratio = {noise.ratio!r}"]
+        if noise.current is None
+        else [f"current_noise = {_table(joints, noise.current)}"]
+    )
+    if noise.encoder.any():
+        lines.append(f"encoder_resolution = {_table(joints, noise.encoder)}")
+    return lines
+
+
+def _payload(payload: Payload) -> list[str]:
+    """What is declared of a payload; where its centre is unknown, the simulated one is a point at the tool."""
+    lines = [f"mass = {payload.mass!r}"]
+    if payload.center_of_mass is not None:
+        lines.append(f"center_of_mass = {payload.center_of_mass.tolist()}")
+    if payload.inertia is not None:
+        lines.append(f"inertia = {payload.inertia.tolist()}")
+    if payload.center_of_mass is None or payload.inertia is None:
+        known = (
+            "" if payload.center_of_mass is None else f", center_of_mass = {payload.center_of_mass.tolist()}"
+        )
+        lines.append(f"declared = {{ mass = {payload.mass!r}{known} }}")
+    return lines
+
+
+def _table(joints: tuple[str, ...], values: np.ndarray) -> str:
+    inside = ", ".join(f"{_quoted(joint)} = {float(x)!r}" for joint, x in zip(joints, values, strict=True))
+    return f"{{ {inside} }}"
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _readme(plan: Plan, told: Forecast, drawn: tuple[str, ...]) -> str:
+    lines = [f"# {plan.robot.name}: motions to identify it with", ""]
+    lines += [f"- {one}" for one in sentences(plan, told)]
+    lines += [f"\n![The motions]({PICTURE})"] if PICTURE in drawn else []
+    lines += ["", "| unknown | nominal | standard error | of its size |", "|---|---:|---:|---:|"]
+    for one in told.unknowns:
+        value = "" if np.isnan(one.value) else f"{one.value:.4g}"
+        std = "undetermined" if one.std is None else f"{one.std:.2g} {one.unit}"
+        share = "" if one.std is None else percent(one.relative)
+        lines.append(f"| {one.name} | {value} | {std} | {share} |")
+    robot = plan.robot.name if plan.robot.name in built_in_robots() else "ROBOT"
+    lines += ["", "## Record it", ""]
+    lines.append(
+        "Let the robot go home, then run each table (s; rad or m and rates) and log positions and currents."
+    )
+    lines += ["", "```sh"]
+    for name, load in zip(plan.names, plan.search.loads, strict=True):
+        mass = None if load is None else plan.nominal.payloads[load].mass
+        carried = "" if load is None else f" --payload {load} --payload-mass {mass!r}"
+        lines.append(f"bench import log_{name}.csv --robot {robot} -o DATASET --name {name}.csv{carried}")
+    lines += [
+        "bench identify DATASET",
+        "```",
+        "",
+        f"First in simulation: `bench simulate {SCENARIO} -o DATASET`.",
+    ]
+    return "\n".join(lines) + "\n"

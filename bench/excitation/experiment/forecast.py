@@ -1,0 +1,220 @@
+"""What an experiment will tell before a motor turns: standard errors, what stays open, which payload is enough."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.payload import Payload
+from bench.effects.effect import unit_at
+from bench.effects.select import ROBOT
+from bench.excitation.experiment.covariance import Determined, determined
+from bench.excitation.experiment.encoder import encoder_score
+from bench.excitation.experiment.nominal import Nominal, equations, pooled_variance, seen
+from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.planned_log import PlannedRows, planned_rows, row_evidence
+from bench.excitation.experiment.request import PAYLOAD
+from bench.export.prior import cad_prior
+from bench.identification.layout import parameter_layout, payload_parameter_names
+from bench.model.regressor import UNITS
+
+STEPPED = 1.2  # times the standard error by the currents' noise alone: beyond, the encoders' steps matter
+COARSE = (
+    "The steps of the encoders are large enough to matter: the standard errors are the least to be expected, because "
+    "such steps are no even noise and the filters of the fit are then narrower."
+)
+WEAK = 0.3  # of its size: a standard error beyond which a value is not worth much
+MASSES = 1.25  # from one payload to the next that is looked at
+LIGHTEST, HEAVIEST = 0.02, 3.0  # of the robot's moving mass
+LONGEST = 20.0  # times the duration: recordings beyond are no advice
+
+
+@dataclass(frozen=True)
+class Expected:
+    """One unknown. kind: "gain", "parameter", "payload" or "effect"; value: nominal, NaN where nothing is known of it;
+    std: its expected standard error, None where it stays undetermined; size: against which it is held.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    value: float
+    std: float | None
+    size: float
+    grouping: str = ""
+
+    @property
+    def relative(self) -> float:
+        """The standard error over the size; infinite where the unknown stays undetermined."""
+        return float("inf") if self.std is None else self.std / self.size
+
+
+@dataclass(frozen=True)
+class Enough:
+    """What gives an accuracy of the gains.
+
+    accuracy: asked for; expected: worst relative standard error of the gains with the planned payload, None without
+    one; seconds: of each recording with that payload, None where no time of sense is enough; mass: kg, the lightest
+    payload that is enough at the planned time, None where none within the limits is.
+    """
+
+    accuracy: float
+    expected: float | None
+    seconds: float | None
+    mass: float | None
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """unknowns in the order of the fit; together: names of unknowns that only change together; notes: in words."""
+
+    unknowns: tuple[Expected, ...]
+    together: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...]
+    enough: Enough | None
+
+
+def covariance_of(plan: Plan, rows: Sequence[PlannedRows]) -> tuple[Determined, bool]:
+    """Covariance (P, P) by the noise of currents and the steps of encoders, and whether these matter."""
+    search, nominal = plan.search, plan.nominal
+    own = [row_evidence(nominal, one, load) for one, load in zip(rows, search.loads, strict=True)]
+    everything = [*search.known, *own]
+    fit = equations(everything)
+    found = determined(fit)
+    if not np.any(nominal.noise.encoder > 0.0):
+        return found, False
+    weights = 1.0 / pooled_variance(everything)
+    extra = [
+        encoder_score(nominal, one.trajectory, load, weights)
+        for one, load in zip(plan.motions, search.loads, strict=True)
+    ]
+    both = determined(replace(fit, score=fit.score + np.sum(extra, axis=0)))
+    stepped = np.diag(both.covariance) > STEPPED**2 * np.diag(found.covariance)
+    return both, bool(stepped[~found.undetermined].any())
+
+
+def forecast(plan: Plan, gain_accuracy: float | None = None) -> Forecast:
+    """Standard errors of all unknowns, in the drive's noise alone and with the encoders' steps.
+
+    gain_accuracy: relative; then the payload mass and the time that are enough for it are looked for. They are standard
+    errors of noise: an effect that the model lacks is no part of them.
+    """
+    rows = planned_rows(plan.nominal, [one.trajectory for one in plan.motions], plan.search.loads)
+    found, stepped = covariance_of(plan, rows)
+    std = np.sqrt(np.maximum(np.diag(found.covariance), 0.0))
+    unknowns = tuple(
+        replace(one, std=None if found.undetermined[i] else float(std[i]), size=float(plan.sizes[i]))
+        for i, one in enumerate(described(plan.nominal))
+    )
+    together = tuple(tuple(unknowns[i].name for i in direction) for direction in found.directions)
+    enough = None if gain_accuracy is None else enough_for(plan, rows, gain_accuracy)
+    notes = [*_notes(plan, unknowns, together), *([COARSE] if stepped else [])]
+    return Forecast(unknowns, together, tuple(notes), enough)
+
+
+def described(nominal: Nominal) -> Iterator[Expected]:
+    """Every unknown of a machine, with no standard error yet."""
+    base, layout, robot = nominal.model.base, nominal.layout, nominal.model.geometry.robot
+    nan = float("nan")
+    for i, (name, unit) in enumerate(zip(base.names, base.units, strict=True)):
+        value = float(nominal.base[i])
+        yield Expected(name, "parameter", unit, value, None, 1.0, base.descriptions[i])
+    for payload, index in layout.payloads.items():
+        for name, i in zip(payload_parameter_names(payload, index), index, strict=True):
+            yield Expected(name, "payload", UNITS[i], nan, None, 1.0)
+    kinds = {joint.name: joint.kind for joint in nominal.model.geometry.joints}
+    for one in nominal.effects:
+        for parameter in one.effect.parameters:
+            rotates = kinds.get(one.joint) != "slide"
+            name = f"{one.effect.name}:{one.joint or ROBOT}.{parameter.name}"
+            yield Expected(name, "effect", unit_at(parameter.unit, rotates), nan, None, 1.0)
+    if nominal.gains_fitted:
+        for actuator in robot.actuators:
+            yield Expected(actuator.joint, "gain", actuator.gain_unit, actuator.gain, None, 1.0)
+
+
+def _notes(
+    plan: Plan, unknowns: tuple[Expected, ...], together: tuple[tuple[str, ...], ...]
+) -> Iterator[str]:
+    if not plan.nominal.gains_fitted:
+        yield (
+            "All masses and drive gains scale together: without a payload of known mass the gains stay nominal, and "
+            "every parameter is wrong by as much as they are. Weigh a payload, and plan with it."
+        )
+    for names in together:
+        if len(names) == 1:
+            yield f"{names[0]} stays undetermined: these motions do not show it."
+        else:
+            listed = ", ".join(names[:-1])
+            yield f"{listed} and {names[-1]} stay undetermined: they only show together, as one sum."
+    aimed = [unknowns[i] for i in plan.targets]
+    weak = [one.name for one in aimed if WEAK < one.relative < float("inf")]
+    if weak:
+        yield (
+            f"Not to be had from motions of this kind, with standard errors of more than {WEAK:.0%} of their size: "
+            f"{', '.join(weak)}."
+        )
+
+
+def gain_error(plan: Plan, rows: Sequence[PlannedRows], mass: float | None) -> float:
+    """Worst relative standard error of the gains with the payload's mass changed to another one; infinite without.
+
+    Of the planned motions the first goes unloaded and the last one loaded; where only one was planned, it goes twice.
+    """
+    nominal = _with_mass(plan.nominal, mass)
+    told = []
+    for one, load in zip((rows[0], rows[-1]), (None, *nominal.payloads), strict=False):
+        what = seen(nominal, one.motion, load)
+        if np.any(np.abs(what.current * nominal.gains) > plan.room.torque):
+            return float("inf")
+        told.append(row_evidence(nominal, one, load))
+    found = determined(equations(told))
+    first = nominal.layout.size
+    if not nominal.gains_fitted or found.undetermined[first:].any():
+        return float("inf")
+    return float((np.sqrt(np.diag(found.covariance))[first:] / nominal.gains).max())
+
+
+def enough_for(plan: Plan, rows: Sequence[PlannedRows], accuracy: float) -> Enough:
+    """The time with the planned payload, and the lightest payload at the planned time, that give an accuracy."""
+    robot = plan.robot
+    if robot.tool_site is None:
+        raise BenchError(f"gain accuracy: the robot {robot.name!r} has no [tool] site to fix a payload at")
+    expected = None
+    seconds = None
+    planned = plan.nominal.payloads.get(PAYLOAD)
+    duration = plan.search.shape.duration
+    if planned is not None:
+        expected = gain_error(plan, rows, planned.mass)
+        times = (expected / accuracy) ** 2
+        seconds = duration * times if times <= LONGEST else None
+    moving = moving_mass(plan.nominal)
+    mass = LIGHTEST * moving
+    while mass <= HEAVIEST * moving:
+        if gain_error(plan, rows, mass) <= accuracy:
+            return Enough(accuracy, expected, seconds, mass)
+        mass *= MASSES
+    return Enough(accuracy, expected, seconds, None)
+
+
+def moving_mass(nominal: Nominal) -> float:
+    """Of all bodies that move, kg, by the MJCF."""
+    geometry = nominal.model.geometry
+    masses = cad_prior(geometry).parameters[::10]
+    return float(sum(masses[joint] for joint, _ in geometry.bodies))
+
+
+def _with_mass(nominal: Nominal, mass: float | None) -> Nominal:
+    """The machine with a payload of another mass and the same shape; a point at the tool where none was planned."""
+    if mass is None:
+        return nominal
+    before = nominal.payloads.get(PAYLOAD)
+    if before is None or before.mass is None:
+        payload = Payload(PAYLOAD, mass, np.zeros(3), np.zeros(6))
+    else:
+        inertia = None if before.inertia is None else before.inertia * (mass / before.mass)
+        payload = replace(before, mass=mass, inertia=inertia)
+    payloads = {**nominal.payloads, PAYLOAD: payload}
+    layout = parameter_layout(nominal.model, payloads, [None, *payloads], nominal.layout.effects)
+    return replace(nominal, payloads=payloads, layout=layout, gains_fitted=True)

@@ -1,0 +1,190 @@
+"""The machine as it is expected before anything is measured, and what its currents would tell of each unknown."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.payload import Payload
+from bench.dataset.recording import Recording
+from bench.effects import EffectInstance, effect_columns
+from bench.identification.effect_columns import PresentModel, robot_signals
+from bench.identification.filtered import Measured
+from bench.identification.layout import ParameterLayout
+from bench.identification.payload_parameters import payload_columns
+from bench.identification.standstill import no_gaps
+from bench.model.model import IdentificationModel
+from bench.model.motion import Motion
+from bench.model.regressor import projected_regressor
+from bench.signals.settings import FilterSettings
+
+FRICTION_SHARE = 0.1  # of a motor's RMS torque: the size against which a parameter of an effect is held
+SMALLEST = 0.05  # of the largest base parameter of its unit: against which a smaller one is held
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What the log is expected to be like. current (n,): standard deviation, drive unit, or None for `ratio` times the
+    RMS current of each recording; encoder (n,): its steps, rad or m; rate: samples a second.
+    """
+
+    current: np.ndarray | None
+    ratio: float
+    encoder: np.ndarray
+    rate: float
+
+    def deviation(self, current: np.ndarray) -> np.ndarray:
+        """Standard deviation (n,) of a recording's currents (N, n)."""
+        if self.current is not None:
+            return self.current
+        return np.asarray(self.ratio * np.sqrt(np.mean(current**2, axis=0)))
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """A model with values: base parameters (nb,), gains (n,), payloads by name, and effects as unknowns beside.
+
+    layout: of the parameters; the gains come behind them where `gains_fitted`: they are unknowns where some payload's
+    mass is known. source: where the values are from, in words.
+    """
+
+    model: IdentificationModel
+    base: np.ndarray
+    gains: np.ndarray
+    payloads: dict[str, Payload]
+    layout: ParameterLayout
+    effects: tuple[EffectInstance, ...]
+    gains_fitted: bool
+    noise: Noise
+    source: str
+
+    @property
+    def size(self) -> int:
+        """How many unknowns there are."""
+        return self.layout.size + (len(self.gains) if self.gains_fitted else 0)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a motion shows: derivatives (N, n, P) of the currents by the unknowns, and the currents (N, n)."""
+
+    jacobian: np.ndarray
+    current: np.ndarray
+
+
+def seen(nominal: Nominal, motion: Motion, payload: str | None) -> Seen:
+    """Currents along a motion, and how they change with every unknown."""
+    model, layout = nominal.model, nominal.layout
+    columns = model.base.columns
+    if payload is not None:
+        columns = np.concatenate((columns, model.payload_columns))
+    regressor = projected_regressor(model.geometry, motion, columns)
+    nb, n = layout.base, regressor.shape[1]
+    rigid = regressor[:, :, :nb]
+    torque = rigid @ nominal.base
+    jacobian = np.zeros((*regressor.shape[:2], nominal.size))
+    jacobian[:, :, :nb] = rigid
+    if payload is not None:
+        if model.payload is None:
+            raise BenchError(f"robot {model.geometry.robot.name}: a payload needs [tool] site in robot.toml")
+        loads = regressor[:, :, nb:] @ model.payload
+        torque = torque + loads @ payload_columns(nominal.payloads[payload]).known
+        if payload in layout.payloads:
+            jacobian[:, :, layout.payload_slice(payload)] = loads[:, :, layout.payloads[payload]]
+    if nominal.effects:
+        first = layout.size - layout.effects
+        jacobian[:, :, first : layout.size] = _effects(nominal, motion, payload)
+    current = torque / nominal.gains
+    jacobian[:, :, : layout.size] /= nominal.gains[:, None]
+    if nominal.gains_fitted:
+        jacobian[:, np.arange(n), layout.size + np.arange(n)] = -current / nominal.gains
+    return Seen(jacobian, current)
+
+
+def _effects(nominal: Nominal, motion: Motion, payload: str | None) -> np.ndarray:
+    """Columns (N, n, ne) of all effects along a motion."""
+    geometry = nominal.model.geometry
+    active = geometry.active
+    position = motion.q[:, geometry.active_configuration] + geometry.active_offset
+    velocity, acceleration = motion.v[:, active], motion.a[:, active]
+    current = np.zeros_like(position)
+    rate = (len(motion.time) - 1) / float(motion.time[-1] - motion.time[0])
+    settings = FilterSettings(position_cutoff=0.4 * rate, decimation=1)
+    recording = Recording("planned", "identify", payload, motion.time, position, current)
+    gaps = no_gaps(position.shape[1])
+    measured = Measured(
+        recording, settings, motion.time, position, velocity, acceleration, current, motion, gaps
+    )
+    declared = {name: payload_columns(one).known for name, one in nominal.payloads.items()}
+    speeds = np.sqrt(np.mean(velocity**2, axis=0))
+    present = PresentModel(nominal.gains, nominal.base, declared, declared, speeds)
+    signals = robot_signals(nominal.model, measured, present)
+    return np.concatenate([effect_columns(one, signals) for one in nominal.effects], axis=2)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a recording tells. grams (n, P, P): of the derivatives of each motor's currents, summed over the samples of
+    the log; variance (n,) of its currents; samples of its log.
+    """
+
+    grams: np.ndarray
+    variance: np.ndarray
+    samples: float
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The fit of all recordings: its normal matrix (P, P), and the covariance (P, P) of its right side by noise."""
+
+    normal: np.ndarray
+    score: np.ndarray
+
+
+def evidence(nominal: Nominal, what: Seen, duration: float) -> Evidence:
+    """What a recording of this duration tells of all unknowns."""
+    samples = nominal.noise.rate * duration
+    by_motor = what.jacobian.transpose(1, 0, 2)
+    grams = by_motor.transpose(0, 2, 1) @ by_motor * (samples / len(what.current))
+    return Evidence(grams, nominal.noise.deviation(what.current) ** 2, samples)
+
+
+def equations(recordings: Sequence[Evidence]) -> Equations:
+    """The fit as the estimator makes it: it weights each motor by its error over all recordings."""
+    weight = 1.0 / pooled_variance(recordings)[:, None, None]
+    normal = np.sum([(one.grams * weight).sum(axis=0) for one in recordings], axis=0)
+    score = np.sum(
+        [(one.grams * weight**2 * one.variance[:, None, None]).sum(axis=0) for one in recordings], axis=0
+    )
+    return Equations(normal, score)
+
+
+def pooled_variance(recordings: Sequence[Evidence]) -> np.ndarray:
+    """The variance (n,) of each motor's currents over all recordings."""
+    share = np.array([one.samples for one in recordings])
+    return np.asarray(share @ np.array([one.variance for one in recordings]) / share.sum())
+
+
+def reference_sizes(nominal: Nominal, recordings: Sequence[Seen]) -> np.ndarray:
+    """The size (P,) against which the standard error of each unknown is held.
+
+    A gain: its own. A base parameter: its own, but at least SMALLEST of the largest of its unit. A payload's: as a base
+    parameter's. An effect's: what makes FRICTION_SHARE of the RMS torque of a motor, over `recordings`.
+    """
+    layout = nominal.layout
+    sizes = np.zeros(nominal.size)
+    units = np.array(nominal.model.base.units)
+    own = np.abs(nominal.base)
+    largest = {unit: float(own[units == unit].max()) for unit in sorted(set(units))}
+    sizes[: layout.base] = np.maximum(own, [SMALLEST * largest[unit] for unit in units])
+    torque = np.concatenate([one.current * nominal.gains for one in recordings])
+    rms = np.sqrt(np.mean(torque**2, axis=0))
+    columns = np.concatenate([one.jacobian for one in recordings]) * nominal.gains[:, None]
+    for at in range(layout.base, layout.size):
+        strength = np.sqrt(np.mean(columns[:, :, at] ** 2, axis=0))
+        share = np.max(strength / rms)
+        sizes[at] = FRICTION_SHARE / share if share > 0.0 else 1.0
+    if nominal.gains_fitted:
+        sizes[layout.size :] = nominal.gains
+    return np.where(sizes > 0.0, sizes, 1.0)

@@ -1,0 +1,253 @@
+"""Plan an experiment: the motions, what is to be expected of them, and how they compare with motions at random."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.dataset.payload import Payload
+from bench.dataset.robot import Robot
+from bench.effects import CATALOGUE, Effect, EffectInstance, places_in, select_effects
+from bench.excitation.experiment.covariance import volume, worst
+from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, reference_sizes, seen
+from bench.excitation.experiment.request import (
+    PAYLOAD,
+    ExperimentTable,
+    asked_payload,
+    joint_values,
+)
+from bench.excitation.experiment.room import Room, room_of
+from bench.excitation.experiment.search import (
+    RANDOM,
+    Candidate,
+    Search,
+    Shape,
+    Tried,
+    best_candidate,
+    proven,
+    random_candidates,
+    random_values,
+)
+from bench.export.prior import cad_prior
+from bench.identification.layout import parameter_layout
+from bench.model.model import IdentificationModel, build_model
+
+Criterion = Literal["worst", "d-optimal"]
+ALL, GAINS, PARAMETERS = "all", "gains", "parameters"
+STEPS = 900
+RANGE = 2.0  # times the base frequency, and its part, that the search may try
+PER_PERIOD = 8.0  # rows of the controller's table in a period of the highest harmonic, at least
+NAMES = ("unloaded", "loaded")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An experiment. recordings: of every motion its name, payload and trajectory; sizes (P,): against which standard
+    errors are held; targets: the unknowns that it is for; value: the criterion, relative; random: the same of motions
+    at random, `best` and `median` of `RANDOM`.
+    """
+
+    robot: Robot
+    nominal: Nominal
+    room: Room
+    search: Search
+    names: tuple[str, ...]
+    motions: tuple[Tried, ...]
+    sizes: np.ndarray
+    targets: np.ndarray
+    wanted: tuple[str, ...]
+    criterion: Criterion
+    value: float
+    random: Mapping[str, float]
+    seed: int
+    steps: int
+
+
+@dataclass(frozen=True)
+class Started:
+    """A search with its sizes, its targets, and motions to begin with: at random, and with few harmonics."""
+
+    search: Search
+    sizes: np.ndarray
+    targets: np.ndarray
+    random: list[Candidate]
+    sparse: list[Candidate]
+
+
+def nominal_machine(
+    robot: Robot, table: ExperimentTable, requests: Sequence[str], catalogue: Mapping[str, Effect]
+) -> Nominal:
+    """The machine that is expected: masses of the MJCF, nominal gains, the payload that is asked for."""
+    model = build_model(robot)
+    payload = asked_payload(robot, table.payload)
+    payloads: dict[str, Payload] = {} if payload is None else {PAYLOAD: payload}
+    effects = _effects(model, requests, catalogue, tuple(payloads))
+    prior = cad_prior(model.geometry)
+    count = sum(len(one.effect.parameters) for one in effects)
+    layout = parameter_layout(model, payloads, [None, *payloads], count)
+    return Nominal(
+        model=model,
+        base=model.base.grouping @ prior.parameters + model.base.rotors @ prior.rotors,
+        gains=robot.nominal_gains,
+        payloads=payloads,
+        layout=layout,
+        effects=effects,
+        gains_fitted=payload is not None,
+        noise=noise_of(robot, table),
+        source=prior.source,
+    )
+
+
+def noise_of(robot: Robot, table: ExperimentTable) -> Noise:
+    """What the log is expected to be like."""
+    own, joints = table.sensors, robot.joints
+    current = (
+        None
+        if own.current_noise is None
+        else joint_values("sensors.current_noise", own.current_noise, joints)
+    )
+    if current is not None and np.any(current <= 0.0):
+        raise BenchError(
+            "sensors.current_noise: must be greater than 0: without noise nothing has a standard error"
+        )
+    encoder = joint_values("sensors.encoder_resolution", own.encoder_resolution, joints)
+    return Noise(current, own.current_noise_ratio, encoder, table.rate)
+
+
+def _effects(
+    model: IdentificationModel,
+    requests: Sequence[str],
+    catalogue: Mapping[str, Effect],
+    payloads: tuple[str, ...],
+) -> tuple[EffectInstance, ...]:
+    found = select_effects(requests, places_in(model.geometry, payloads), catalogue)
+    for one in found:
+        if one.effect.shape:
+            names = ", ".join(shape.name for shape in one.effect.shape)
+            raise BenchError(
+                f"effect {one.request!r}: nothing can be told of it before there are data, {names} is not linear: plan "
+                "for the linear effect that is most like it"
+            )
+    return found
+
+
+@on_one_thread
+def plan_experiment(
+    robot: Robot,
+    table: ExperimentTable,
+    wanted: Sequence[str] = (),
+    effects: Sequence[str] = (),
+    *,
+    criterion: Criterion = "worst",
+    steps: int = STEPS,
+    seed: int = 0,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+    progress: Progress = SILENT,
+) -> Plan:
+    """Design motions, without and with the payload, that make the standard errors of what is wanted small.
+
+    wanted: "all" (gains and base parameters), "gains", "parameters", or effects as EFFECT or EFFECT:JOINT; effects:
+    what the model has beside, not aimed at. criterion: the largest relative standard error, or the volume of the
+    error ellipsoid. Raises BenchError for names that are unknown and limits that leave no room.
+    """
+    progress.phase("reading the robot")
+    wanted = tuple(wanted) or (ALL,)
+    asked = [one for one in wanted if one not in (ALL, GAINS, PARAMETERS)]
+    nominal = nominal_machine(robot, table, [*effects, *asked], catalogue)
+    room = room_of(nominal.model.geometry, table)
+    loads: tuple[str | None, ...] = (None, *nominal.payloads)
+    begun = started(nominal, room, shape_of(room, table), loads, wanted, criterion, seed, progress=progress)
+    search = begun.search
+    progress.phase("improving the best motions", steps)
+    best = best_candidate(search, [*begun.random, *begun.sparse], steps, seed, progress)
+    progress.phase("proving that the limits are kept")
+    kept = proven(search, best)
+    motions = tuple(kept[number] for number in range(len(loads)))
+    return Plan(
+        robot=robot,
+        nominal=nominal,
+        room=room,
+        search=search,
+        names=NAMES[: len(loads)],
+        motions=motions,
+        sizes=begun.sizes,
+        targets=begun.targets,
+        wanted=wanted,
+        criterion=criterion,
+        value=search.value(motions),
+        random=random_values(search, begun.random),
+        seed=seed,
+        steps=steps,
+    )
+
+
+def started(
+    nominal: Nominal,
+    room: Room,
+    shape: Shape,
+    loads: tuple[str | None, ...],
+    wanted: Sequence[str],
+    criterion: Criterion,
+    seed: int,
+    known: tuple[Evidence, ...] = (),
+    progress: Progress = SILENT,
+) -> Started:
+    """The search with motions at random to begin with."""
+    measure = worst if criterion == "worst" else volume
+    targets = targets_of(nominal, wanted)
+    first = Search(nominal, room, shape, loads, known, lambda _: 0.0)
+    progress.phase("trying motions at random", 2 * RANDOM)
+    starts = random_candidates(first, RANDOM, seed, progress=progress)
+    sparse = random_candidates(first, RANDOM, seed, few=True, progress=progress)
+    looked_at = [
+        seen(nominal, one.motion, load)
+        for candidate in starts[:5]
+        for one, load in zip(candidate, loads, strict=True)
+    ]
+    sizes = reference_sizes(nominal, looked_at)
+    search = Search(nominal, room, shape, loads, known, partial(measure, sizes=sizes, targets=targets))
+    return Started(search, sizes, targets, starts, sparse)
+
+
+def shape_of(room: Room, table: ExperimentTable) -> Shape:
+    """Where no base frequency is given, the highest harmonic is the one at which a sine of the largest speed has the
+    largest acceleration, in the median of the joints; at least one period fits into the motion.
+    """
+    if 2.0 * table.ramp > table.duration:
+        raise BenchError(f"duration: {table.duration:g} s is too short for two ramps of {table.ramp:g} s")
+    frequency = lowest = highest = table.base_frequency
+    if frequency is None or lowest is None or highest is None:
+        top = float(np.median(room.acceleration / room.velocity)) / (2.0 * np.pi)
+        frequency = max(top / table.harmonics, 1.0 / table.duration)
+        lowest, highest = max(frequency / RANGE, 1.0 / table.duration), RANGE * frequency
+    if PER_PERIOD * highest * table.harmonics > table.rate:
+        raise BenchError(
+            f"rate: {table.rate:g} Hz is too slow for a motion of up to {highest * table.harmonics:.3g} Hz"
+        )
+    return Shape(table.harmonics, frequency, lowest, highest, table.duration, table.ramp)
+
+
+def targets_of(nominal: Nominal, wanted: Sequence[str]) -> np.ndarray:
+    """The unknowns that are aimed at, by number. Raises BenchError for gains that no payload gives a scale."""
+    layout = nominal.layout
+    gains = np.arange(layout.size, nominal.size)
+    found: list[int] = []
+    for one in wanted:
+        if one == GAINS and not nominal.gains_fitted:
+            raise BenchError("the drive gains cannot be identified without a payload of known mass: give one")
+        if one in (ALL, PARAMETERS):
+            found += range(layout.base)
+        if one in (ALL, GAINS):
+            found += gains.tolist()
+        at = layout.size - layout.effects
+        for instance in nominal.effects:
+            count = len(instance.effect.parameters)
+            if instance.request == one:
+                found += range(at, at + count)
+            at += count
+    return np.unique(found)

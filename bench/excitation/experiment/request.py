@@ -1,0 +1,105 @@
+"""What the user asks of an experiment: limits, payload, sensors, as a TOML file with a value or one for each joint."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from bench.basics.errors import BenchError, meant
+from bench.dataset.payload import Payload, payload_fault
+from bench.dataset.robot import Robot
+from bench.files.toml_input import UserTable
+from bench.scenario.tables import (
+    DeclaredPayload,
+    NotNegativePerJoint,
+    Number,
+    Positive,
+    PositivePerJoint,
+    Vector3,
+)
+
+PAYLOAD = "payload"  # its name in what is written
+
+
+class Box(UserTable):
+    """[[workspace]]: a box, axes of the world, in which the tool stays, or which it keeps out of."""
+
+    keep: Literal["inside", "outside"] = "inside"
+    low: Vector3
+    """m."""
+    high: Vector3
+
+
+class Sensors(UserTable):
+    """[sensors]: what the controller's log is expected to be like."""
+
+    current_noise: NotNegativePerJoint | None = None
+    """Standard deviation, drive unit; left out, 1 % of the RMS current of each recording."""
+    current_noise_ratio: Positive = 0.01
+    encoder_resolution: NotNegativePerJoint = 0.0
+    """A step, rad or m."""
+
+
+class ExperimentTable(UserTable):
+    """The file of `bench excite ROBOT --limits FILE`; options of the command go before it."""
+
+    duration: Positive = 20.0
+    """Of each motion, s."""
+    rate: Positive = 1000.0
+    """Of the controller's table and log, Hz."""
+    harmonics: int = Field(default=8, ge=1, le=50)
+    base_frequency: Positive | None = None
+    ramp: Positive = 1.0
+    velocity: PositivePerJoint | None = None
+    acceleration: PositivePerJoint | None = None
+    current: PositivePerJoint | None = None
+    """Largest, drive unit, by the robot's nominal gains."""
+    torque: PositivePerJoint | None = None
+    position: Mapping[str, tuple[Number, Number]] = {}
+    """Joint = [low, high], rad or m, inside the joint ranges of the robot."""
+    amplification: Positive | None = None
+    """Largest passive speed for active speed; left out, three times that of the home pose."""
+    workspace: tuple[Box, ...] = ()
+    payload: DeclaredPayload | None = None
+    sensors: Sensors = Sensors()
+
+
+def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[str]) -> np.ndarray:
+    """A number for all joints, or one for each by name, (n,); BenchError for joints that are not there."""
+    if not isinstance(value, Mapping):
+        return np.full(len(joints), float(value))
+    for name in value:
+        check_joint(key, name, joints)
+    for joint in joints:
+        if joint not in value:
+            raise BenchError(f"{key}: joint {joint!r} is missing")
+    return np.array([value[joint] for joint in joints], dtype=float)
+
+
+def check_joint(key: str, name: str, joints: Sequence[str]) -> None:
+    """Raise BenchError unless a joint of this name has a motor."""
+    if name not in joints:
+        raise BenchError(f"{key}: no actuated joint {name!r}; {meant(name, joints)}")
+
+
+def asked_payload(robot: Robot, table: DeclaredPayload | None) -> Payload | None:
+    """The payload of the loaded motion, of known mass; None without one."""
+    if table is None:
+        return None
+    if robot.tool_site is None:
+        raise BenchError(f"payload: the robot {robot.name!r} has no [tool] site to fix it at")
+    if table.mass is None:
+        raise BenchError("payload: its mass is missing: it gives the scale of the drive gains")
+    if table.inertia is not None and table.center_of_mass is None:
+        raise BenchError("payload: an inertia needs the center_of_mass about which it is")
+    payload = Payload(
+        PAYLOAD,
+        table.mass,
+        None if table.center_of_mass is None else np.array(table.center_of_mass),
+        None if table.inertia is None else np.array(table.inertia),
+    )
+    fault = payload_fault(payload)
+    if fault is not None:
+        raise BenchError(f"payload.{fault[0]}: {fault[1]}")
+    return payload

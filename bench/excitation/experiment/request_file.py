@@ -1,0 +1,28 @@
+"""The file of limits, and what the command line says beside it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from bench.basics.errors import BenchError
+from bench.excitation.experiment.request import ExperimentTable
+from bench.files.toml_input import first_mistake, read_toml
+
+
+def asked_table(file: Path | None, given: Mapping[str, Any]) -> ExperimentTable:
+    """The file's table, or an empty one, with what was given on the command line in place of its keys.
+
+    `payload_mass` stands for the mass of the payload. Raises BenchError in one line.
+    """
+    table = ExperimentTable() if file is None else read_toml(file, ExperimentTable)
+    changes = {key: value for key, value in given.items() if value is not None}
+    mass = changes.pop("payload_mass", None)
+    content = {**table.model_dump(exclude_unset=True), **changes}
+    if mass is not None:
+        content["payload"] = {**(content.get("payload") or {}), "mass": mass}
+    try:
+        return ExperimentTable.model_validate(content)
+    except ValidationError as error:
+        raise BenchError(f"limits: {first_mistake(error)}") from error

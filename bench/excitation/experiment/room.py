@@ -1,0 +1,198 @@
+"""The room that a motion has: all limits together, and whether a trajectory keeps them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.excitation.experiment.between_samples import extremes
+from bench.excitation.experiment.request import Box, ExperimentTable, check_joint, joint_values
+from bench.excitation.limits import Limits, limits_of
+from bench.model.geometry import Geometry
+from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
+from bench.model.mobility import least_held, smallest_singular_values
+from bench.model.motion import Motion, motion_of
+from bench.scenario.trajectory import FourierTrajectory
+
+CROSSING = 1.0  # s in which a joint crosses its range at the speed that is taken where none is given
+REACHING = 0.1  # s in which it reaches that speed
+CURVATURE = 2.0  # times the largest second difference: what is allowed for between samples
+LOOKED_AT = 64  # poses of a motion, those whose closures are least held
+FINE = 1000.0  # Hz, at least: at which what depends on the whole robot is looked at
+
+
+@dataclass(frozen=True)
+class Room:
+    """joint: ranges (n,), largest loop amplification, least hold of the closures; velocity, acceleration, torque (n,)
+    of the motors, the last inf where it is not limited; assumed: which limits nobody gave, in words.
+    """
+
+    home: np.ndarray
+    joint: Limits
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+    boxes: tuple[Box, ...]
+    assumed: tuple[str, ...] = ()
+
+
+def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
+    """All limits of a robot and of its user. Raises BenchError naming those that leave no room."""
+    joints = geometry.robot.joints
+    limits = limits_of(geometry)
+    home = geometry.home[geometry.active_configuration] + geometry.active_offset
+    low, high = limits.low.copy(), limits.high.copy()
+    for joint, (least, most) in table.position.items():
+        check_joint("position", joint, joints)
+        j = joints.index(joint)
+        low[j], high[j] = max(low[j], least), min(high[j], most)
+        if not low[j] < home[j] < high[j]:
+            raise BenchError(
+                f"position.{joint}: home, {home[j]:.4g}, from which every motion starts, is not between {least:g} and "
+                f"{most:g} with a margin to the end stops"
+            )
+    amplification = limits.amplification if table.amplification is None else table.amplification
+    limits = replace(limits, low=low, high=high, amplification=amplification)
+    assumed = []
+    width = high - low
+    if table.velocity is None:
+        velocity = width / CROSSING
+        assumed.append(f"speed: the joint's range in {CROSSING:g} s")
+    else:
+        velocity = joint_values("velocity", table.velocity, joints)
+    if table.acceleration is None:
+        acceleration = velocity / REACHING
+        assumed.append(f"acceleration: the largest speed within {REACHING:g} s")
+    else:
+        acceleration = joint_values("acceleration", table.acceleration, joints)
+    torque = np.full(len(joints), np.inf)
+    if table.torque is not None:
+        torque = joint_values("torque", table.torque, joints)
+    if table.current is not None:
+        own = joint_values("current", table.current, joints) * geometry.robot.nominal_gains
+        torque = np.minimum(torque, own)
+    room = Room(home, limits, velocity, acceleration, torque, table.workspace, tuple(assumed))
+    _check_home(geometry, room)
+    return room
+
+
+def _check_home(geometry: Geometry, room: Room) -> None:
+    if room.boxes and geometry.tool is None:
+        raise BenchError(
+            f"workspace: the robot {geometry.robot.name!r} has no [tool] site that could keep it"
+        )
+    for i, box in enumerate(room.boxes):
+        if not all(a < b for a, b in zip(box.low, box.high, strict=True)):
+            raise BenchError(f"workspace[{i}]: low must be below high along every axis")
+    zero = np.zeros((1, len(room.home)))
+    at_home = motion_of(geometry, np.zeros(1), room.home[None], zero, zero)
+    if np.abs(at_home.jacobian).max() > room.joint.amplification:
+        largest = float(np.abs(at_home.jacobian).max())
+        raise BenchError(
+            f"amplification: {room.joint.amplification:g} leaves no room, home has {largest:.3g} already"
+        )
+    if room.boxes:
+        point = tool_positions(geometry, at_home)
+        for i, box in enumerate(room.boxes):
+            if outside(box, point)[0] >= 0.0:
+                place = ", ".join(f"{x:.3g}" for x in point[0])
+                raise BenchError(
+                    f"workspace[{i}]: the tool is at {place} m at home, which that does not allow"
+                )
+
+
+def tool_positions(geometry: Geometry, motion: Motion) -> np.ndarray:
+    """Where the tool is along a motion, (N, 3) m."""
+    if geometry.tool is None:
+        raise BenchError(f"robot {geometry.robot.name}: there is no [tool] site")
+    links = tuple(link_of(i, geometry.joints[i]) for i in ancestors(geometry, geometry.tool.joint))
+    point = end_point(frames_of(links, np.ascontiguousarray(motion.q.T)), end_of(geometry.tool))
+    return np.stack([np.broadcast_to(x, len(motion.time)) for x in point], axis=1)
+
+
+def outside(box: Box, points: np.ndarray) -> np.ndarray:
+    """How far each of the points (N, 3) is from keeping the box, (N,) m; negative where it keeps it."""
+    beyond = np.maximum(np.asarray(box.low) - points, points - np.asarray(box.high)).max(axis=1)
+    return np.asarray(beyond if box.keep == "inside" else -beyond)
+
+
+def filled(room: Room, trajectory: FourierTrajectory, *, grow: bool = False) -> FourierTrajectory:
+    """Scaled, joint by joint, to keep ranges, speeds and accelerations at all times; grow: enlarged up to them, too."""
+    reach = extremes(trajectory)
+    up, down = room.joint.high - room.home, room.home - room.joint.low
+    shares = np.max(
+        [
+            (reach.high - room.home) / up,
+            (room.home - reach.low) / down,
+            reach.velocity / room.velocity,
+            reach.acceleration / room.acceleration,
+        ],
+        axis=0,
+    )
+    shares = np.where(shares > 0.0, shares, 1.0)
+    scale = 1.0 / (shares if grow else np.maximum(shares, 1.0))
+    return replace(trajectory, a=trajectory.a * scale[:, None], b=trajectory.b * scale[:, None])
+
+
+def keeps_joints(room: Room, trajectory: FourierTrajectory) -> bool:
+    """Whether ranges, speeds and accelerations are kept at all times: proven between samples."""
+    reach = extremes(trajectory)
+    slack = 1.0 + 1e-9
+    width = 1e-9 * (room.joint.high - room.joint.low)
+    return bool(
+        np.all(reach.low >= room.joint.low - width)
+        and np.all(reach.high <= room.joint.high + width)
+        and np.all(reach.velocity <= room.velocity * slack)
+        and np.all(reach.acceleration <= room.acceleration * slack)
+    )
+
+
+def robot_motion(
+    geometry: Geometry,
+    room: Room,
+    trajectory: FourierTrajectory,
+    time: np.ndarray,
+    *,
+    near: Motion | None = None,
+    dense: bool = False,
+) -> Motion | None:
+    """The motion of the whole robot if it keeps loops, singular poses and boxes; None otherwise.
+
+    dense: with an allowance for what may happen between samples: so much as a function strays from the line through
+    its samples that is bent CURVATURE times as much as its largest second difference.
+    """
+    position, velocity, acceleration = trajectory.evaluate(time)
+    try:
+        motion = motion_of(geometry, time, position, velocity, acceleration, near=near)
+    except BenchError:  # out of reach, or through a singular pose
+        return None
+    allow = between if dense else _nothing
+    if geometry.closed:
+        sizes = motion.jacobian.reshape(len(time), -1)
+        if np.any(np.abs(sizes) + allow(sizes) > room.joint.amplification):
+            return None
+        worst = motion.q if dense else motion.q[least_held(geometry, motion.q, LOOKED_AT)]
+        held = smallest_singular_values(geometry, worst)
+        if np.any(held - allow(held[:, None])[0] <= room.joint.held):
+            return None
+    if room.boxes:
+        points = tool_positions(geometry, motion)
+        if any(np.any(outside(box, points) + allow(points).max() >= 0.0) for box in room.boxes):
+            return None
+    return motion
+
+
+def between(values: np.ndarray) -> np.ndarray:
+    """How far functions with these samples (N, k) may stray from the lines through them, (k,)."""
+    if len(values) < 3:
+        return np.zeros(values.shape[1])
+    return np.asarray(CURVATURE / 8.0 * np.abs(np.diff(values, n=2, axis=0)).max(axis=0))
+
+
+def _nothing(values: np.ndarray) -> np.ndarray:
+    return np.zeros(values.shape[1])
+
+
+def fine_times(trajectory: FourierTrajectory) -> np.ndarray:
+    """Times (N,) at which what depends on the whole robot is looked at, once a motion is chosen."""
+    return np.linspace(0.0, trajectory.duration, int(np.ceil(trajectory.duration * FINE)) + 1)

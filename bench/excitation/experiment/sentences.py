@@ -1,0 +1,112 @@
+"""A plan in sentences."""
+
+from bench.excitation.experiment.forecast import Enough, Expected, Forecast
+from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.search import RANDOM
+
+MOST_NAMED = 3
+
+
+def sentences(plan: Plan, told: Forecast) -> list[str]:
+    """What is to be expected, the best first."""
+    lines = [_gains(told), _parameters(plan, told)]
+    if plan.random:
+        factor = plan.random["median"] / plan.value
+        what = (
+            "worst relative standard error"
+            if plan.criterion == "worst"
+            else "mean axis of the error ellipsoid"
+        )
+        lines.append(
+            f"The {what} of what was asked for is {percent(plan.value)}, {factor:.2g} times better than the median of "
+            f"{RANDOM} random motions inside the same limits ({percent(plan.random['median'])}, the best of them "
+            f"{percent(plan.random['best'])})."
+        )
+    lines += told.notes
+    if told.enough is not None:
+        lines += enough(told.enough)
+    if plan.room.assumed:
+        lines.append(
+            f"Taken as limits, because none were given: {'; '.join(plan.room.assumed)}. Check them against the machine."
+        )
+    lines.append(
+        f"Ranges, speeds and accelerations are kept at all times, between the rows of the table too. "
+        f"{_looked_at(plan)} Currents are expected by {plan.nominal.source} and nominal gains; {_noise(plan)}. "
+        "What the model lacks, such as friction, adds to the errors and to the currents."
+    )
+    return [line for line in lines if line]
+
+
+def _looked_at(plan: Plan) -> str:
+    parts = []
+    if plan.nominal.model.geometry.closed:
+        parts.append("the distance from singular poses")
+    if plan.room.boxes:
+        parts.append("the workspace")
+    parts.append("torques")
+    listed = " and ".join(parts) if len(parts) < 3 else f"{parts[0]}, {parts[1]} and {parts[2]}"
+    return (
+        f"{listed[0].upper()}{listed[1:]} are checked a thousand times a second, with twice what the curvature of "
+        "what is seen there allows between."
+    )
+
+
+def _noise(plan: Plan) -> str:
+    noise = plan.nominal.noise
+    current = (
+        f"the noise of each current is taken as {percent(noise.ratio)} of its RMS"
+        if noise.current is None
+        else "the noise of the currents is as given"
+    )
+    steps = "encoders without steps" if not noise.encoder.any() else "encoders with the given steps"
+    return f"{current}, {steps}, {noise.rate:g} samples a second"
+
+
+def _gains(told: Forecast) -> str:
+    gains = [one for one in told.unknowns if one.kind == "gain"]
+    if not gains:
+        return ""
+    listed = ", ".join(f"{one.name} ± {percent(one.relative)}" for one in gains)
+    return f"Standard errors to be expected of the drive gains: {listed}."
+
+
+def _parameters(plan: Plan, told: Forecast) -> str:
+    parameters = [told.unknowns[i] for i in plan.targets if told.unknowns[i].kind != "gain"]
+    known = sorted((one for one in parameters if one.std is not None), key=lambda one: -one.relative)
+    if not known:
+        return ""
+    listed = ", ".join(named(one) for one in known[:MOST_NAMED])
+    return f"Of {len(parameters)} parameters the least certain: {listed}."
+
+
+def named(one: Expected) -> str:
+    """An unknown with its standard error."""
+    return f"{one.name} ± {one.std:.2g} {one.unit}"
+
+
+def enough(found: Enough) -> list[str]:
+    """What gives the accuracy of the gains that was asked for."""
+    goal = percent(found.accuracy)
+    lines = []
+    if found.expected is not None:
+        if found.expected <= found.accuracy:
+            lines.append(
+                f"The planned payload and time are enough for gains within {goal} (one standard error)."
+            )
+        elif found.seconds is not None:
+            lines.append(
+                f"With this payload the gains are within {goal} after {found.seconds:.3g} s of each motion: run it "
+                "more than once."
+            )
+        else:
+            lines.append(f"With this payload no time of sense is enough for gains within {goal}.")
+    if found.mass is not None:
+        lines.append(f"At this time a payload of {found.mass:.2g} kg is enough for gains within {goal}.")
+    else:
+        lines.append(f"At this time no payload that the limits allow is enough for gains within {goal}.")
+    return lines
+
+
+def percent(share: float) -> str:
+    """A share with two figures."""
+    return f"{100.0 * share:.2g} %"

@@ -1,0 +1,228 @@
+"""`bench excite`: motions that keep every limit at all times, and forecasts that come true."""
+
+import csv
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from bench.basics.errors import BenchError
+from bench.cli import main
+from bench.dataset.robot import load_robot
+from bench.excitation.experiment.between_samples import derivative_bound, extremes
+from bench.excitation.experiment.files import scenario_text
+from bench.excitation.experiment.forecast import forecast
+from bench.excitation.experiment.plan import plan_experiment
+from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.room import outside, tool_positions
+from bench.model.motion import motion_of
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.scenario.trajectory import random_trajectory
+from bench.studies.excite_forecast import monte_carlo, pooled
+
+BALL = {"mass": 1.0, "center_of_mass": [0.0, 0.0, 0.03], "inertia": [4e-4, 4e-4, 4e-4, 0, 0, 0]}
+QUICK = {"duration": 6.0, "harmonics": 4, "velocity": 4.0, "acceleration": 40.0}
+
+
+def table(**changes):
+    return ExperimentTable.model_validate({**QUICK, **changes})
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return plan_experiment(load_robot("two_link"), table(payload=BALL), steps=60)
+
+
+@pytest.fixture(scope="module")
+def told(arm):
+    return forecast(arm, 0.002)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_bounds_hold_at_all_times_and_are_near(seed):
+    trajectory = random_trajectory(seed, [0.3, -0.2], 0.7, 4.0, harmonics=6, duration=8.0, ramp=0.8)
+    reach = extremes(trajectory)
+    time = np.linspace(0.0, trajectory.duration, 200_001)
+    position, velocity, acceleration = trajectory.evaluate(time)
+    assert np.all(reach.low <= position.min(axis=0))
+    assert np.all(reach.high >= position.max(axis=0))
+    for bound, values in ((reach.velocity, velocity), (reach.acceleration, acceleration)):
+        largest = np.abs(values).max(axis=0)
+        assert np.all(bound >= largest)
+        assert np.all(bound <= 1.05 * largest)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_derivatives_never_exceed_their_bounds(order):
+    trajectory = random_trajectory(3, [0.0], 1.0, 4.0, harmonics=5, duration=6.0)
+    time = np.linspace(0.0, 6.0, 60_001)
+    values = np.abs(trajectory.evaluate(time)[order])
+    ramps = (time <= trajectory.ramp) | (time >= 6.0 - trajectory.ramp)
+    assert np.all(values[ramps] <= derivative_bound(trajectory, order, blended=True))
+    assert np.all(values[~ramps] <= derivative_bound(trajectory, order, blended=False))
+
+
+def test_motions_start_and_end_at_rest_at_home_inside_all_limits(arm):
+    for one in arm.motions:
+        for x, at_ends in zip(one.trajectory.evaluate([0.0, 6.0]), (arm.room.home, 0.0, 0.0), strict=True):
+            np.testing.assert_allclose(x, np.broadcast_to(at_ends, x.shape), atol=1e-12)
+        position, velocity, acceleration = one.trajectory.evaluate(np.linspace(0.0, 6.0, 120_001))
+        assert np.all(position >= arm.room.joint.low - 1e-9)
+        assert np.all(position <= arm.room.joint.high + 1e-9)
+        assert np.abs(velocity).max() <= 4.0 + 1e-8
+        assert np.abs(acceleration).max() <= 40.0 + 1e-7
+
+
+def test_own_ranges_boxes_and_currents_are_kept():
+    robot = load_robot("two_link")
+    box = {"low": [-0.1, -1.0, -0.6], "high": [0.75, 1.0, 0.3]}
+    plan = plan_experiment(
+        robot,
+        table(position={"shoulder": [-1.2, 0.0]}, workspace=[box], current={"shoulder": 4.0, "elbow": 2.0}),
+        steps=30,
+    )
+    geometry = plan.nominal.model.geometry
+    for one in plan.motions:
+        time = np.linspace(0.0, 6.0, 20_001)
+        states = one.trajectory.evaluate(time)
+        motion = motion_of(geometry, time, *states)
+        assert states[0][:, 0].min() >= -1.2
+        assert states[0][:, 0].max() <= 0.0
+        assert outside(plan.room.boxes[0], tool_positions(geometry, motion)).max() < 0.0
+
+
+def test_better_than_motions_at_random(arm):
+    assert arm.value < arm.random["best"] < arm.random["median"]
+
+
+def test_the_same_seed_gives_the_same_motion(arm):
+    again = plan_experiment(load_robot("two_link"), table(payload=BALL), steps=60)
+    assert [one.trajectory for one in again.motions] == [one.trajectory for one in arm.motions]
+
+
+def test_forecasts_come_true(arm, told):
+    outcomes = monte_carlo(arm, told, 40)
+    assert len(outcomes) == len(told.unknowns)
+    assert 0.8 < pooled(outcomes) < 1.2
+
+
+def test_closed_loops_keep_their_distance_from_singular_poses():
+    plan = plan_experiment(load_robot("five_bar"), table(payload={"mass": 0.5}), steps=10)
+    geometry = plan.nominal.model.geometry
+    for one in plan.motions:
+        time = np.linspace(0.0, 6.0, 4001)
+        motion = motion_of(geometry, time, *one.trajectory.evaluate(time))
+        assert np.abs(motion.jacobian).max() <= plan.room.joint.amplification
+    unknown = forecast(plan).unknowns
+    assert {one.kind for one in unknown} == {"parameter", "payload", "gain"}
+    assert all(one.std is not None for one in unknown)
+
+
+def test_a_heavier_payload_or_more_time_is_told(arm, told):
+    gains = max(one.relative for one in told.unknowns if one.kind == "gain")
+    assert told.enough.expected == pytest.approx(gains)
+    strict = forecast(arm, gains / 1.5).enough
+    assert strict.seconds == pytest.approx(1.5**2 * 6.0)
+    assert strict.mass is None or strict.mass > 1.0
+    assert forecast(arm, 2.0 * gains).enough.mass < 1.0
+
+
+def test_without_a_payload_it_says_what_stays_open():
+    plan = plan_experiment(load_robot("two_link"), table(), steps=0)
+    said = forecast(plan, 0.005)
+    assert plan.names == ("unloaded",)
+    assert any("scale together" in note and "Weigh a payload" in note for note in said.notes)
+    assert said.enough.mass is not None
+
+
+def test_effects_that_nothing_tells_apart_are_named():
+    plan = plan_experiment(
+        load_robot("two_link"), table(), ["viscous_friction"], ["rotor_inertia:shoulder"], steps=0
+    )
+    said = forecast(plan)
+    assert ("Iyy(upper_arm)", "rotor_inertia:shoulder.Ia") in said.together
+    aimed = [said.unknowns[i].name for i in plan.targets]
+    assert aimed == ["viscous_friction:shoulder.Fv", "viscous_friction:elbow.Fv"]
+    assert all(said.unknowns[i].std is not None for i in plan.targets)
+
+
+def test_the_scenario_is_one(arm, tmp_path):
+    for name, one in zip(arm.names, arm.motions, strict=True):
+        lines = [f"{key} = {value!r}" for key, value in one.trajectory.to_dict().items()]
+        (tmp_path / f"{name}.toml").write_text("\n".join(lines))
+    (tmp_path / "scenario.toml").write_text(scenario_text(arm))
+    scenario = load_scenario(tmp_path / "scenario.toml")
+    found = resolve_trajectories(scenario)
+    assert found["loaded_check"] == arm.motions[1].trajectory
+
+
+def test_the_command_writes_everything(tmp_path, capsys):
+    folder = tmp_path / "planned"
+    words = ["excite", "two_link", "-o", str(folder), "--duration", "5", "--steps", "5", "-q"]
+    assert (
+        main([*words, "--payload-mass", "1", "--velocity", "4", "--acceleration", "40", "--seed", "3"]) == 0
+    )
+    answer = json.loads((folder / "answer.json").read_text())
+    assert answer["seed"] == 3
+    assert {one["kind"] for one in answer["unknowns"]} >= {"gain", "parameter"}
+    with (folder / "loaded.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 5001
+    home = tomllib.loads((folder / "loaded.toml").read_text())["center"]
+    for row in (rows[0], rows[-1]):
+        assert [float(row["position.shoulder"]), float(row["position.elbow"])] == pytest.approx(home)
+        assert float(row["velocity.elbow"]) == pytest.approx(0.0, abs=1e-12)
+    assert (folder / "motions.png").stat().st_size > 10_000
+    assert (folder / "motions.rrd").stat().st_size > 10_000
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[position]\nsholder = [-1, 0]", "did you mean 'shoulder'?"),
+        ("[position]\nshoulder = [0.5, 1.0]", "home, -0.75"),
+        ("[velocity]\nshoulder = 3.0", "velocity: joint 'elbow' is missing"),
+        ("velocity = -3.0", "greater than 0"),
+        ("[[workspace]]\nlow = [5, 5, 5]\nhigh = [6, 6, 6]", "workspace[0]: the tool is at"),
+        ("current = 0.01", "leave no room"),
+        ("speed = 3.0", "speed: unknown key"),
+        ("duration = 1.0", "too short for two ramps"),
+        ("[payload]\ncenter_of_mass = [0, 0, 0.1]", "its mass is missing"),
+        ("[sensors]\ncurrent_noise = 0.0", "without noise nothing has a standard error"),
+    ],
+)
+def test_bad_limits_are_refused_in_one_line(tmp_path, capsys, text, said):
+    limits, folder = tmp_path / "limits.toml", tmp_path / "planned"
+    limits.write_text(text)
+    assert main(["excite", "two_link", "-o", str(folder), "--limits", str(limits), "-q"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--for", "viscos_friction"], "did you mean 'viscous_friction'?"),
+        (["--for", "gains"], "payload of known mass"),
+        (["--for", "stribeck_friction"], "not linear"),
+        (["--gain-accuracy", "half"], "is no share"),
+    ],
+)
+def test_bad_words_are_refused_in_one_line(tmp_path, capsys, words, said):
+    assert main(["excite", "two_link", "-o", str(tmp_path / "planned"), "-q", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_with_something_else_is_left_alone(tmp_path):
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(BenchError, match="holds something else"):
+        from bench.excitation.experiment.files import check_folder
+
+        check_folder(tmp_path)
