@@ -241,7 +241,7 @@ def test_two_models_stand_beside_each_other(look):
     page.get_by_role("button", name="Nothing").click()
     settled(page)
     words = page.locator(".bench-pinned").text_content()
-    assert words.startswith("A: Coulomb friction:left, viscous friction:left; not fitted ")
+    assert words.startswith("A: Coulomb friction at left, viscous friction at left; not fitted ")
     assert before["words"]["validate"] in words
     assert "error of A" in page.locator("#workbench").text_content()
     assert page.locator("#workbench th").filter(has_text="gain of A").count() == 1

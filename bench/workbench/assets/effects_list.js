@@ -72,7 +72,7 @@ const WorkbenchList = (() => {
         const line = make("li", "", values);
         if (own.length > 1) make("span", "bench-place", line, one.place.place);
         for (const value of one.values) {
-          const text = value.absorbed ? `${value.name} taken up by the model` : `${value.name} ${format(value.value)} ${unitOf(value.unit)}`;
+          const text = value.absorbed ? `${value.name} taken up by the model` : `${value.name} ${format(value.value)} ${unitOf(value.unit)}`.trim();
           const shown = make("span", value.shape ? "bench-number bench-shape" : "bench-number", line, value.shape ? `${text}, as found` : text);
           Object.assign(shown.dataset, {key: one.key, parameter: value.name, value: value.value});
         }

@@ -61,7 +61,7 @@ const WorkbenchSkeleton = (() => {
     const plainly = "Deviation: standard deviation of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.";
     const motors = part(
       "Drive gains and errors",
-      data.whole ? `${plainly} Gains and fitted error: a fit to all rows. Not fitted: judged as the ladder.` : plainly,
+      data.whole ? `${plainly} Gains and fitted error: a fit to all rows; deviations: of the fit to the first part of each recording. Not fitted: judged as the ladder.` : plainly,
     );
     const curves = part("Currents", "");
     const choices = make("div", "choices", curves);

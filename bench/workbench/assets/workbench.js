@@ -22,11 +22,12 @@
     const apart = data.judged_on.replace(/, not fitted$/, "");
     let task = 0;
     let shown = null;
-    let pinned = null; // model A: its name, and its fit
+    let pinned = null; // model A: what is ticked, and its fit
     let began = 0;
 
     const same = (one, other) => one.size === other.size && [...one].every((key) => other.has(key));
     const ownOf = (name) => places.filter((place) => place.effect === name);
+
     function switched(name) {
       const ticks = new Set(state.ticks);
       const own = ownOf(name).map((place) => place.key);
@@ -155,7 +156,7 @@
       parts.said.textContent = notes(fit).join(" ");
     }
 
-    const namesOf = (ticks) => WorkbenchChoice.requests(data, places, ticks).map(spoken).join(", ") || "no effect";
+    const namesOf = (ticks) => WorkbenchChoice.requests(data, places, ticks).map((one) => spoken(one).replace(":", " at ")).join(", ") || "no effect";
 
     /* Of a gain: known of the models that diagnose fitted. */
     function deviationOf(motor) {
