@@ -92,7 +92,9 @@ def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, car
     model, _ = found_models(dataset, diagnosis, dict(CATALOGUE))
     keys = solver.keys(requests)
     instances = [
-        one for one in instances_of(model, {name: CATALOGUE[name] for name in LAWS}) if one.request in keys
+        one
+        for one in instances_of(model, {name: CATALOGUE[name] for name in LAWS}, model.nearby())
+        if one.request in keys
     ]
     for one in instances:
         told = {each["name"]: each["value"] for each in solver.places[one.request]["shape"]}

@@ -77,8 +77,7 @@ class Effect(ABC):
     and no part of the torque that effects see as needed.
 
     law: a sentence with the law as a formula in written symbols; symbols: what they mean, with their units. Both are
-    "" where the effect tells none. shown_by: the motion in which it differs most from the others. of_torque: what an
-    effect before the torque makes of the needed torque: a part in proportion to it, or it at another time.
+    "" where the effect tells none. shown_by: the motion in which it differs most from the others.
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
     columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
@@ -95,7 +94,6 @@ class Effect(ABC):
     contains: ClassVar[tuple[str, ...]] = ()
     depends_on_model: ClassVar[bool] = False
     before_torque: ClassVar[bool] = False
-    of_torque: ClassVar[Literal["", "proportion", "time"]] = ""
     bends: ClassVar[bool] = False
 
     @abstractmethod
@@ -123,12 +121,6 @@ class Effect(ABC):
     def position_offset(self, values: np.ndarray) -> float:  # noqa: ARG002 - by default none
         """How far its joint stands from where it was logged, rad or m, at these values (p,) of the parameters."""
         return 0.0
-
-    def reach(self, robot: RobotSignals, joint: str) -> float | None:  # noqa: ARG002 - by default none
-        """The size of its one parameter up to which values are told apart as the effect bends; None where it hardly
-        does, or with several parameters.
-        """
-        return None
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:  # noqa: ARG002 - by default none
         """Two values of its one parameter between and beside which a search takes the columns, linearised about the

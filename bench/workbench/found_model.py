@@ -14,6 +14,7 @@ from bench.effects.select import TAG
 from bench.identification.effect_columns import PresentModel
 from bench.identification.identify import gains_can_be_fitted
 from bench.identification.nonlinear import present_model
+from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.result import Identification
 from bench.identification.solution import Solution
@@ -40,6 +41,10 @@ class FoundModel:
     def effects(self) -> tuple[EffectInstance, ...]:
         """The found effects, those aside that the page does not change."""
         return self.found.effects[len(self.plain.effects) :]
+
+    def nearby(self) -> Nearby:
+        """Where small changes of the torque are computed once for all effects."""
+        return Nearby(self.found.model, self.found.measured)
 
 
 def found_models(

@@ -37,8 +37,11 @@ def page_data(
     """
     known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
     model, whole = found_models(dataset, diagnosis, known)
-    instances = instances_of(model, _usable(model, diagnosis, known))
-    systems = [build(one, instances) for one in (model, whole) if one is not None]
+    nearby = model.nearby()
+    instances = instances_of(model, _usable(model, diagnosis, known), nearby)
+    systems = [build(model, instances, nearby)]
+    if whole is not None:
+        systems.append(build(whole, instances, whole.nearby()))
     room = room_for(systems, _ranks(model, diagnosis))
     judging = _carried(model, systems[0], diagnosis, known, room, drawn=whole is None)
     if whole is None:

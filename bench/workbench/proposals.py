@@ -6,19 +6,23 @@ from dataclasses import replace
 from bench.basics.progress import SILENT
 from bench.diagnosis.candidates import Proposal, propose
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Problem, Round, problem_of, reshaped, system_about
+from bench.diagnosis.rounds import Problem, Round, reshaped, system_about
 from bench.diagnosis.search import Found, score
 from bench.effects import Effect, EffectInstance
+from bench.identification.perturbations import Nearby
+from bench.identification.prepare import with_effects
 from bench.workbench.found_model import FoundModel
 
 
-def instances_of(model: FoundModel, effects: Mapping[str, Effect]) -> tuple[EffectInstance, ...]:
+def instances_of(
+    model: FoundModel, effects: Mapping[str, Effect], nearby: Nearby
+) -> tuple[EffectInstance, ...]:
     """These effects wherever the recordings show them, in the shape in which a diagnosis about `model` judges them.
 
-    In the order of `effects`; an effect that the model takes up everywhere has no instance.
+    In the order of `effects`; an effect that the model takes up everywhere has no instance. nearby: of `model`.
     """
-    problem = problem_of(model.plain, model.fit_gains)
-    proposals = propose(problem.context(problem.start), effects)
+    problem = Problem(model.plain, model.fit_gains, nearby)
+    proposals = propose(problem.context(with_effects(model.found, model.plain.effects)), effects)
     if model.effects:
         proposals = _about_the_found(problem, model, proposals)
     instances = [one for each in proposals if not each.absorbed for one in each.instances]

@@ -39,15 +39,15 @@ class System:
         return np.asarray(self.columns.any(axis=0))
 
 
-def build(model: FoundModel, instances: Sequence[EffectInstance]) -> System:
-    """The system of a model with the columns of these effects, those that it found among them."""
+def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> System:
+    """The system of a model with the columns of these effects, those that it found among them. nearby: of `model`."""
     plain = model.plain
     moving = np.concatenate([one.moving for one in plain.observations])
     fitted = np.concatenate([np.full(len(one.time), one.use == "identify") for one in plain.observations])
     known = np.concatenate([known_rows(one, plain.dataset.payloads) for one in plain.observations]) * moving
     current = np.concatenate([one.current for one in plain.observations]) * moving
     own = np.concatenate([regressor_rows(one, plain.layout) for one in plain.observations])
-    columns = np.concatenate((own, _added(model, instances)), axis=2) * moving[:, :, None]
+    columns = np.concatenate((own, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
     starts = np.cumsum([own.shape[2], *(len(one.effect.parameters) for one in instances)])
     reference = _reference(model, instances, starts)
     modelled = (columns @ reference + known) / model.solution.gains
@@ -66,10 +66,10 @@ def build(model: FoundModel, instances: Sequence[EffectInstance]) -> System:
     )
 
 
-def _added(model: FoundModel, instances: Sequence[EffectInstance]) -> np.ndarray:
+def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
     """Columns (M, n, k) of effects about the found model; of those not found as they are seen nearby."""
     found, decimation = model.found, model.found.settings.decimation
-    near = Nearby(found.model, found.measured).signals(found.present, found.signals)
+    near = nearby.signals(found.present, found.signals)
     exact = [one for one in instances if one in model.effects]
     as_fitted = np.concatenate(
         [np.zeros(0, bool), *(np.full(len(one.effect.parameters), one in exact) for one in instances)]

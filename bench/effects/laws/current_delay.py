@@ -31,7 +31,6 @@ class CurrentDelay(ActuatorEffect):
     parameters = (EffectParameter("T", "s"),)
     depends_on_model = True
     before_torque = True
-    of_torque = "time"
 
     T: float = 0.0
 

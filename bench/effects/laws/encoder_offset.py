@@ -10,7 +10,6 @@ from bench.effects.signals import RobotSignals
 
 SMALLEST, NEAR, LARGEST = 1e-3, 0.02, 0.2  # rad (m for a slide, a tenth of that): step of the difference
 SLIDE = 0.1
-REACH, REACH_SLIDE = 0.05, 0.005  # rad, m
 
 
 @dataclass(frozen=True)
@@ -34,9 +33,6 @@ class EncoderOffset(Effect):
 
     def position_offset(self, values: np.ndarray) -> float:
         return float(values[0])
-
-    def reach(self, robot: RobotSignals, joint: str) -> float | None:
-        return REACH if robot.joints[joint].rotates else REACH_SLIDE
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
         size = NEAR * (1.0 if robot.joints[joint].rotates else SLIDE)

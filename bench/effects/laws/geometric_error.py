@@ -10,7 +10,6 @@ from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
 
 SMALLEST, NEAR, LARGEST = 1e-3, 0.01, 0.05  # of the length: step of the difference
-REACH = 0.02  # of the length
 
 
 @dataclass(frozen=True)
@@ -36,9 +35,6 @@ class GeometricError(Effect):
     depends_on_model = True
 
     dl: float = 0.0
-
-    def reach(self, robot: RobotSignals, joint: str) -> float | None:
-        return REACH * lengths(robot.geometry)[joint].length
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
         size = NEAR * lengths(robot.geometry)[joint].length

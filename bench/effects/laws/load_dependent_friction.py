@@ -34,7 +34,6 @@ class LoadDependentFriction(ActuatorEffect):
     parameters = (EffectParameter("mu", "1", positive=True, below=MOST),)
     depends_on_model = True
     before_torque = True
-    of_torque = "proportion"
 
     mu: float = 0.0
 
