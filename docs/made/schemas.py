@@ -33,7 +33,7 @@ def keys(
     for name, one in of.get("properties", {}).items():
         path = f"{before}{name}"
         target, many = _target(schema, one)
-        default = json.dumps(one["default"], ensure_ascii=False) if "default" in one else ""
+        default = "" if one.get("default") is None else json.dumps(one["default"], ensure_ascii=False)
         needed = "needed" if name in of.get("required", ()) else default
         yield (
             f"`{path}{many}`",
@@ -70,7 +70,8 @@ def _takes(schema: Mapping[str, Any], one: Mapping[str, Any]) -> str:
         return ", ".join(f"`{value}`" for value in one.get("enum", [one.get("const")]))
     kind = one.get("type", "anything")
     if kind == "array":
-        return f"list of {_takes(schema, one['items'])}" if one.get("items") else "list"
+        inside = _takes(schema, one["items"]) if one.get("items") else "values"
+        return f"list of {'tables' if inside == 'table' else inside}"
     if kind == "object":
         return "tables by name" if isinstance(one.get("additionalProperties"), Mapping) else "table"
     return WORDS.get(kind, kind)
