@@ -44,6 +44,7 @@ def test_noise_is_noise(gentle):
 def test_white_errors_beyond_the_currents_noise_are_not_called_the_currents_noise(gentle):
     left = _left(gentle, lambda row, noise: 3.0 * noise)
     assert not left.significant
+    assert left.much  # so that the gains' deviations hold what models that are as good make of them
     assert left.depends_on == ()
     assert "varies with nothing that was looked at" in left.why
 

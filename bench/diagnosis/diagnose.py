@@ -163,7 +163,7 @@ def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagn
     scale = _relative(after, system, best)
     without = _errors_without(finding.names, finding.fits)
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
-    if left.significant and fit_gains:
+    if (left.significant or left.much) and fit_gains:
         progress.phase("fitting models that are as good")
         added = model.effects[len(finding.problem.start.effects) :]
         after = with_spread_over_models(finding.problem, finding.last, added, after)

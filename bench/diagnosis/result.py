@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import hypot
 from typing import TYPE_CHECKING, Literal
 
 from bench.effects.select import TAG
@@ -13,6 +14,9 @@ from bench.identification.result import CurrentSeries, Identification, Quantity
 if TYPE_CHECKING:
     import pandas as pd
 
+MUCH_LEFT = (
+    2.0  # times what noise leaves: then something unknown is there, and a known effect may be its shadow
+)
 Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", "absorbed"]
 
 
@@ -50,13 +54,22 @@ class EffectVerdict:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What no effect of the catalogue accounts for. error and noise_floor: relative, on recordings not fitted."""
+    """What no effect of the catalogue accounts for. error and noise_floor: relative, on recordings not fitted.
+
+    encoders: relative error that the encoders' noise makes, where it was asked for.
+    """
 
     significant: bool
     error: float
     noise_floor: float
     depends_on: tuple[str, ...]
     why: str
+    encoders: float = 0.0
+
+    @property
+    def much(self) -> bool:
+        """Whether so much is left, whatever it varies with, that noise alone cannot be it."""
+        return self.error > MUCH_LEFT * hypot(self.noise_floor, self.encoders)
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,7 @@ def unexplained(
             f"the error left ({left}) is what the noise of the currents ({100.0 * floor:.3g} %) and that of the "
             f"encoders ({100.0 * shaken:.3g} %) leave"
         )
-        return Unexplained(False, error, floor, (), why)
+        return Unexplained(False, error, floor, (), why, shaken)
     found: dict[str, float] = {}
     random = np.random.default_rng(SEED)
     joints = list(result.drive_gains)
@@ -82,12 +82,12 @@ def unexplained(
         noise += f" and that of the encoders {100.0 * shaken:.3g} %"
     if not depends:
         why = f"{left} of the current is left where {noise}; it varies with nothing that was looked at"
-        return Unexplained(False, error, floor, (), why)
+        return Unexplained(False, error, floor, (), why, shaken)
     why = (
         f"{left} of the current is left where {noise}, and it varies with {', '.join(depends)}: no effect of the "
         "catalogue accounts for it"
     )
-    return Unexplained(True, error, floor, depends, why)
+    return Unexplained(True, error, floor, depends, why, shaken)
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:

@@ -12,9 +12,6 @@ from bench.effects.display_names import begun, spoken
 from bench.identification.wording import in_percent
 
 DOMINANT = 3.0
-MUCH_LEFT = (
-    2.0  # times the noise floor: then something unknown is there, and a known effect may be its shadow
-)
 DOMINANT_BESIDE = 10.0  # so many times what is left, an effect must explain where much is left
 
 
@@ -32,12 +29,11 @@ def verdicts(
     places: joints at which each found effect shows. scale: error of the settled model over that of its set here.
     without: error of the found model without each of its effects, fitted anew.
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
-    it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where MUCH_LEFT of the noise floor is left.
+    it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where much is left.
     """
     best = found.best
     chosen = set(best.fit.chosen)
-    much = left.error > MUCH_LEFT * left.noise_floor
-    sure = (DOMINANT_BESIDE if much else DOMINANT) if left.significant else 0.0
+    sure = (DOMINANT_BESIDE if left.much else DOMINANT) if left.significant else 0.0
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(proposals):
         if proposal.absorbed:
