@@ -216,6 +216,27 @@ def seen_table(drawn: Numbers) -> str:
     return rows_in_markdown(("effect", "error over noise", *variables), rows)
 
 
+def outside_table(trials: Mapping[str, Sequence[Numbers]]) -> str:
+    """What was said of machines with an effect that no model here knows, large enough to be seen."""
+    rows = []
+    for robot, all_rows in trials.items():
+        large = [
+            row
+            for row in all_rows
+            if row["status"] == "ok"
+            and row["kind"] == "outside"
+            and row["least_own_error_over_floor"] >= LARGE
+        ]
+        for name in sorted({row["hidden"] for row in large}):
+            of = [row for row in large if row["hidden"] == name]
+            told = sum(bool(row["unexplained"]) for row in of)
+            wrong = Counter(one for row in of for one in row["wrong"].split(" + ") if one)
+            rows.append((spoken(name), robot, f"{told} of {len(of)}", counted(wrong) or "–"))
+    table = rows_in_markdown(("hidden", "robot", "said to be unexplained", "named wrongly for sure"), rows)
+    searched = any("laws" in row for all_rows in trials.values() for row in all_rows)
+    return table if searched else f"{table}\n\nThese trials were run without a search for laws."
+
+
 def read(path: Path) -> dict[str, Any]:
     """JSON of `make atlas`."""
     return dict(json.loads(path.read_text(encoding="utf-8")))
@@ -233,4 +254,5 @@ for effect_name, found in sorted(CATALOGUE.items()):
 with mkdocs_gen_files.open("atlas/index.md", "r") as key:
     text = key.read()
 with mkdocs_gen_files.open("atlas/index.md", "w") as written:
-    written.write(text.replace("<!-- seen -->", seen_table(seen)))
+    text = text.replace("<!-- seen -->", seen_table(seen)).replace("<!-- outside -->", outside_table(tried))
+    written.write(text)
