@@ -61,6 +61,12 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
 @click.option(
     "--gain-accuracy", callback=_share, metavar="SHARE", help="Say what is enough for, such as, 0.5%."
 )
+@click.option(
+    "--after",
+    type=click.Path(path_type=Path),
+    metavar="DATASET",
+    help="Plan the one motion that tells most beside these recordings.",
+)
 @with_option
 @effect_file_option
 @click.option(
@@ -79,6 +85,7 @@ def excite(
     wanted: tuple[str, ...],
     limits: Path | None,
     gain_accuracy: float | None,
+    after: Path | None,
     effects: tuple[str, ...],
     effect_files: tuple[Path, ...],
     quiet: bool,
@@ -92,8 +99,11 @@ def excite(
     """
     criterion, steps, seed = (options.pop(name) for name in ("criterion", "steps", "seed"))
     with shown_progress(quiet) as progress:
+        from bench.basics.errors import BenchError
+        from bench.dataset.dataset import load_dataset
         from bench.dataset.robot import load_robot
         from bench.effects import catalogue_for
+        from bench.excitation.experiment.after import plan_after
         from bench.excitation.experiment.figure import write_plan_figure
         from bench.excitation.experiment.files import PICTURE, VIEW, check_folder, write_plan
         from bench.excitation.experiment.forecast import forecast
@@ -103,17 +113,36 @@ def excite(
         from bench.viewer.planned import write_planned_rrd
 
         check_folder(output)
-        plan = plan_experiment(
-            load_robot(robot),
-            asked_table(limits, options),
-            wanted,
-            effects,
-            criterion=criterion,
-            steps=steps,
-            seed=seed,
-            catalogue=catalogue_for((), effect_files),
-            progress=progress,
-        )
+        table, described = asked_table(limits, options), load_robot(robot)
+        if after is None:
+            plan = plan_experiment(
+                described,
+                table,
+                wanted,
+                effects,
+                criterion=criterion,
+                steps=steps,
+                seed=seed,
+                catalogue=catalogue_for((), effect_files),
+                progress=progress,
+            )
+        else:
+            data = load_dataset(after)
+            if data.robot.folder != described.folder:
+                raise BenchError(f"--after {after}: its robot is {data.robot.name!r}, not {robot!r}")
+            if gain_accuracy is not None:
+                raise BenchError("--gain-accuracy: leave it out with --after, where the payloads are given")
+            plan = plan_after(
+                data,
+                table,
+                wanted,
+                effects,
+                criterion=criterion,
+                steps=steps,
+                seed=seed,
+                catalogue=catalogue_for(data.effect_files, effect_files),
+                progress=progress,
+            )
         progress.phase("forecasting the standard errors")
         told = forecast(plan, gain_accuracy)
         progress.phase("writing the motions")

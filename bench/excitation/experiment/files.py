@@ -71,6 +71,7 @@ def plan_json(plan: Plan, told: Forecast) -> dict[str, Any]:
         "criterion": plan.criterion,
         "value": plan.value,
         "random": dict(plan.random),
+        "before": plan.before,
         "seed": plan.seed,
         "steps": plan.steps,
         "unknowns": [
@@ -151,6 +152,8 @@ def scenario_text(plan: Plan) -> str:
         *_sensors(plan),
     ]
     for name, payload in plan.nominal.payloads.items():
+        if name not in plan.search.loads:
+            continue
         lines += ["", f"[payloads.{_quoted(name)}]", *_payload(payload)]
     for use in ("identify", "validate"):
         for name, load in zip(plan.names, plan.search.loads, strict=True):

@@ -40,6 +40,7 @@ from bench.model.model import IdentificationModel, build_model
 Criterion = Literal["worst", "d-optimal"]
 ALL, GAINS, PARAMETERS = "all", "gains", "parameters"
 STEPS = 900
+LOOKED_AT = 5  # motions at random that tell how large the torques are
 RANGE = 2.0  # times the base frequency, and its part, that the search may try
 PER_PERIOD = 8.0  # rows of the controller's table in a period of the highest harmonic, at least
 NAMES = ("unloaded", "loaded")
@@ -66,6 +67,16 @@ class Plan:
     random: Mapping[str, float]
     seed: int
     steps: int
+    before: float | None = None  # the criterion of what was measured already
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What is made small, and the seed of the search for it."""
+
+    wanted: tuple[str, ...]
+    criterion: Criterion
+    seed: int
 
 
 @dataclass(frozen=True)
@@ -126,14 +137,19 @@ def _effects(
     payloads: tuple[str, ...],
 ) -> tuple[EffectInstance, ...]:
     found = select_effects(requests, places_in(model.geometry, payloads), catalogue)
-    for one in found:
+    check_linear(found)
+    return found
+
+
+def check_linear(effects: Sequence[EffectInstance]) -> None:
+    """Raise BenchError for an effect with parameters that are not linear."""
+    for one in effects:
         if one.effect.shape:
             names = ", ".join(shape.name for shape in one.effect.shape)
             raise BenchError(
                 f"effect {one.request!r}: nothing can be told of it before there are data, {names} is not linear: plan "
                 "for the linear effect that is most like it"
             )
-    return found
 
 
 @on_one_thread
@@ -161,7 +177,8 @@ def plan_experiment(
     nominal = nominal_machine(robot, table, [*effects, *asked], catalogue)
     room = room_of(nominal.model.geometry, table)
     loads: tuple[str | None, ...] = (None, *nominal.payloads)
-    begun = started(nominal, room, shape_of(room, table), loads, wanted, criterion, seed, progress=progress)
+    aim = Aim(wanted, criterion, seed)
+    begun = started(nominal, room, shape_of(room, table), loads, aim, progress=progress)
     search = begun.search
     progress.phase("improving the best motions", steps)
     best = best_candidate(search, [*begun.random, *begun.sparse], steps, seed, progress)
@@ -191,27 +208,33 @@ def started(
     room: Room,
     shape: Shape,
     loads: tuple[str | None, ...],
-    wanted: Sequence[str],
-    criterion: Criterion,
-    seed: int,
+    aim: Aim,
+    *,
     known: tuple[Evidence, ...] = (),
+    sizes: np.ndarray | None = None,
     progress: Progress = SILENT,
 ) -> Started:
     """The search with motions at random to begin with."""
-    measure = worst if criterion == "worst" else volume
-    targets = targets_of(nominal, wanted)
+    measure = worst if aim.criterion == "worst" else volume
+    targets = targets_of(nominal, aim.wanted)
     first = Search(nominal, room, shape, loads, known, lambda _: 0.0)
     progress.phase("trying motions at random", 2 * RANDOM)
-    starts = random_candidates(first, RANDOM, seed, progress=progress)
-    sparse = random_candidates(first, RANDOM, seed, few=True, progress=progress)
-    looked_at = [
-        seen(nominal, one.motion, load)
-        for candidate in starts[:5]
-        for one, load in zip(candidate, loads, strict=True)
-    ]
-    sizes = reference_sizes(nominal, looked_at)
+    starts = random_candidates(first, RANDOM, aim.seed, progress=progress)
+    sparse = random_candidates(first, RANDOM, aim.seed, few=True, progress=progress)
+    if sizes is None:
+        sizes = _sizes(nominal, loads, starts)
     search = Search(nominal, room, shape, loads, known, partial(measure, sizes=sizes, targets=targets))
     return Started(search, sizes, targets, starts, sparse)
+
+
+def _sizes(nominal: Nominal, loads: tuple[str | None, ...], starts: Sequence[Candidate]) -> np.ndarray:
+    """Against which standard errors are held, by a few motions at random."""
+    looked_at = [
+        seen(nominal, one.motion, load)
+        for candidate in starts[:LOOKED_AT]
+        for one, load in zip(candidate, loads, strict=True)
+    ]
+    return reference_sizes(nominal, looked_at)
 
 
 def shape_of(room: Room, table: ExperimentTable) -> Shape:

@@ -22,6 +22,12 @@ def sentences(plan: Plan, told: Forecast) -> list[str]:
             f"{RANDOM} random motions inside the same limits ({percent(plan.random['median'])}, the best of them "
             f"{percent(plan.random['best'])})."
         )
+    if plan.before is not None:
+        carried = plan.search.loads[0]
+        lines.append(
+            f"The recordings that are there give {percent(plan.before)}; with this motion, "
+            f"{'unloaded' if carried is None else f'carrying {carried}'}, {percent(plan.value)} is to be expected."
+        )
     lines += told.notes
     if told.enough is not None:
         lines += enough(told.enough)
@@ -56,7 +62,7 @@ def _noise(plan: Plan) -> str:
     current = (
         f"the noise of each current is taken as {percent(noise.ratio)} of its RMS"
         if noise.current is None
-        else "the noise of the currents is as given"
+        else "the noise of the currents is as given, or as recorded"
     )
     steps = "encoders without steps" if not noise.encoder.any() else "encoders with the given steps"
     return f"{current}, {steps}, {noise.rate:g} samples a second"

@@ -1,0 +1,158 @@
+"""The next best motion, given what is measured already."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.effects import CATALOGUE, Effect
+from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, equations
+from bench.excitation.experiment.plan import (
+    ALL,
+    GAINS,
+    PARAMETERS,
+    STEPS,
+    Aim,
+    Criterion,
+    Plan,
+    Started,
+    check_linear,
+    noise_of,
+    shape_of,
+    started,
+)
+from bench.excitation.experiment.planned_log import PlannedRows, row_evidence
+from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.room import room_of
+from bench.excitation.experiment.search import best_candidate, proven, random_values
+from bench.identification.identify import fit
+from bench.identification.prepare import Prepared, prepare
+from bench.signals.decimation import decimated_indices
+from bench.signals.settings import signal_bands
+
+NEXT = "next"
+
+
+@on_one_thread
+def plan_after(
+    dataset: Dataset,
+    table: ExperimentTable,
+    wanted: Sequence[str] = (),
+    effects: Sequence[str] = (),
+    *,
+    criterion: Criterion = "worst",
+    steps: int = STEPS,
+    seed: int = 0,
+    catalogue: Mapping[str, Effect] = CATALOGUE,
+    progress: Progress = SILENT,
+) -> Plan:
+    """The motion, with a payload of the dataset or without, that tells most beside its fitted recordings.
+
+    The machine is the one that the data give; limits of speed and acceleration that the table leaves out are the
+    largest of the recordings. See `plan_experiment`. Raises BenchError for a payload of the table's own.
+    """
+    if table.payload is not None:
+        raise BenchError("payload: the next motion carries what the dataset declares: leave it out")
+    progress.phase("fitting what is there")
+    wanted = tuple(wanted) or (ALL,)
+    asked = [one for one in wanted if one not in (ALL, GAINS, PARAMETERS)]
+    prepared = prepare(dataset, [*effects, *asked], catalogue=catalogue)
+    check_linear(prepared.effects)
+    nominal = _measured_machine(prepared, table)
+    known = _known(prepared, nominal)
+    room = room_of(nominal.model.geometry, _with_recorded(table, prepared))
+    shape = shape_of(room, table)
+    loads = dict.fromkeys(one.payload_name for one in prepared.fitted)
+    aim = Aim(wanted, criterion, seed)
+    begun: list[Started] = []
+    for load in loads:
+        if load is None or nominal.payloads[load].mass is not None:
+            sizes = begun[0].sizes if begun else None
+            begun.append(
+                started(nominal, room, shape, (load,), aim, known=known, sizes=sizes, progress=progress)
+            )
+    if not begun:
+        raise BenchError(f"{dataset.folder}: every fitted recording carries a payload of unknown mass")
+    best = min(begun, key=lambda one: min(map(one.search.value, [*one.random, *one.sparse])))
+    search = best.search
+    progress.phase("improving the best motions", steps)
+    candidate = best_candidate(search, [*best.random, *best.sparse], steps, seed, progress)
+    progress.phase("proving that the limits are kept")
+    kept = proven(search, candidate)
+    motions = (kept[0],)
+    return Plan(
+        robot=dataset.robot,
+        nominal=nominal,
+        room=room,
+        search=search,
+        names=(NEXT,),
+        motions=motions,
+        sizes=best.sizes,
+        targets=best.targets,
+        wanted=wanted,
+        criterion=criterion,
+        value=search.value(motions),
+        random=random_values(search, best.random),
+        seed=seed,
+        steps=steps,
+        before=search.criterion(equations(known)),
+    )
+
+
+def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
+    """The machine as the data give it, with the noise of its log."""
+    found = fit(prepared)
+    values = {one.name: one.value for one in found.parameters}
+    dataset, model = prepared.dataset, prepared.model
+    carried = [one.payload_name for one in prepared.fitted]
+    return Nominal(
+        model=model,
+        base=np.array([values.get(name, 0.0) for name in model.base.names]),
+        gains=np.array([gain.value for gain in found.drive_gains.values()]),
+        payloads={name: dataset.payloads[name] for name in dict.fromkeys(carried) if name is not None},
+        layout=prepared.layout,
+        effects=prepared.effects,
+        gains_fitted=found.gains_fitted,
+        noise=_noise(prepared, table),
+        source="the model that the recordings give",
+    )
+
+
+def _noise(prepared: Prepared, table: ExperimentTable) -> Noise:
+    """As the user says, else as the spectra of the recordings say."""
+    told = noise_of(prepared.dataset.robot, table)
+    recordings = [one.recording for one in prepared.measured]
+    rate = recordings[0].rate
+    bands = signal_bands([one.position for one in recordings], [one.current for one in recordings], rate)
+    current = np.sqrt(bands.current_noise * rate / 2.0) if told.current is None else told.current
+    return Noise(current if np.all(current > 0.0) else None, told.ratio, told.encoder, rate)
+
+
+def _known(prepared: Prepared, nominal: Nominal) -> tuple[Evidence, ...]:
+    """What the fitted recordings tell."""
+    used = [one for one in prepared.measured if one.recording.use == "identify"]
+    decimation = prepared.settings.decimation
+    return tuple(
+        row_evidence(
+            nominal,
+            PlannedRows(
+                measured.tree.at(decimated_indices(len(measured.time), decimation)), one.moving, decimation
+            ),
+            one.payload_name,
+        )
+        for measured, one in zip(used, prepared.fitted, strict=True)
+    )
+
+
+def _with_recorded(table: ExperimentTable, prepared: Prepared) -> ExperimentTable:
+    """The table with the largest recorded speeds and accelerations where it has none."""
+    joints = prepared.dataset.robot.joints
+    changes = {}
+    for key in ("velocity", "acceleration"):
+        if getattr(table, key) is None:
+            largest = np.max([np.abs(getattr(one, key)).max(axis=0) for one in prepared.measured], axis=0)
+            changes[key] = dict(zip(joints, largest.tolist(), strict=True))
+    return table.model_copy(update=changes)

@@ -1,0 +1,76 @@
+"""`bench excite --after`: the next best motion, and what it adds to the recordings that are there."""
+
+import json
+
+import pytest
+
+from bench.cli import main
+from bench.dataset.robot import load_robot
+from bench.excitation.experiment.after import plan_after
+from bench.excitation.experiment.plan import plan_experiment
+from bench.excitation.experiment.request import ExperimentTable
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset, write_simulation
+from bench.truth.simulate import simulate
+
+SHORT = {"duration": 6.0, "harmonics": 4}
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    design = {"optimise": False, **SHORT, "span": 0.5, "velocity_limit": 3.0, "acceleration_limit": 30.0}
+    recordings = [
+        {"name": "unloaded", "use": "identify", "design": {"seed": 1}},
+        {"name": "loaded", "use": "identify", "payload": "ball", "design": {"seed": 2}},
+    ]
+    scenario = load_scenario("two_link", {"design": design, "recordings": recordings})
+    return simulate(scenario, resolve_trajectories(scenario), threads=1)
+
+
+@pytest.fixture(scope="module")
+def following(recorded):
+    return plan_after(as_dataset(recorded), ExperimentTable.model_validate(SHORT), steps=30)
+
+
+def test_it_adds_to_what_is_there(following):
+    assert following.value < following.before
+    assert following.value <= following.random["best"]
+    assert len(following.motions) == 1
+
+
+def test_it_keeps_the_recorded_speeds(following, recorded):
+    velocity = following.motions[0].trajectory.evaluate(following.search.shape.times)[1]
+    assert (abs(velocity).max(axis=0) <= 1.1 * 3.0).all()
+
+
+def test_the_command_writes_it(recorded, tmp_path, capsys):
+    write_simulation(recorded, tmp_path / "data")
+    words = ["excite", "two_link", "--after", str(tmp_path / "data"), "-o", str(tmp_path / "next")]
+    assert main([*words, "--duration", "6", "--steps", "5"]) == 0
+    assert "The recordings that are there give" in capsys.readouterr().out
+    answer = json.loads((tmp_path / "next" / "answer.json").read_text())
+    assert list(answer["recordings"]) == ["next"]
+    assert answer["value"] < answer["before"]
+
+
+@pytest.mark.parametrize(
+    ("robot", "words", "said"),
+    [
+        ("five_bar", [], "its robot is 'two_link'"),
+        ("two_link", ["--payload-mass", "1"], "carries what the dataset declares"),
+        ("two_link", ["--gain-accuracy", "1%"], "leave it out with --after"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(recorded, tmp_path, capsys, robot, words, said):
+    write_simulation(recorded, tmp_path / "data")
+    folder = tmp_path / "next"
+    assert main(["excite", robot, "--after", str(tmp_path / "data"), "-o", str(folder), "-q", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not folder.exists()
+
+
+def test_a_first_plan_knows_nothing_before():
+    table = ExperimentTable.model_validate({**SHORT, "velocity": 3.0, "acceleration": 30.0})
+    assert plan_experiment(load_robot("two_link"), table, steps=0).before is None
