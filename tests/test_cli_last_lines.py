@@ -53,6 +53,7 @@ def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
     from dataclasses import replace
 
     from bench.dataset.robot import load_robot
+    from bench.diagnosis.result import Discovered
 
     folder, model = tmp_path / "data", tmp_path / "model.json"
     found = found_diagnosis(dataset_of(load_robot("five_bar")))
@@ -61,6 +62,10 @@ def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
     assert step.startswith(f"next: bench compare {folder} --model {model} ")
     law = tmp_path / "law_left.py"
     step = after_diagnosis(found, folder, "", model, [law])
+    assert step.startswith(f"next: bench compare {folder} --model {model} --effect-file {law} ")
+    brake = Discovered("left", "law_left", (), {}, 0.002, 0.002, 0.01, None, None, "")
+    discovered = replace(found, missing=(), ranking=(), discovered=(brake,))
+    step = after_diagnosis(discovered, folder, "", model, [law])
     assert step.startswith(f"next: bench compare {folder} --model {model} --effect-file {law} ")
     step = after_diagnosis(found, folder, f"bench diagnose {folder} --with backlash", None)
     assert step.startswith(f"next: bench diagnose {folder} --with backlash --apply model.json ")

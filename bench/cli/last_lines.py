@@ -77,10 +77,11 @@ def after_diagnosis(
 
     effect_files: what the model needs beside the catalogue.
     """
-    if diagnosis.missing and model is not None:
+    found = diagnosis.missing or diagnosis.discovered
+    if found and model is not None:
         files = [word for file in effect_files for word in ("--effect-file", file)]
         return next_line(["compare", dataset, "--model", model, *files], "shows what is left with them")
-    if diagnosis.missing:
+    if found:
         return f"next: {again} --apply model.json    writes the model with what is missing"
     doubtful = [one for one in diagnosis.ranking if one.verdict == "indistinguishable" and one.alternatives]
     if doubtful:
