@@ -51,6 +51,12 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
                 f"position.{joint}: home, {home[j]:.4g}, from which every motion starts, is not between {least:g} and "
                 f"{most:g} with a margin to the end stops"
             )
+    for j, joint in enumerate(joints):
+        if not low[j] < home[j] < high[j]:
+            raise BenchError(
+                f"robot {geometry.robot.name}: home is at the end of the range of {joint!r}, {low[j]:.4g} to "
+                f"{high[j]:.4g} with a margin: motions start at home, put it further inside"
+            )
     amplification = limits.amplification if table.amplification is None else table.amplification
     limits = replace(limits, low=low, high=high, amplification=amplification)
     assumed = []
