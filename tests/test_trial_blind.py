@@ -7,6 +7,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.cli import main
+from bench.effects.display_names import spoken
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.pool import Outcome, Pool, Shared, Task, attempt
 from bench.studies.sweep.run_plan import Report
@@ -106,11 +107,11 @@ def test_workers_give_the_same_rows_and_the_command_writes_them(
     assert row | {"commit": ""} == trial[1][0] | {"commit": ""}  # files may change while tests run
     assert read_table(tmp_path / "five_bar.parquet")["hidden"] == [effect]
     page = (tmp_path / "five_bar.md").read_text(encoding="utf-8")
-    assert f"| {effect} | 1 |" in page
+    assert f"| {spoken(effect)} | 1 |" in page
     assert (tmp_path / "five_bar_confusion.png").is_file()
     kept = json.loads((tmp_path / "five_bar" / "one.json").read_text(encoding="utf-8"))
     assert kept["given"] == {"robot": "five_bar", "duration": DURATION}
-    assert effect[:12] in capsys.readouterr().out
+    assert spoken(effect)[:12] in capsys.readouterr().out
 
 
 def test_a_wrong_request_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
