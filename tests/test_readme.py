@@ -56,7 +56,7 @@ def test_figures_of_the_readme_are_those_of_the_results(project_root):
     text = (project_root / "README.md").read_text(encoding="utf-8")
     (heads,) = re.findall(r"^\| \|( five-bar .*)\|$\n\|---", text, flags=re.MULTILINE)[:1]
     robots = [
-        {"five-bar": "five_bar", "hexapod": "stewart"}.get(r, r.lower())
+        {"five-bar": "five_bar", "hexapod": "stewart", "3-RRR": "three_rrr"}.get(r, r.lower())
         for r in map(str.strip, heads.split("|"))
     ]
     for words, figure in (
@@ -72,7 +72,6 @@ def test_figures_of_the_readme_are_those_of_the_results(project_root):
             assert cell == f"{target.share.count} of {target.share.of}"
     (row,) = re.findall(r"^\| largest gain error \|(.*)\|$", text, flags=re.MULTILINE)
     found = dict(zip(robots, map(str.strip, row.split("|")), strict=True))
-    found["three_rrr"] = found.pop("3-rrr")
     for robot, cell in found.items():
         seeds = {"five_bar": "five_bar", "delta": "delta"}.get(robot, "robots")
         table = pq.read_table(project_root / "results" / "montecarlo" / f"{seeds}_seeds.parquet").to_pylist()
