@@ -51,18 +51,14 @@ def figures(
 
     Each figure comes as PDF and PNG for one column (88 mm) and for two (180 mm), with its numbers as CSV.
     """
+    from bench.api.figures import figures_of
     from bench.basics.errors import BenchError
     from bench.cli.named_sources import Asked, answer_of
     from bench.document.figures.paper import write_paper_figures
-    from bench.document.figures.paper_errors import error_figures
-    from bench.document.figures.paper_model import diagnosis_figures, gain_figure
-    from bench.residuals.motor import compared
 
     given = given_filters(**filters)
     dataset, result, diagnosis = answer_of(source, Asked(effects, effect_files, given, data))
-    what = compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
-    found = [*error_figures(what), *([gain_figure(result)] if result.gains_fitted else [])]
-    found += [] if diagnosis is None else diagnosis_figures(diagnosis)
+    found = figures_of(dataset, result, diagnosis)
     chosen = [one for one in found if not only or one.name.startswith(only)]
     if not chosen:
         names = ", ".join(one.name for one in found)
