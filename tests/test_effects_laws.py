@@ -45,7 +45,7 @@ LAWS: dict[str, tuple[dict[str, float], Law]] = {
     ),
     "viscous_friction": ({}, lambda j: [j.velocity]),
 }
-TESTED_BELOW = {"presliding_hysteresis", "current_delay", "current_loop_lag"}
+TESTED_BELOW = {"hysteretic_cable", "presliding_hysteresis", "current_delay", "current_loop_lag"}
 MOTIONLESS = {  # no torque at rest, whatever the load
     *(
         "asymmetric_viscous_friction",
@@ -130,6 +130,21 @@ def test_dahl_s_friction_becomes_coulomb_s() -> None:
     found = columns_of("presliding_hysteresis", joint, x0=1e-7)[1:, 0]
     moving = np.abs(joint.velocity[1:]) > 0.01
     assert found[moving] == pytest.approx(np.sign(joint.velocity[1:])[moving])
+
+
+@pytest.mark.parametrize("sharpness", [1.0, 2.0, 5.0])
+def test_a_cable_solves_bouc_and_wen_s_differential_equation(sharpness: float) -> None:
+    z, reach, states = 0.0, 0.05, [0.0]
+    fine = joint_signals(samples=80001, duration=4.0)
+    for way in np.diff(fine.position) / reach:
+        z += way - abs(way) * abs(z) ** (sharpness - 1.0) * z
+        states.append(z)
+    coarse = joint_signals(samples=4001, duration=4.0)
+    found = columns_of("hysteretic_cable", coarse, x0=reach, n=sharpness)[:, 0]
+    assert found == pytest.approx(np.array(states[::20]), abs=0.01)
+    if sharpness == 1.0:
+        dahl = columns_of("presliding_hysteresis", coarse, x0=reach)[:, 0]
+        assert found == pytest.approx(dahl, abs=1e-4)
 
 
 def sine(frequency: float) -> JointSignals:

@@ -61,6 +61,7 @@ CASES = {
     "encoder_offset": Case({"offset": 0.02, "joint": "left"}, {"offset": 0.02}, "left"),
     "gain_saturation": Case({"k": 0.02}, {"k": 0.02}),
     "geometric_error": Case({"error": 0.004, "joint": "left_elbow"}, {"dl": 0.004}, "left_rod"),
+    "hysteretic_cable": Case({"F": 0.2, "reach": 0.2}, {"F": 0.2, "x0": 0.2, "n": 2.0}),
     "joint_spring": Case({"k": 1.0, "q0": -1.0}, {"k": 1.0, "kq0": -1.0}),
     "load_dependent_friction": Case({"mu": 0.05}, {"mu": 0.05}, floor=1.25),
     "passive_coulomb_friction": Case({"Fc": 0.05}, {"Fc": 0.05}, share=0.02),

@@ -13,6 +13,7 @@ from bench.effects.laws.drive_flexibility import DriveFlexibility
 from bench.effects.laws.encoder_offset import EncoderOffset
 from bench.effects.laws.gain_saturation import GainSaturation
 from bench.effects.laws.geometric_error import GeometricError
+from bench.effects.laws.hysteretic_cable import HystereticCable
 from bench.effects.laws.joint_spring import JointSpring
 from bench.effects.laws.load_dependent_friction import LoadDependentFriction
 from bench.effects.laws.passive_coulomb_friction import PassiveCoulombFriction
@@ -43,6 +44,7 @@ CATALOGUE: dict[str, Effect] = {
     "encoder_offset": EncoderOffset(),
     "gain_saturation": GainSaturation(),
     "geometric_error": GeometricError(),
+    "hysteretic_cable": HystereticCable(),
     "joint_spring": JointSpring(),
     "load_dependent_friction": LoadDependentFriction(),
     "passive_coulomb_friction": PassiveCoulombFriction(),

@@ -7,7 +7,13 @@ from itertools import combinations
 
 EXCLUSIVE: tuple[frozenset[str], ...] = (
     frozenset(
-        {"coulomb_friction", "position_dependent_friction", "presliding_hysteresis", "stribeck_friction"}
+        {
+            "coulomb_friction",
+            "hysteretic_cable",
+            "position_dependent_friction",
+            "presliding_hysteresis",
+            "stribeck_friction",
+        }
     ),
     frozenset({"asymmetric_viscous_friction", "viscous_friction"}),
     frozenset({"passive_coulomb_friction", "passive_viscous_friction"}),

@@ -35,6 +35,7 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
     "encoder_offset": {"offset": _same("offset")},
     "gain_saturation": {"k": _same("k")},
     "geometric_error": {"dl": _same("error")},
+    "hysteretic_cable": {"F": _same("F"), "x0": _same("reach"), "n": _same("sharpness", 2.0)},
     "joint_spring": {"k": _same("k"), "kq0": lambda p: p["k"] * p["q0"]},
     "load_dependent_friction": {"mu": _same("mu")},
     "passive_coulomb_friction": {"Fc": _same("Fc")},

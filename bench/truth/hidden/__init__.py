@@ -27,6 +27,7 @@ from bench.truth.hidden.drive_flexibility import DriveFlexibility
 from bench.truth.hidden.encoder_offset import EncoderOffset
 from bench.truth.hidden.gain_saturation import GainSaturation
 from bench.truth.hidden.geometric_error import GeometricError
+from bench.truth.hidden.hysteretic_cable import HystereticCable
 from bench.truth.hidden.joint_spring import JointSpring
 from bench.truth.hidden.load_dependent_friction import LoadDependentFriction
 from bench.truth.hidden.passive_coulomb_friction import PassiveCoulombFriction
@@ -82,6 +83,7 @@ HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "encoder_offset": EncoderOffset,
     "gain_saturation": GainSaturation,
     "geometric_error": GeometricError,
+    "hysteretic_cable": HystereticCable,
     "joint_spring": JointSpring,
     "load_dependent_friction": LoadDependentFriction,
     "passive_coulomb_friction": PassiveCoulombFriction,

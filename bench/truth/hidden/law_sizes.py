@@ -65,6 +65,11 @@ def _presliding(j: JointMovement, share: float) -> Sizes:
     return {"Fc": size, "stiffness": size / (0.02 * j.span)}
 
 
+def _hysteretic_cable(j: JointMovement, share: float) -> Sizes:
+    """Most of it is there after a fifth of the span: loops of all strokes are round."""
+    return {"F": share * rms(j.torque), "reach": 0.1 * j.span}
+
+
 def _thermal(j: JointMovement, share: float) -> Sizes:
     """Viscous friction that has gone to a third after a third of the recording."""
     cooling = 0.3 * j.duration
@@ -133,6 +138,7 @@ LAW_SIZES: Mapping[str, Rule] = {
     "current_delay": _current_delay,
     "current_loop_lag": _current_loop_lag,
     "gain_saturation": _gain_saturation,
+    "hysteretic_cable": _hysteretic_cable,
     "joint_spring": _joint_spring,
     "load_dependent_friction": lambda _, share: {"mu": share},
     "periodic_disturbance": lambda j, share: {
