@@ -78,6 +78,10 @@ def with_absolute_paths(content: dict[str, Any], folder: Path) -> dict[str, Any]
     for recording in recordings if isinstance(recordings, list) else []:
         if isinstance(recording, dict) and isinstance(recording.get("trajectory_file"), str):
             recording["trajectory_file"] = str((folder / recording["trajectory_file"]).resolve())
+    hidden = content.get("hidden")
+    for entry in hidden if isinstance(hidden, list) else []:
+        if isinstance(entry, dict) and isinstance(entry.get("file"), str):
+            entry["file"] = str((folder / Path(entry["file"]).expanduser()).resolve())
     return content
 
 

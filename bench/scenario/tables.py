@@ -195,6 +195,8 @@ class Hidden(UserTable, extra="allow"):
     effect: Annotated[str, Field(min_length=1)]
     joint: str | None = None
     """Left out: every actuated joint."""
+    file: str | None = None
+    """A Python file with an effect of one's own of that name, absolute or relative to the scenario."""
 
     @property
     def parameters(self) -> Mapping[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import MISSING, fields
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.scenario.tables import Hidden
 from bench.truth.hidden import HIDDEN_EFFECTS, HiddenEffect, JointEffect
+from bench.truth.hidden.user_file import hidden_in
 
 
 def hidden_effects(
@@ -25,11 +27,13 @@ def hidden_effects(
     effects: list[HiddenEffect] = []
     for i, entry in enumerate(entries):
         where = f"hidden[{i}]"
-        if entry.effect not in HIDDEN_EFFECTS:
+        known = HIDDEN_EFFECTS if entry.file is None else hidden_in(Path(entry.file))
+        if entry.effect not in known:
+            of_file = "" if entry.file is None else f" in {entry.file}"
             raise BenchError(
-                f"{where}.effect: no effect {entry.effect!r}; there are {', '.join(HIDDEN_EFFECTS)}"
+                f"{where}.effect: no effect {entry.effect!r}{of_file}; there are {', '.join(known)}"
             )
-        kind = HIDDEN_EFFECTS[entry.effect]
+        kind = known[entry.effect]
         parameters = _parameters(entry, kind, where)
         if issubclass(kind, JointEffect):
             joints = _joints(entry, kind, actuated, model, where)

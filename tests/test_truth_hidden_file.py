@@ -1,0 +1,76 @@
+"""Hidden effects of one's own, from a file that a scenario names."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.basics.errors import BenchError
+from bench.truth.hidden.user_file import hidden_in
+from tests.hidden_kit import plain, run
+
+FAN = '''
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.truth.hidden import JointEffect
+
+
+@dataclass(frozen=True)
+class Fan(JointEffect):
+    """c |v| v^2 at a motor."""
+
+    name: ClassVar[str] = "fan"
+    positive: ClassVar[tuple[str, ...]] = ("c",)
+    c: float
+
+    @staticmethod
+    def torque(p, s):
+        return lambda: p["c"] * abs(s.velocity) * s.velocity**2
+'''
+
+
+@pytest.fixture
+def fan(tmp_path: Path) -> Path:
+    file = tmp_path / "fan.py"
+    file.write_text(FAN, encoding="utf-8")
+    return file
+
+
+def test_an_effect_of_one_s_own_is_hidden_where_it_is_named(fan: Path) -> None:
+    hidden = {"effect": "fan", "file": str(fan), "joint": "left", "c": 0.05}
+    for with_fan, without in zip(
+        run("five_bar", hidden).recordings, plain("five_bar").recordings, strict=True
+    ):
+        change = with_fan.motion.torque - without.motion.torque
+        speed = without.motion.qvel[:, 0]
+        wanted = 0.05 * np.abs(speed) * speed**2
+        assert np.corrcoef(change[:, 0], wanted)[0, 1] > 0.95
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"c": -1.0}, "hidden\\[0\\].c: should be greater than 0"),
+        ({"effect": "gust"}, "no effect 'gust' in .*fan.py; there are fan$"),
+        ({"file": "nowhere.py"}, "nowhere.py: No such file"),
+    ],
+)
+def test_mistakes_in_such_an_entry_are_named(fan: Path, change: dict[str, object], told: str) -> None:
+    with pytest.raises(BenchError, match=told):
+        run("five_bar", {"effect": "fan", "file": str(fan), "c": 0.05, **change})
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("x = 1\n", "no subclass of HiddenEffect or JointEffect that has a name"),
+        ("import math\nmath.nothing\n", "line 2: AttributeError"),
+        ("def broken(:\n", "line 1: invalid syntax"),
+    ],
+)
+def test_mistakes_in_the_file_are_named(tmp_path: Path, text: str, told: str) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(BenchError, match=told):
+        hidden_in(file)
