@@ -13,7 +13,7 @@ from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.trial.cases import Case, Hide
 from bench.studies.trial.judge import Named, judged
 from bench.studies.trial.law_judged import _alike
-from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, sized
+from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, named_parts, sized
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 from bench.studies.trial.work import _answer
 from bench.truth.hidden.reference import Reference, rms
@@ -91,10 +91,10 @@ def test_a_structure_is_alike_where_variables_and_symmetry_are() -> None:
         None,
         "",
     )
-    assert _alike({"c": 0.1, "direction": 1.0, "a": 1.0}, found)
-    assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0, "q": 1.0}, found)
+    assert _alike({"c": 0.1, "direction": 1.0, "a": 1.0}, [found])
+    assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0, "q": 1.0}, [found])
     even = replace(found.terms[0], looks_at=(LooksAt("velocity", "", "size"), looks[1]))
-    assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0}, replace(found, terms=(even,)))
+    assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0}, [replace(found, terms=(even,))])
 
 
 def test_the_page_counts_what_is_large_enough(tmp_path) -> None:
@@ -104,7 +104,9 @@ def test_the_page_counts_what_is_large_enough(tmp_path) -> None:
         {**ROW, "least_own_error_over_floor": 2.0, "law.error": 0.9},
         {**ROW, "hidden": "product_law + viscous_friction", "wrong": "backlash"},
     ]
-    text = markdown(unknown_table(rows))
+    nothing = [{"status": "ok", "laws": 0}, {"status": "ok", "laws": 1}, {"status": "failed"}]
+    text = markdown(unknown_table(rows, nothing))
+    assert "| 1 of 2 |" in text.splitlines()[-1]
     assert "| 2 of 2 |" in text
     assert "| 1 of 2 |" in text
     page, table = write_unknown("five_bar", rows, tmp_path)
@@ -134,3 +136,11 @@ def test_the_known_effects_beside_a_law_can_be_named_exactly() -> None:
     answer = _answer(case, diagnosis)
     assert answer["exact"]
     assert answer["wrong"] == ""
+
+
+def test_a_summand_of_the_law_that_has_a_name_may_be_named() -> None:
+    swinging = {"c": 0.1, "direction": 1.0, "v": 1.0, "depth": 0.8, "wave": 2.0}
+    assert named_parts(swinging) == {"viscous_friction"}
+    assert named_parts({"c": 0.1, "direction": 1.0, "v": 1.0, "a": 1.0}) == frozenset()
+    named = [Named("viscous_friction", "missing", ()), Named("backlash", "missing", ())]
+    assert judged([], [], named, named_parts(swinging)).wrong == ("backlash",)

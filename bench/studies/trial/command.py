@@ -77,7 +77,8 @@ def run_command(
     show(summary, console)
     unknown = [row for row in rows if row["kind"] == "unknown"]
     if unknown:
-        console.print(printed(unknown_table(unknown), console.width))
+        nothing = [row for row in rows if row["kind"] == "nothing"]
+        console.print(printed(unknown_table(unknown, nothing), console.width))
     console.print(f"\n{len(rows)} datasets in {duration_text(time.monotonic() - start)}", highlight=False)
     for path in paths:
         console.print(str(path), highlight=False, soft_wrap=True)
@@ -90,7 +91,8 @@ def write_results(
     """Write ROBOT.parquet, ROBOT.md and the figures; returns the figures of the trial and the files."""
     unknown = [row for row in rows if row["kind"] == "unknown"]
     rows = [row for row in rows if row["kind"] != "unknown"]
-    written = write_unknown(robot, unknown, folder)
+    nothing = [row for row in rows if row["kind"] == "nothing"]
+    written = write_unknown(robot, unknown, folder, nothing)
     summary = summarised(robot, rows)
     if unknown and not rows:
         return summary, written

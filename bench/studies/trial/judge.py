@@ -37,15 +37,20 @@ class Judgement:
     wrong: tuple[str, ...]
 
 
-def judged(drawn: Collection[str], expected: Collection[str], missing: Sequence[Named]) -> Judgement:
+def judged(
+    drawn: Collection[str],
+    expected: Collection[str],
+    missing: Sequence[Named],
+    parts: Collection[str] = frozenset(),
+) -> Judgement:
     """Hold a diagnosis (`missing`, strongest first) against the truth.
 
     drawn: effects that are hidden; expected: with their companions, which count in sets, but not as the first.
-    Effects that are part of a hidden one neither help nor harm.
+    parts: of what is hidden without a name. Effects that are part of a hidden one neither help nor harm.
     """
     companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} - set(drawn)
-    parts = optional(drawn) - set(expected)
-    missing = [one for one in missing if one.effect not in parts]
+    aside = (optional(drawn) | set(parts)) - set(expected)
+    missing = [one for one in missing if one.effect not in aside]
     leading = next((one for one in missing if one.effect not in companions), None)
     return Judgement(
         first=leading is not None and leading.effect in drawn,

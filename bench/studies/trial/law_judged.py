@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from bench.diagnosis.law_effects import law_effects
 from bench.diagnosis.result import Diagnosis, Discovered
-from bench.effects import EffectInstance
-from bench.effects.user_file import effects_in
-from bench.identification.effect_rows import effect_rows
-from bench.identification.prepare import Prepared
+from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
+from bench.effects.select import ROBOT
+from bench.identification.identify import gains_can_be_fitted
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import Prepared, with_effects
 from bench.signals.decimation import decimate
 from bench.studies.sweep.journal import Row
-from bench.studies.trial.unknown import LAW
+from bench.studies.trial.unknown import LAW, TORQUES
 from bench.truth.hidden.product_law import unit_torque
 from bench.truth.simulate import Simulation
 
@@ -36,24 +38,21 @@ VARIABLES = {
 def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared) -> Row:
     """How near a discovered law is to the hidden one: in torque, on recordings not fitted, and in structure.
 
-    law.error: RMS of the difference over the RMS of the hidden law's torque, at its motor, where that moves.
-    law.elsewhere: laws at motors that have none.
+    law.error: RMS, over that of the hidden law's torque, of the difference between all that was found and all that was
+    hidden at its motor, where that moves; so a law counts whole of which a part was found under its name, and what
+    is wrong with known effects there counts, too. law.elsewhere: laws at motors that have none.
     """
     hidden = next(one for one in simulation.scenario.settings.hidden if one.effect == LAW)
     numbers = {name: float(value) for name, value in hidden.parameters.items()}
     joint = str(hidden.joint)
     here = [one for one in diagnosis.discovered if one.place == joint]
-    row: Row = {
+    return {
         "law": json.dumps(numbers),
         "law.found": " | ".join(f"{one.place}: {one.formula}" for one in diagnosis.discovered),
         "law.elsewhere": sum(one.place != joint for one in diagnosis.discovered),
-        "law.error": 1.0,
-        "law.structure": False,
+        "law.error": _torque_error(simulation, diagnosis, prepared, numbers, joint) if here else 1.0,
+        "law.structure": bool(here) and _alike(numbers, here),
     }
-    if here:
-        row["law.error"] = _torque_error(simulation, diagnosis, prepared, numbers, joint, here[0])
-        row["law.structure"] = _alike(numbers, here[0])
-    return row
 
 
 def _torque_error(
@@ -62,52 +61,68 @@ def _torque_error(
     prepared: Prepared,
     numbers: Mapping[str, float],
     joint: str,
-    found: Discovered,
 ) -> float:
     motor = simulation.robot.joints.index(joint)
-    effect = effects_in(found.source, Path(f"{found.law}.py"))[found.law]
-    values = diagnosis.after.effect_parameters[found.law][joint]
-    shape = {one.name: values[one.name].value for one in effect.shape}
-    instance = EffectInstance(replace(effect, **shape), joint, found.law)
-    linear = np.array([values[one.name].value for one in effect.parameters])
+    model, values = _found_model(diagnosis, prepared)
     difference = squares = 0.0
-    for signals, seen, rows in zip(prepared.signals, prepared.measured, prepared.observations, strict=True):
+    for seen, rows in zip(model.measured, model.observations, strict=True):
         if rows.use != "validate":
             continue
-        ours = (effect_rows(signals, prepared.settings.decimation, [instance]) @ linear)[:, motor]
-        truth, time = _true_torque(numbers, simulation, rows.name, motor)
-        whole = np.interp(seen.time, time, truth)
-        wanted = decimate(whole[:, None], prepared.settings.decimation)[:, 0]
+        found = rows.effects[:, motor] @ values
+        law, known, time = _true_torques(numbers, simulation, rows.name, motor)
+        wanted, alone = (
+            decimate(np.interp(seen.time, time, one)[:, None], model.settings.decimation)[:, 0]
+            for one in (law + known, law)
+        )
         moving = rows.moving[:, motor]
-        difference += float(((ours - wanted)[moving] ** 2).sum())
-        squares += float((wanted[moving] ** 2).sum())
+        difference += float(((found - wanted)[moving] ** 2).sum())
+        squares += float((alone[moving] ** 2).sum())
     return float(np.sqrt(difference / squares)) if squares else float("nan")
 
 
-def _true_torque(
+def _found_model(diagnosis: Diagnosis, prepared: Prepared) -> tuple[Prepared, np.ndarray]:
+    """The model that was found, and the values of its effects' columns in their order."""
+    catalogue = {**CATALOGUE, **law_effects(diagnosis.discovered)}
+    found = diagnosis.after.effect_parameters
+    weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
+    places = places_in(prepared.model.geometry, weighed)
+    instances: list[EffectInstance] = []
+    values: list[float] = []
+    for name, at in found.items():
+        for place, quantities in at.items():
+            request = name if place == ROBOT else f"{name}:{place}"
+            (one,) = select_effects([request], places, catalogue)
+            told = {label: quantity.value for label, quantity in quantities.items()}
+            shape = {parameter.name: told[parameter.name] for parameter in one.effect.shape}
+            effect = replace(one.effect, **shape).about(told)
+            instances.append(replace(one, effect=effect))
+            values += [told[parameter.name] for parameter in effect.parameters]
+    model = with_effects(prepared, instances)
+    return settled(model, gains_can_be_fitted(model, None), nearly=True), np.array(values)
+
+
+def _true_torques(
     numbers: Mapping[str, float], simulation: Simulation, name: str, motor: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Of the hidden law along the true motion of a recording (N,), and when (N,) s."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the hidden law and of the known effects at its motor, along the true motion of a recording (N,); time s."""
     motion = next(one.motion for one in simulation.recordings if one.name == Path(name).stem)
     machine = simulation.machine
     torque = motion.torque[:, motor]
     dof = machine.dofs[motor]
-    unit = unit_torque(
-        numbers,
-        motion.qpos[:, machine.addresses[motor]],
-        motion.qvel[:, dof],
-        motion.qacc[:, dof],
-        torque,
-        motion.torque.sum(axis=1) - torque,
-        motion.time,
-    )
-    return numbers["c"] * unit, motion.time
+    position, velocity = motion.qpos[:, machine.addresses[motor]], motion.qvel[:, dof]
+    others = motion.torque.sum(axis=1) - torque
+    unit = unit_torque(numbers, position, velocity, motion.qacc[:, dof], torque, others, motion.time)
+    known = np.zeros(len(torque))
+    for one in simulation.scenario.settings.hidden:
+        if one.effect != LAW and one.joint in (None, simulation.robot.joints[motor]):
+            known += TORQUES[one.effect](one.parameters, position, velocity)
+    return numbers["c"] * unit, known, motion.time
 
 
-def _alike(numbers: Mapping[str, float], found: Discovered) -> bool:
-    """Whether the found law goes by the same variables, and opposes the motion if the hidden one does."""
+def _alike(numbers: Mapping[str, float], found: Sequence[Discovered]) -> bool:
+    """Whether the found laws go by the same variables, and oppose the motion if the hidden one does."""
     wanted = {variable for name, variable in VARIABLES.items() if numbers.get(name)}
-    looks = [each for one in found.terms for each in one.looks_at]
+    looks = [each for one in found for term in one.terms for each in term.looks_at]
     seen = {f"{one.what} of others" if one.motor else one.what for one in looks}
     odd = any(
         each.what == "velocity" and not each.motor and each.role in ("direction", "signed", "memory")

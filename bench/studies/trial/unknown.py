@@ -14,8 +14,20 @@ LAW = "product_law"
 BESIDE = (0, 1, 2)
 """How many known effects stand beside a law, in turn."""
 
-FRICTIONS = ("coulomb_friction", "viscous_friction", "constant_offset", "joint_spring", "quadratic_drag")
-"""Known effects that any machine may have beside it."""
+Along = Callable[[Mapping[str, float], np.ndarray, np.ndarray], np.ndarray]
+
+TORQUES: Mapping[str, Along] = {
+    "coulomb_friction": lambda p, _q, v: p["Fc"] * np.sign(v),
+    "viscous_friction": lambda p, _q, v: p["Fv"] * v,
+    "constant_offset": lambda p, q, _v: np.full_like(q, p["c"]),
+    "joint_spring": lambda p, q, _v: p["k"] * (q - p["q0"]),
+    "quadratic_drag": lambda p, _q, v: p["c"] * v * np.abs(v),
+}
+"""Known effects that any machine may have beside it: their torque (N,) of parameters, positions and velocities."""
+
+FRICTIONS = tuple(TORQUES)
+
+POWERS = ("v", "a", "tau", "others", "q")
 
 STEEPEST = 0.5
 """Of a joint's inertia: how fast a torque may grow with the acceleration that it makes."""
@@ -95,6 +107,22 @@ def sized(numbers: Mapping[str, float], reference: Reference, joint: str, share:
         if slope > STEEPEST * movement.inertia:
             raise BenchError(f"{LAW} of joint {joint}: a share of {share:g} would outweigh the inertia")
     return {"c": float(f"{c:.4g}"), **numbers}
+
+
+def named_parts(numbers: Mapping[str, float]) -> frozenset[str]:
+    """Effects of the catalogue that are a summand of a law, so that to name them is not wrong.
+
+    A law that swings about a mean is the sum of that mean, which may have a name, and of a wave.
+    """
+    powers = {name: value for name, value in numbers.items() if name in POWERS and value}
+    if not numbers.get("depth") or not numbers.get("direction") or numbers.get("T") or numbers.get("omega"):
+        return frozenset()
+    named = {
+        "viscous_friction": {"v": 1.0},
+        "load_dependent_friction": {"tau": 1.0},
+        "quadratic_drag": {"v": 2.0},
+    }
+    return frozenset(name for name, own in named.items() if own == powers)
 
 
 def law_along(numbers: Mapping[str, float], reference: Reference, joint: str) -> np.ndarray:

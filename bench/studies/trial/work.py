@@ -31,7 +31,7 @@ from bench.studies.trial.law_judged import law_columns
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import Entry, hidden_places, realised, reference_scenario
 from bench.studies.trial.setup import Setup
-from bench.studies.trial.unknown import LAW
+from bench.studies.trial.unknown import LAW, named_parts
 from bench.truth.dataset import as_dataset
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import Simulation, simulate
@@ -209,7 +209,8 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
     ]
     named = named_from(verdicts[: len(diagnosis.missing)])
     drawn = case.effects[1:] if case.kind in UNNAMED else case.effects
-    judgement = judged(drawn, wanted, named)
+    parts = [part for hide in case.hides for part in named_parts(dict(hide.numbers))]
+    judgement = judged(drawn, wanted, named, parts)
     absorbed = bool(case.effects) and all(
         by_name[name].verdict == "absorbed" for name in case.effects if name in by_name
     )
