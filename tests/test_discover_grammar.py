@@ -14,6 +14,7 @@ from bench.discovery.named import NAMED, name_of
 from bench.discovery.screen import Known, few_rows, left_without, screened
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.source import law_effect, law_source
+from bench.discovery.table import Table, table_over
 from bench.discovery.term import Term, freed
 from bench.discovery.units import times, written
 from bench.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
@@ -91,7 +92,7 @@ def test_every_term_is_tried_once_and_has_a_unit_and_a_file_that_can_be_read():
 
 
 def test_what_two_recordings_remember_does_not_mix(seen: Seen):
-    memory = Memory((Power(V),), 0.5)
+    memory = Memory(0.5, (Power(V),))
     parts = [first_order(seen.values[V][part], 10.0, 0.5) for part in seen.parts]
     np.testing.assert_allclose(memory.values(seen)[:, 0], np.concatenate(parts))
 
@@ -107,8 +108,9 @@ def test_a_first_order_state_follows_a_ramp_exactly():
     [
         [Term((Power(V, 0.0), Power(A, 1.5, odd=False, free=True)))],
         [Term((Power(V), Wave(Q, 2.0, 0.5, free=True))), Term((Power(V, 0.0), Decay(3.0)))],
-        [Term((Power(V, 0.0), Memory((Power(V, 1.0, odd=False),), 0.2))), Term(())],
+        [Term((Power(V, 0.0), Memory(0.2, (Power(V, 1.0, odd=False),)))), Term(())],
         [Term((Power(Variable("load", 1)), Step(Q, 0.1, 0.2)))],
+        [Term((Power(V, 0.0), Table(A, (-2.0, 0.0, 1.0, 3.0)))), Term((Table(Q, (-1.0, 0.5)),))],
         [Term((Power(V), Power(TOOL, 2.0, odd=False))), Term((Power(LOAD), Power(Variable("velocity", 1))))],
     ],
     ids=lambda terms: "+".join(terms[0].formulas(MIXED)),
@@ -169,3 +171,27 @@ def test_the_hidden_law_explains_most_of_what_a_rigid_model_leaves(context):
     assert found[0].term.formulas(places[0]) == ("sign(v)*abs(a)",)
     assert all(one.share >= other.share for one, other in pairwise(found))
     assert re.match(r"\{effort\}", found[0].term.unit(places[0]))
+
+
+def test_a_table_is_its_values_with_straight_lines_between(seen: Seen):
+    table = table_over(V, seen.values[V], 5, [0.0])
+    assert 0.0 in table.knots
+    values = np.sin(np.array(table.knots))
+    wanted = np.interp(seen.values[V], table.knots, values)
+    np.testing.assert_allclose(table.values(seen) @ values, wanted, atol=1e-12)
+
+
+def test_a_law_of_the_load_is_a_part_of_that_load(context):
+    """As a gear's friction goes by all that its motor gives."""
+    prepared = context.prepared
+    places = places_of(prepared)
+    robot = prepared.signals[0]
+    term = Term((Power(V, 0.0), Power(LOAD, 1.5, odd=False)))
+    effect, _ = law_effect("law_left", [term], places[0])
+    about = effect.about({"c1": 0.02})
+    column = effect_columns(EffectInstance(about, "left", "law_left:left"), robot)[:, 0, 0]
+    joint = robot.joints["left"]
+    load = joint.needed_torque + 0.02 * column
+    wanted = np.sign(joint.velocity) * np.abs(load) ** 1.5
+    plain = np.sign(joint.velocity) * np.abs(joint.needed_torque) ** 1.5
+    assert np.abs(column - wanted).max() < 0.01 * np.abs(column - plain).max()

@@ -27,6 +27,8 @@ def law_sentences(discovered: Sequence[Discovered]) -> tuple[str, ...]:
 def _told(some: Sequence[Discovered]) -> str:
     first = some[0]
     place = " and ".join(one.place for one in some) if len(some) < 3 else f"{len(some)} motors"
+    if any(look.role == "table" for term in first.terms for look in term.looks_at):
+        return _tabled(first)
     kinds = list(dict.fromkeys(_kind(one) for one in first.terms))
     values = "; ".join(_valued(one, with_place=len(some) > 1) for one in some)
     falls = ""
@@ -39,6 +41,31 @@ def _told(some: Sequence[Discovered]) -> str:
         effect, error = first.nearest
         near = f" Of the catalogue {spoken(effect)} comes closest, and leaves {_percent(error)}."
     return f"At {place} there is {', and '.join(kinds)}, which no effect of the catalogue is: {values}{falls}.{near}"
+
+
+def _tabled(one: Discovered) -> str:
+    """A function without a formula: what it goes by, and what it makes of the error."""
+    parts = list(dict.fromkeys(_function(term) for term in one.terms))
+    largest = max(one.terms, key=lambda term: abs(term.value))
+    size = f"its largest value is ({_number(largest.value, largest.std)}) {symbols(largest.unit)}"
+    falls = ""
+    if one.without is not None and one.validate is not None:
+        falls = f"; the error falls from {_percent(one.without)} to {_percent(one.validate)}"
+    return (
+        f"At {one.place} something is left that no formula fits. As measured, it is {', and '.join(parts)}: "
+        f"{size}{falls}."
+    )
+
+
+def _function(term: LawTerm) -> str:
+    """What a table's entry belongs to: "a smooth function of the position that opposes the motion"."""
+    (table,) = [one for one in term.looks_at if one.role == "table"]
+    of = f" of {table.motor}" if table.motor else ""
+    function = f"a smooth function of the {WHAT[table.what]}{of}"
+    roles = {one.role for one in term.looks_at if one.what == "velocity" and one.role != "table"}
+    if "direction" in roles:
+        return f"{function} that turns with the direction of motion"
+    return f"{function} times the speed" if roles else function
 
 
 def _kind(term: LawTerm) -> str:

@@ -94,7 +94,7 @@ class Differing:
         return f"{self.effect}:{self.joint}{TAG}"
 
 
-Role = Literal["direction", "signed", "size", "wave", "decay", "step", "memory"]
+Role = Literal["direction", "signed", "size", "wave", "decay", "step", "memory", "table"]
 """How a term of a law goes by something: by its sign alone, in proportion or a power of it, by its size, ..."""
 
 
@@ -174,6 +174,11 @@ class Diagnosis:
     differs: tuple[Differing, ...] = ()
     superfluous: tuple[Superfluous, ...] = ()
     discovered: tuple[Discovered, ...] = ()
+
+    @property
+    def added(self) -> tuple[str, ...]:
+        """Names of all that `after` has beyond `before`: effects of the catalogue, and laws."""
+        return (*self.missing, *dict.fromkeys(one.law for one in self.discovered))
 
     def __repr__(self) -> str:
         found = (*self.missing, *(one.formula for one in self.discovered))

@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -30,11 +29,14 @@ class Number:
 class Factor(ABC):
     """A function of one or two variables, without a unit of its own but that of its powers.
 
-    `formula` and `code` have the same parts: two for a wave, whose phase is free, else one. numbers: those that may be
-    adapted; names: how they are called where the factor is written as code.
+    `formula` and `code` have the same parts: two for a wave, whose phase is free, as many as knots for a table, else
+    one. numbers: those that may be adapted; names: how they are called where the factor is written as code.
     """
 
-    parts: ClassVar[int] = 1
+    @property
+    def parts(self) -> int:
+        """How many coefficients it takes."""
+        return 1
 
     @property
     @abstractmethod
@@ -138,12 +140,14 @@ class Wave(Factor):
     reach: how far the rate may be adapted, where it is free.
     """
 
-    parts = 2
-
     variable: Variable
     rate: float
     reach: float
     free: bool = False
+
+    @property
+    def parts(self) -> int:
+        return 2
 
     @property
     def variables(self) -> tuple[Variable, ...]:
@@ -182,21 +186,26 @@ class Wave(Factor):
 
 
 @dataclass(frozen=True)
-class Decay(Factor):
-    """exp(-t/T): what fades from the start of a recording."""
+class Timed(Factor):
+    """What has a time constant, s, that may be adapted."""
 
     duration: float
-
-    @property
-    def variables(self) -> tuple[Variable, ...]:
-        return (Variable("time"),)
 
     @property
     def number(self) -> Number:
         return Number("T", self.duration, "s", self.duration / SPREAD, self.duration * SPREAD)
 
-    def with_number(self, value: float) -> "Decay":
+    def with_number(self, value: float) -> "Timed":
         return replace(self, duration=value)
+
+
+@dataclass(frozen=True)
+class Decay(Timed):
+    """exp(-t/T): what fades from the start of a recording."""
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return (Variable("time"),)
 
     @property
     def role(self) -> Role:
@@ -247,22 +256,14 @@ class Step(Factor):
 
 
 @dataclass(frozen=True)
-class Memory(Factor):
+class Memory(Timed):
     """z with dz/dt = (x - z)/T, zero at the start: x as a first-order lag remembers it. x: a product of powers."""
 
     powers: tuple[Power, ...]
-    duration: float
 
     @property
     def variables(self) -> tuple[Variable, ...]:
         return tuple(one.variable for one in self.powers)
-
-    @property
-    def number(self) -> Number:
-        return Number("T", self.duration, "s", self.duration / SPREAD, self.duration * SPREAD)
-
-    def with_number(self, value: float) -> "Memory":
-        return replace(self, duration=value)
 
     @property
     def role(self) -> Role:

@@ -1,7 +1,7 @@
 """Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +13,19 @@ from bench.diagnosis.diagnose import Case, Finding, answered, found, found_from,
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt
 from bench.diagnosis.rounds import judged
-from bench.diagnosis.search import MATERIAL
+from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.diagnosis.verdicts import checked_error
 from bench.discovery.laws import Law, laws_of
 from bench.discovery.named import name_of
 from bench.discovery.refine import Refined
 from bench.discovery.search import Laws, search_laws
 from bench.discovery.seen import places_of
+from bench.discovery.smooth import tabled_laws
 from bench.discovery.term import Term
 from bench.discovery.variables import Place
 from bench.effects import CATALOGUE, Effect, catalogue_for
 from bench.identification.identify import fit
+from bench.identification.prepare import Prepared
 from bench.signals.settings import FilterSettings
 
 LEFT = 1.15  # times the noise floor: where more is left, laws are looked for, whatever it varies with
@@ -70,15 +72,25 @@ def diagnose_and_discover(
     wanted = left.significant or left.error > LEFT * left.noise_floor
     if not (wanted if discover is None else discover):
         return plain
+    answer = _Answer(finding, (), plain)
     found_laws = search_laws(finding.problem, finding.last, finding.barred, progress)
-    return plain if found_laws is None else _with_laws(case, finding, *found_laws, plain, progress)
+    if found_laws is not None:
+        answer = _with_laws(case, answer, *found_laws, progress)
+    return _with_tables(case, answer, progress).diagnosis
 
 
-def _with_laws(
-    case: Case, finding: Finding, searched: Laws, refined: Refined, plain: Diagnosis, progress: Progress
-) -> Diagnosis:
+@dataclass(frozen=True)
+class _Answer:
+    """What was found, the laws among it, and what is told of it."""
+
+    finding: Finding
+    laws: tuple[Law, ...]
+    diagnosis: Diagnosis
+
+
+def _with_laws(case: Case, plain: _Answer, searched: Laws, refined: Refined, progress: Progress) -> _Answer:
     """The answer with the laws that were found, settled and judged beside all effects; without, if they do not stay."""
-    problem, last = finding.problem, searched.last
+    problem, last = plain.finding.problem, searched.last
     own = len(problem.start.effects)
     result = fit(refined.model, fit_gains=problem.fit_gains)
     laws = laws_of(
@@ -87,15 +99,53 @@ def _with_laws(
     named = [one for one in refined.model.effects[own:] if one.effect.name not in refined.terms]
     model = problem.with_instances([*named, *(one for law in laws for one in law.instances)])
     prior = max(one.prior for one in last.proposals)
-    settled = {law.name: tuple(one for one in model.effects if one.effect.name == law.name) for law in laws}
     proposals = [one for one in last.proposals if one.name not in searched.terms]
-    proposals += [Proposal(name, instances, False, "", prior) for name, instances in settled.items()]
-    here = judged(problem, model, proposals, finding.barred)
-    with_laws = found_from(case, problem, here, progress, finding.barred)
-    staying = [law for law in laws if law.name in with_laws.names]
-    if not staying or not _better(with_laws, plain):
+    proposals += _proposed(model, laws, prior)
+    here = judged(problem, model, proposals, plain.finding.barred)
+    finding = found_from(case, problem, here, progress, plain.finding.barred)
+    staying = tuple(law for law in laws if law.name in finding.names)
+    if not staying or not _better(finding, plain.diagnosis):
         return plain
-    return _told(with_laws, staying, answered(case, with_laws, progress))
+    return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
+
+
+def _with_tables(case: Case, plain: _Answer, progress: Progress) -> _Answer:
+    """The answer with functions as they were measured, where much is left that no formula fits.
+
+    They compete with what was found alone: what the effects of the catalogue are worth has been judged before.
+    """
+    finding, left = plain.finding, plain.diagnosis.unexplained
+    if not (left.significant or left.much):
+        return plain
+    progress.phase("tabling what no formula fits")
+    problem = finding.problem
+    own = len(problem.start.effects)
+    laws = tabled_laws(finding, {*case.catalogue, *(law.name for law in plain.laws)})
+    if not laws:
+        return plain
+    instances = [*finding.model.effects[own:], *(one for law in laws for one in law.instances)]
+    model = problem.with_instances(instances)
+    proposals = [one for one in finding.last.proposals if one.name in finding.names]
+    proposals += _proposed(model, laws, NEEDED)
+    here = judged(problem, model, proposals, finding.barred)
+    wider = found_from(case, problem, here, progress, finding.barred)
+    staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
+    if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
+        return plain
+    told = _told(wider, staying, answered(case, wider, progress))
+    judged_before = {one.effect for one in told.ranking}
+    others = tuple(one for one in plain.diagnosis.ranking if one.effect not in judged_before)
+    return _Answer(wider, staying, replace(told, ranking=(*told.ranking, *others)))
+
+
+def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Proposal]:
+    """Laws as a settled model has them, as proposals."""
+    return [
+        Proposal(
+            law.name, tuple(one for one in model.effects if one.effect.name == law.name), False, "", prior
+        )
+        for law in laws
+    ]
 
 
 def _better(finding: Finding, plain: Diagnosis) -> bool:

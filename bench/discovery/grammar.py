@@ -115,11 +115,11 @@ def _remembered(scope: Scope) -> list[Term]:
     sized += [(Power(LOAD, 1.0, odd=False),), (Power(LOAD, 2.0, odd=False),)]
     sized += [(Power(V, 1.0, odd=False), Power(LOAD, 1.0, odd=False))]
     known = [one for one in DURATIONS if 2.0 * scope.shortest < one < scope.duration]
-    terms = [Term((Memory(one, duration),)) for one in signed for duration in known]
+    terms = [Term((Memory(duration, one),)) for one in signed for duration in known]
     carriers = (Power(V, 0.0), Power(V), Power(LOAD))
     slow = [one for one in (*known, 0.5 * scope.duration) if one >= 0.1]
     return terms + [
-        Term((carrier, Memory(one, duration))) for carrier in carriers for one in sized for duration in slow
+        Term((carrier, Memory(duration, one))) for carrier in carriers for one in sized for duration in slow
     ]
 
 

@@ -70,17 +70,18 @@ class Left:
         """Of all motors together."""
         return sum(map(len, self._error))
 
-    def beside(self, one: "Screened") -> "Left":
-        """What is left with a term at every motor, each with a coefficient of its own."""
+    def beside(self, one: "Screened", motors: Sequence[int] | None = None) -> "Left":
+        """What is left with a term at every motor, or at some, each with a coefficient of its own."""
+        some = range(self.motors) if motors is None else motors
         columns = [
             self._columns([one.term.with_numbers(one.numbers[j]) if one.numbers else one.term], j)
-            for j in range(self.motors)
+            for j in some
         ]
         size = columns[0].shape[1]
-        rows = np.zeros((self.rows, self.motors * size))
+        rows = np.zeros((self.rows, len(some) * size))
         at = np.cumsum([0, *map(len, self._error)])
-        for j, column in enumerate(columns):
-            rows[at[j] : at[j + 1], j * size : (j + 1) * size] = column
+        for i, (j, column) in enumerate(zip(some, columns, strict=True)):
+            rows[at[j] : at[j + 1], i * size : (i + 1) * size] = column
         own = np.concatenate(self._basis)
         lengths = np.linalg.norm(rows, axis=0)
         for _ in range(2):  # the second time for what rounding left of the first
@@ -103,6 +104,10 @@ class Left:
                 some = chosen[at : at + size]
                 found[some] = self._together([terms[i] for i in some], range(self.motors))
         return found
+
+    def explained_at(self, term: Term, motor: int) -> float:
+        """The same for one term at one motor."""
+        return float(self._together([term], [motor])[0])
 
     def fitted(self, term: Term) -> dict[int, tuple[float, ...]]:
         """Numbers of a term at every motor, each in turn where it explains most there."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from textwrap import wrap
 
 from bench.discovery.factors import Memory, Number
+from bench.discovery.table import Table
 from bench.discovery.term import Term
 from bench.discovery.variables import MEANINGS, SYMBOLS, Place, Variable
 from bench.effects import Effect
@@ -44,6 +45,7 @@ def law_source(name: str, terms: Sequence[Term], place: Place, told: str = "") -
     law = " + ".join(f"c{i + 1}*{one}" if one != "1" else f"c{i + 1}" for i, one in enumerate(formulas))
     own_alone = all(one.ahead == 0 and one.kind not in OF_THE_ROBOT for one in variables)
     base = "ActuatorEffect" if own_alone else "Effect"
+    by_load = Variable("load") in variables
     lines = [
         '"""A law found in data: an effect that is in no catalogue."""',
         "",
@@ -67,8 +69,9 @@ def law_source(name: str, terms: Sequence[Term], place: Place, told: str = "") -
         "    )",
         *_shape(numbers),
         *(["    depends_on_model = True"] if any(one.depends_on_model for one in variables) else []),
-        *([""] if numbers else []),
+        *([""] if numbers or by_load else []),
         *(f"    {label}: float = {one.value!r}" for label, one in numbers.items()),
+        *(f"    c{i + 1}: float = 0.0" for i in range(len(columns) if by_load else 0)),
         "",
         *(_torque(variables, columns) if own_alone else _columns(variables, columns, code_place)),
     ]
@@ -110,8 +113,11 @@ def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
     lines = []
     if any(isinstance(one, Memory) for term in terms for one in term.factors):
         lines.append("from bench.effects.memory import first_order")
+    if any(isinstance(one, Table) for term in terms for one in term.factors):
+        lines.append("from bench.effects.table import hat")
     if any(one.kind == "load" for one in variables):
-        lines.append("from bench.effects.load import load_at")
+        own = ", with_itself" if Variable("load") in variables else ""
+        lines.append(f"from bench.effects.load import load_at{own}")
     if any(one.kind == "tool_speed" for one in variables):
         lines.append("from bench.effects.tool_motion import tool_speed")
     return lines
@@ -195,8 +201,8 @@ def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place
         lines.append(f"        {other} = motors[(here + {ahead}) % len(motors)]")
     for one in variables:
         if one.kind == "load":
-            motor = one.motor(place) if one.ahead else "joint"
-            lines.append(f"        {one.symbol(place)} = load_at(robot, {motor})")
+            if one.ahead:
+                lines.append(f"        {one.symbol(place)} = load_at(robot, {one.motor(place)})")
         elif one.kind == "tool_speed":
             lines.append("        speed = tool_speed(robot)")
         elif one.ahead:
@@ -205,10 +211,21 @@ def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place
             )
     own = [one.replace("tool_speed", "speed") for one in own]
     stacked = _stacked(own, "robot")
+    made = [f"        columns[:, here] = {stacked[0]}", *stacked[1:]]
+    if Variable("load") in variables:  # of which the law itself is a part
+        values = ", ".join(f"self.c{i + 1}" for i in range(len(columns)))
+        lines += [
+            "",
+            "        def law(load):",
+            f"            return {stacked[0]}",
+            *(f"    {one}" for one in stacked[1:]),
+            "",
+            f"        load = with_itself(load_at(robot, joint), law, [{values}])",
+        ]
+        made = ["        columns[:, here] = law(load)"]
     return [
         *lines,
         f"        columns = np.zeros((len(robot.time), len(motors), {len(columns)}))",
-        f"        columns[:, here] = {stacked[0]}",
-        *stacked[1:],
+        *made,
         "        return columns",
     ]

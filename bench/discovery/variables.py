@@ -21,7 +21,7 @@ MEANINGS: dict[Kind, str] = {
     "position": "position, rad or m",
     "velocity": "velocity, rad/s or m/s",
     "acceleration": "acceleration, rad/s2 or m/s2",
-    "load": "torque or force that the model needs there, N*m or N",
+    "load": "torque or force of the motor, N*m or N",
     "time": "time from the start of the recording, s",
     "tool_speed": "speed of the tool, m/s",
 }
