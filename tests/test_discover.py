@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from bench.api.compare import compare
 from bench.cli.diagnose import diagnose as diagnose_command
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
@@ -115,6 +116,22 @@ def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() ->
     assert left_over_floor(found) < FLOOR
 
 
+def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bench.discovery.find.search_laws", lambda *_: None)
+    found = diagnose_and_discover(braked)
+    (law,) = found.discovered
+    assert (law.place, law.law) == ("left", "measured_left")
+    assert all(one.term.startswith("sign(v)*hat(a, ") for one in law.terms)
+    assert law.without is not None
+    assert law.validate is not None
+    assert law.validate < 0.3 * law.without
+    (sentence,) = law_sentences(found.discovered)
+    assert (
+        "As measured, it is a smooth function of the acceleration that turns with the direction" in sentence
+    )
+    assert {one.effect for one in found.ranking} == set(catalogue_for())
+
+
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:
     plain = diagnose_and_discover(braked, discover=False)
     assert plain.discovered == ()
@@ -132,8 +149,14 @@ def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(braked: Dataset, tm
     (law,) = json.loads((out / "found.json").read_text(encoding="utf-8"))["discovered"]
     assert law["file"] == "law_left.py"
     assert (out / "law_left.py").is_file()
+    assert json.loads((out / "model.json").read_text(encoding="utf-8"))["effect_files"] == ["law_left.py"]
+    again = compare(folder, out / "model.json")  # which names the file of its law
+    assert again.comparison.error.validate == pytest.approx(law["error"]["validate"], rel=0.01)
     kept = read_run(out / "page")
     assert kept.diagnosis is not None
     assert [one.formula for one in kept.diagnosis.discovered] == [law["formula"]]
     assert "law_left" in kept.catalogue
-    assert "which no effect of the catalogue is" in (out / "page" / "report.html").read_text(encoding="utf-8")
+    page = (out / "page" / "report.html").read_text(encoding="utf-8")
+    assert "which no effect of the catalogue is" in page
+    assert "Laws that were found" in page
+    assert "law, forwards" in page

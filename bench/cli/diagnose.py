@@ -87,7 +87,7 @@ def diagnose(
     if model_file is not None:
         from bench.identification.model_file import save_model
 
-        save_model(diagnosis.after, model_file, data.folder)
+        save_model(diagnosis.after, model_file, data.folder, [*map(Path, effect_files), *laws])
         written.append(wrote(model_file, "model with what is missing"))
     from bench.page.section_run import Run
 

@@ -13,7 +13,7 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
 from bench.files.toml_input import read_toml
-from bench.identification.model_file import SavedModel, load_model
+from bench.identification.model_file import SavedModel, load_model, with_own_effects
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import PARAMETERS
 
@@ -127,8 +127,11 @@ def load_identified(
         if robot is None:
             robot = saved.model.robot
         found = load_robot(robot)
-    model = _together(path, saved, found, payloads, catalogue_for(files, tuple(effect_files)))
-    return replace(model, effect_files=(*files, *effect_files))
+    known = catalogue_for(files, tuple(effect_files))
+    wider = with_own_effects(known, saved)
+    own = () if wider is known else saved.effect_files
+    model = _together(path, saved, found, payloads, wider)
+    return replace(model, effect_files=(*files, *effect_files, *own))
 
 
 def _together(

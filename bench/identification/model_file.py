@@ -11,7 +11,8 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
-from bench.effects import Effect, EffectInstance
+from bench.effects import Effect, EffectInstance, catalogue_for
+from bench.effects.user_file import load_effects
 from bench.files.atomic import finite, write_text_atomically
 from bench.identification.by_recording import without_own_values
 from bench.identification.finding import Finding
@@ -32,13 +33,14 @@ class SavedModel:
     """A model file: the answer that it holds, without currents, and where they came from.
 
     dataset: the folder that it was identified from, where the file says so. fitted: the recordings that were fitted, by
-    name: of them effects may have a value each.
+    name: of them effects may have a value each. effect_files: Python files with effects of one's own that it has.
     """
 
     path: Path
     model: Identification
     dataset: Path | None = None
     fitted: tuple[str, ...] = ()
+    effect_files: tuple[Path, ...] = ()
 
     @property
     def settings(self) -> FilterSettings:
@@ -76,9 +78,25 @@ class Comparison:
         return tuple(map(note, self.findings))
 
 
-def save_model(result: Identification, path: str | Path, dataset: Path | None = None) -> None:
-    """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from."""
-    write_text_atomically(Path(path), json.dumps(model_json(result, dataset), indent=1) + "\n")
+def save_model(
+    result: Identification,
+    path: str | Path,
+    dataset: Path | None = None,
+    effect_files: Sequence[Path] = (),
+) -> None:
+    """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from.
+
+    effect_files: with the effects that are in no catalogue; the model names them, where possible relative to itself.
+    """
+    answer = model_json(result, dataset)
+    if effect_files:
+        folder = Path(path).resolve().parent
+        answer["effect_files"] = [_named_from(folder, one.resolve()) for one in effect_files]
+    write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
+
+
+def _named_from(folder: Path, file: Path) -> str:
+    return str(file.relative_to(folder)) if file.is_relative_to(folder) else str(file)
 
 
 def model_json(result: Identification, dataset: Path | None = None) -> dict[str, Any]:
@@ -103,7 +121,8 @@ def load_model(path: str | Path) -> SavedModel:
     try:
         dataset = Path(content["dataset"]) if content.get("dataset") else None
         fitted = tuple(str(one["name"]) for one in content["recordings"] if one["use"] == "identify")
-        return SavedModel(path, from_json(content), dataset, fitted)
+        files = tuple(path.parent / str(one) for one in content.get("effect_files", ()))
+        return SavedModel(path, from_json(content), dataset, fitted, files)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
 
@@ -146,8 +165,9 @@ def applied(
     if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
         strangers = tuple(replace(one, part_of=str(dataset.folder / one.log)) for one in dataset.recordings)
         dataset = replace(dataset, recordings=strangers)
+    known = with_own_effects(catalogue_for(dataset.effect_files) if catalogue is None else catalogue, saved)
     prepared = prepare(
-        dataset, model.effects, model.settings, fitted_only=False, catalogue=catalogue, logs=saved.fitted
+        dataset, model.effects, model.settings, fitted_only=False, catalogue=known, logs=saved.fitted
     )
     instances = [_shaped(instance, saved) for instance in prepared.effects]
     solution = Solution(
@@ -158,6 +178,21 @@ def applied(
         gains_fitted=False,
     )
     return with_effects(prepared, instances, present_model(prepared, solution)), solution
+
+
+def with_own_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapping[str, Effect]:
+    """A catalogue with the effects of the files that a model names, where it does not have them yet.
+
+    Raises BenchError that names the model and a file that cannot be read.
+    """
+    if {one.partition(":")[0].partition("@")[0] for one in saved.model.effects} <= set(catalogue):
+        return catalogue
+    own: dict[str, Effect] = {}
+    for file in saved.effect_files:
+        if not file.is_file():
+            raise BenchError(f"{saved.path}: its file of effects {file} is not there")
+        own |= load_effects(file)
+    return dict(sorted({**own, **catalogue}.items()))
 
 
 def _own(dataset: Dataset, saved: SavedModel) -> bool:

@@ -14,6 +14,7 @@ from bench.page.model_errors import shown
 from bench.page.parts import Page, Section
 from bench.page.section_effects import gains_section, not_ranked_section, ranking_section
 from bench.page.section_errors import currents_section, errors_section, errors_table, ladder_section
+from bench.page.section_laws import laws_section
 from bench.page.section_parameters import conditioning_section, parameters_section
 from bench.page.section_residuals import where_section
 from bench.page.section_run import Made, limits_section, run_section
@@ -44,7 +45,7 @@ def diagnosis_page(
     before, after = diagnosis.before, diagnosis.after
     judged = _with_series_of(dataset, after.recordings)
     models = [shown(COMPLETED, "after", judged, after, after.settings)]
-    if diagnosis.missing:
+    if diagnosis.added:
         models.insert(0, shown(AS_IT_IS, "before", judged, before, before.settings))
     else:
         models = [shown("", "error", judged, after, after.settings)]
@@ -57,7 +58,7 @@ def diagnosis_page(
         (*ladder.parts, errors_table(models[-1], after.recordings, noise)),
         "Ladder",
     )
-    old = before if diagnosis.missing else None
+    old = before if diagnosis.added else None
     return Page(
         title=f"What the model of {diagnosis.robot} is missing",
         facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {diagnosis.split}")),
@@ -67,6 +68,7 @@ def diagnosis_page(
             ladder,
             currents_section(models),
             where_section(models),
+            *([laws_section(diagnosis)] if diagnosis.discovered else []),
             ranking_section(diagnosis, catalogue),
             gains_section(after, old),
             parameters_section(after, old),

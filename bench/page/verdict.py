@@ -66,14 +66,14 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     known = [one.validate if one.validate is not None else one.identify for one in (first, last)]
     kind = "not fitted" if last.validate is not None else "fitted"
-    before = f"from {share(known[0])} without" if diagnosis.missing else "nothing to add"
-    found = str(len(diagnosis.missing)) if diagnosis.missing else "none"
-    names = ", ".join(effect_name(one) for one in diagnosis.missing) or "that the catalogue knows"
+    before = f"from {share(known[0])} without" if diagnosis.added else "nothing to add"
+    found = str(len(diagnosis.added)) if diagnosis.added else "none"
+    names = ", ".join(effect_name(one) for one in diagnosis.added) or "that the catalogue knows"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
         Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
         Tile("Missing effects", found, names),
-        _gain_tile(diagnosis.after, diagnosis.before if diagnosis.missing else None),
+        _gain_tile(diagnosis.after, diagnosis.before if diagnosis.added else None),
     )
 
 

@@ -28,7 +28,7 @@ def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, dataset: Dataset
     judged, _ = with_judged_parts(dataset)
     left = compared(dataset.robot, judged.recordings, diagnosis.after.recordings, diagnosis.after.settings)
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
-    if diagnosis.missing:
+    if diagnosis.added:
         pages = {"ladder.png": ladder_figure(diagnosis), **pages, "gains.png": gains_figure(diagnosis)}
     pages |= {f"errors_{joint}.png": errors_figure(left, joint) for joint in left.joints if left.of(joint)}
     for name, figure in pages.items():
@@ -53,7 +53,7 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
     """Error of every motor on recordings that were not fitted, by the models without and with what is missing."""
     chosen = [one for one in diagnosis.after.recordings if one.use == "validate"]
     chosen = chosen or list(diagnosis.after.recordings)
-    before = {one.name: one for one in diagnosis.before.recordings} if diagnosis.missing else {}
+    before = {one.name: one for one in diagnosis.before.recordings} if diagnosis.added else {}
     gains = diagnosis.after.drive_gains
     columns = min(BESIDE, len(chosen))
     rows = -(-len(chosen) // columns)
@@ -88,7 +88,7 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
         axes = figure.subplots()
         draw_moved(axes, rows)
         axes.set_xlabel("difference to the value after, with 95 % intervals [%]; beyond ±1 % logarithmic")
-        added = and_list([effect_name(one) for one in diagnosis.missing])
+        added = and_list([effect_name(one) for one in diagnosis.added])
         figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
         figure.legend(loc="outside upper right", ncols=3, frameon=False)
     return figure

@@ -55,7 +55,7 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
     Where nothing is missing there is a ranking only.
     """
     ranking = _ranking(diagnosis)
-    if not diagnosis.missing:
+    if not diagnosis.added:
         return [ranking]
     before = {one.name: one for one in diagnosis.before.recordings}
     judged = [one for one in diagnosis.after.recordings if one.use == "validate"]

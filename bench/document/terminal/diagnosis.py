@@ -50,7 +50,7 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
         console.print(Text(f"not supported, too: {names}", "dim"))
     told = [one for one in shown if verbose or not diagnosis.missing or one.verdict != "not supported"]
     section(console, "Why", sentences_list([named_after(reason(diagnosis, one)) for one in told]))
-    if diagnosis.missing:
+    if diagnosis.added:
         if diagnosis.after.gains_fitted:
             gains = gains_before_after(diagnosis.before, diagnosis.after)
             section(console, "Drive gains, before and after", printed(gains, width))

@@ -1,0 +1,144 @@
+"""The section on laws that no catalogue has: in words, and as a curve through what was measured."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.diagnosis.law_words import WHAT, law_sentences, symbols
+from bench.diagnosis.result import Diagnosis, Discovered, LooksAt
+from bench.identification.result import CurrentSeries, Identification
+from bench.page.parts import Cell, Chart, Choice, Column, Figure, Row, Section, Spec, Table, Text, Variant
+from bench.page.thinned import rounded
+from bench.page.words import short, typeset
+from bench.residuals.profile import Profile, binned, profile
+
+BINS = 24
+HEIGHT = 260  # px
+PANES = 3  # charts of a law
+SERIES = {"position": "position", "velocity": "velocity", "acceleration": "acceleration"}
+UNIT_OF = {"position": "{}", "velocity": "{}/s", "acceleration": "{}/s²"}
+
+
+def laws_section(diagnosis: Diagnosis) -> Section:
+    """Every law at every motor: its terms, and what it goes by."""
+    found = diagnosis.discovered
+    variants = {f"{i}": Variant(_charts(one, diagnosis.after)) for i, one in enumerate(found)}
+    names = tuple(f"{one.place}, {one.law}" for one in found)
+    figure = Figure(
+        "The law and what was measured",
+        "Dots and shade: what the rest of the model leaves, mean and standard deviation in bins with "
+        "equally many rows, forwards and backwards. Line: the law in the same bins.",
+        False,
+        (Choice("Law", names, 0),),
+        variants,
+        tuple(variants),
+    )
+    said = Text("", tuple(typeset(one) for one in law_sentences(found)))
+    lead = "Laws that are in no catalogue, found from what its effects leave."
+    return Section("laws", "Laws that were found", lead, (said, figure, _terms(found)))
+
+
+def _terms(found: Sequence[Discovered]) -> Table:
+    rows = [
+        _row(one.place, symbols(term.term), short(term.value), short(term.std, 2), symbols(term.unit))
+        for one in found
+        for term in one.terms
+    ]
+    rows += [
+        _row(one.place, name, short(value.value), short(value.std, 2), symbols(value.unit))
+        for one in found
+        for name, value in one.numbers.items()
+    ]
+    columns = (
+        Column("at"),
+        Column("term or number"),
+        Column("value", "right"),
+        Column("standard deviation", "right"),
+        Column("unit"),
+    )
+    return Table("Terms", "The law is the sum of its terms.", columns, tuple(rows))
+
+
+def _row(*texts: str) -> Row:
+    return Row(tuple(Cell(one) for one in texts))
+
+
+def _charts(one: Discovered, after: Identification) -> tuple[Chart, ...]:
+    joints = list(after.drive_gains)
+    effort, angle = ("N·m", "rad") if after.drive_gains[one.place].unit.startswith("N*m") else ("N", "m")
+    looks = dict.fromkeys(
+        LooksAt(look.what, look.motor, "size")
+        for term in one.terms
+        for look in term.looks_at
+        if look.role != "direction"
+    )
+    usable = [look for look in looks if look.what in (*SERIES, "time", "load")]
+    charts = [
+        _chart(one, after, look, joints, effort, angle)
+        for look in usable or [LooksAt("velocity", "", "size")]
+    ]
+    return tuple(charts[:PANES])
+
+
+def _chart(
+    one: Discovered, after: Identification, look: LooksAt, joints: Sequence[str], effort: str, angle: str
+) -> Chart:
+    """The law and the rest, both in torque, over one variable."""
+    j = joints.index(one.place)
+    at = joints.index(look.motor) if look.motor else j
+    gain = after.drive_gains[one.place].value
+    x, law, left, forwards = (
+        np.concatenate(parts)
+        for parts in zip(
+            *(_rows(each, one.law, j, at, look.what, gain) for each in after.recordings), strict=True
+        )
+    )
+    series: list[Spec] = []
+    for role, way in (("forwards", forwards), ("backwards", ~forwards)):
+        if way.any():
+            bins = profile(x[way], (law + left)[way], BINS)
+            series.append(_measured(role, bins))
+            same = binned(x[way], law[way], bins.edges)
+            name = f"law, {role}"
+            line = {"kind": "line", "role": "modelled", "name": name, "x": rounded(bins.center)}
+            series.append({**line, "y": rounded(same.mean)})
+    of = f" of {look.motor}" if look.motor else ""
+    unit = {"time": "s", "load": "of the modelled current"}.get(look.what) or UNIT_OF[look.what].format(angle)
+    title = f"Against the {WHAT[look.what]}{of}"
+    spec = {
+        "label": title,
+        "height": HEIGHT,
+        "x": {"label": f"{WHAT[look.what]}{of} [{unit}]"},
+        "panels": [{"y": {"label": f"at {one.place} [{effort}]"}, "series": series}],
+        "legend": False,
+    }
+    return Chart(title, "", spec)
+
+
+def _measured(role: str, bins: Profile) -> Spec:
+    extent = float(np.ptp(bins.mean[np.isfinite(bins.mean)])) or 1.0
+    return {
+        "kind": "bins",
+        "role": role,
+        "name": role,
+        "x": rounded(bins.center),
+        "mean": rounded(bins.mean, extent),
+        "spread": rounded(bins.spread, extent),
+        "low": rounded(bins.mean - bins.spread, extent),
+        "high": rounded(bins.mean + bins.spread, extent),
+    }
+
+
+def _rows(
+    series: CurrentSeries, law: str, j: int, at: int, what: str, gain: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Where the motor moves: the variable, the law's torque, the torque that the whole model leaves, the direction."""
+    rows = series.moving[:, j]
+    if what == "time":
+        x = series.time - series.time[0]
+    elif what == "load":
+        x = series.modelled[:, at]
+    else:
+        x = getattr(series, SERIES[what])[:, at]
+    torque = series.by_effect[law][:, j]
+    return x[rows], torque[rows], gain * series.error[rows, j], series.velocity[rows, j] > 0.0
