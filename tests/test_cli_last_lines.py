@@ -7,6 +7,7 @@ import pytest
 from bench import cli
 from bench.cli import main
 from bench.cli.last_lines import after_diagnosis, next_line
+from bench.cli.next_steps import after_export, after_replay
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
 from tests.diagnosis_kit import OTHERS, found_diagnosis
@@ -84,6 +85,17 @@ def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):
     nothing = replace(found, missing=(), ranking=())
     assert after_diagnosis(nothing, folder, "", None).startswith(
         f"next: bench identify {folder} --json model.json "
+    )
+
+
+def test_a_model_and_a_twin_go_on(tmp_path):
+    model = tmp_path / "model.json"
+    assert after_export(model, "c", tmp_path / "arm.c", ()) == [
+        f"next: cc -O2 -c {tmp_path / 'arm.c'}    compiles it, to be linked with a controller"
+    ]
+    step = after_replay(tmp_path, model, None, ["--no-cad"])
+    assert step.startswith(
+        f"next: bench replay {tmp_path} --model {model} --no-cad --rrd {tmp_path / 'model.rrd'} "
     )
 
 

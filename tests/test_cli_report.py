@@ -76,11 +76,15 @@ def test_a_model_file_is_shown_beside_the_recordings_that_it_is_from(runs, tmp_p
     assert main(["report", str(model), "-o", str(tmp_path)]) == 0  # a folder: report.html in it
     text = (tmp_path / "report.html").read_text()
     assert "Applied as it is" in text
-    assert str(tmp_path / "report.html") in capsys.readouterr().out
+    *_, wrote, step = capsys.readouterr().out.splitlines()
+    assert wrote == f"wrote {tmp_path / 'report.html'} (report)"
+    assert step.startswith(f"next: bench export {model} --to mjcf -o {model.with_suffix('.xml')}    ")
 
 
-def test_a_dataset_is_diagnosed(runs, tmp_path):
+def test_a_dataset_is_diagnosed(runs, tmp_path, capsys):
     assert main(["report", str(runs / "data"), "-o", str(tmp_path / "page.html")]) == 0
+    step = capsys.readouterr().out.splitlines()[-1]
+    assert step.startswith(f"next: bench diagnose {runs / 'data'} --apply model.json    ")
     assert "Viscous friction at shoulder is missing" in (tmp_path / "page.html").read_text()
 
 

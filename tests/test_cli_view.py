@@ -31,7 +31,9 @@ def viewed(*arguments):
 def test_a_dataset_with_an_effect_shows_it_beside_the_truth(data, tmp_path, capsys):
     path = tmp_path / "arm.rrd"
     viewed(data, "--with", "viscous_friction:shoulder", "--save", path)
-    assert capsys.readouterr().out == f"wrote {path} (recording)\n"
+    wrote, step = capsys.readouterr().out.splitlines()
+    assert wrote == f"wrote {path} (recording: open it with rerun {path})"
+    assert step.startswith(f"next: bench compare {data} --with viscous_friction:shoulder    ")
     assert verified(path)
     times, hidden = numbers(path, "/free/torque/shoulder/0_hidden")
     at, found = numbers(path, "/free/torque/shoulder/3_found")
@@ -63,22 +65,26 @@ def test_changed_measurements_have_no_truth(data, tmp_path):
     assert not [one for one in origins(path) if "torque" in one]
 
 
-def test_a_model_file_knows_its_dataset_and_takes_another(data, tmp_path):
+def test_a_model_file_knows_its_dataset_and_takes_another(data, tmp_path, capsys):
     model = tmp_path / "model.json"
     assert main(["identify", str(data), "--with", "viscous_friction:shoulder", "--json", str(model)]) == 0
     viewed(model, "--save", tmp_path / "own.rrd")
     shutil.copytree(data, tmp_path / "other")
+    capsys.readouterr()
     viewed(model, "--data", tmp_path / "other", "--save", tmp_path / "other.rrd")
+    assert f"\nnext: bench compare {tmp_path / 'other'} --model {model}    " in capsys.readouterr().out
     one, other = (
         numbers(tmp_path / f"{name}.rrd", "/held/error/elbow/error")[1] for name in ("own", "other")
     )
     np.testing.assert_array_equal(one, other)
 
 
-def test_a_diagnosis_shows_its_ladder(data, tmp_path):
+def test_a_diagnosis_shows_its_ladder(data, tmp_path, capsys):
     assert main(["diagnose", str(data), "-o", str(tmp_path / "found")]) == 0
     path = tmp_path / "found.rrd"
+    capsys.readouterr()
     viewed(tmp_path / "found", "--save", path)
+    assert f"\nnext: bench figures {tmp_path / 'found'}    " in capsys.readouterr().out
     names = [static_value(path, f"/free.csv/steps/shoulder/{k}", "SeriesLines:names")[0] for k in (0, 1)]
     assert names == ["the model as it is", "+ viscous friction"]
     _, hidden = numbers(path, "/free.csv\\ \\(end\\)/torque/shoulder/0_hidden")  # the part that was judged
@@ -101,13 +107,15 @@ def swept(tmp_path_factory):
     return folder / "out"
 
 
-def test_runs_of_a_sweep_are_made_again_and_stand_side_by_side(swept, tmp_path):
+def test_runs_of_a_sweep_are_made_again_and_stand_side_by_side(swept, tmp_path, capsys):
     from bench.studies.sweep.rerun_runs import plan_of
     from bench.studies.sweep.results import table_in
     from bench.studies.sweep.table import read_table
 
     path = tmp_path / "swept.rrd"
+    capsys.readouterr()
     viewed(swept, "--run", "0", "--run", "3", "--save", path)
+    assert f"\nnext: bench table {swept}    " in capsys.readouterr().out
     assert verified(path)
     tabs = [one for one in origins(path) if one.endswith("/robot")]
     assert {one.split("/")[1].split("\\ ")[0] for one in tabs} == {"0", "1"}

@@ -14,6 +14,7 @@ import yaml
 
 from bench.basics.errors import BenchError
 from bench.cli import main
+from bench.cli.next_steps import after_export
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset import load_dataset
 from bench.dataset.robot import load_robot
@@ -222,6 +223,9 @@ def test_the_command_writes_every_format_and_tells_what_is_lost(tmp_path, capsys
     assert main(["export", model, "--to", "urdf", "-o", str(tmp_path / "arm.urdf")]) == 0
     told = capsys.readouterr().out
     assert "Not held: drive gain of shoulder" in told
+    assert "next: " not in told  # the model does not say which recordings it is from
+    step = after_export(arm_of(model, tmp_path), "mjcf", tmp_path / "arm.xml", ())
+    assert step[0].startswith(f"next: bench replay {tmp_path} --model {tmp_path / 'arm.json'}    ")
     assert main(["export", model, "--to", "csv", "-o", str(tmp_path / "arm.csv"), "--no-cad"]) == 0
     assert main(["export", model, "--to", "yaml", "-o", str(tmp_path / "arm.yaml")]) == 0
     beside = json.loads((tmp_path / "arm.twin.json").read_text())
@@ -235,6 +239,13 @@ def test_the_command_writes_every_format_and_tells_what_is_lost(tmp_path, capsys
     assert table["drive gain"]["elbow"]["gain"]["value"] == gain
     assert table["body"]["forearm"]["m"]["unit"] == "kg"
     assert table["base parameter"]["mx(forearm)"]["std"] > 0.0
+
+
+def arm_of(model, dataset):
+    """The same model, from the recordings of a dataset."""
+    path = dataset / "arm.json"
+    path.write_text(json.dumps({**json.loads(Path(model).read_text()), "dataset": str(dataset)}))
+    return path
 
 
 @pytest.mark.parametrize(

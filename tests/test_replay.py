@@ -153,6 +153,7 @@ def test_the_command_tells_one_number_a_motor_and_writes_files(recorded, models,
     assert main(words) == 0
     told = capsys.readouterr().out
     assert "the model itself" in told
+    assert told.splitlines()[-1].startswith(f"next: rerun {film}    ")
     content = json.loads(answer.read_text())
     assert set(content["error"]["by_actuator"]) == {"left", "right"}
     assert content["error"]["identify"] == pytest.approx(content["error_of_model"]["identify"], rel=0.05)

@@ -9,6 +9,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.cli import main
+from bench.cli.next_steps import after_trial
 from bench.page.parts import Figure, Table
 from bench.page.render import render_page
 from bench.page.sweep_page import read_sweep, sweep_page
@@ -147,6 +148,7 @@ def test_a_trial_says_what_was_named_for_what(tried):
 
 def test_a_trial_tells_how_it_was_run(tried, tmp_path):
     assert "--kinds nothing,one,two,outside --seeds 4" in again_line(read_trial(trial_table(tried)))
+    assert "--kinds nothing,one,two,outside --seeds 8" in after_trial(trial_table(tried))
     pq.write_table(pa.Table.from_pylist(trial_rows()), tmp_path / "five_bar.parquet")
     (tmp_path / "five_bar").mkdir()
     (tmp_path / "five_bar" / "one.json").write_text(
@@ -179,6 +181,7 @@ def test_the_command_takes_sweeps_and_trials(swept, tried, tmp_path, capsys):
         page = tmp_path / "page.html"
         assert main(["report", str(source), "-o", str(page)]) == 0
         assert f"<h1>{title}</h1>" in page.read_text()
+        assert capsys.readouterr().out.splitlines()[-1].startswith("next: bench t")
         assert (
             main(["report", str(source), "--with", "viscous_friction", "-o", str(tmp_path / "no.html")]) == 2
         )

@@ -224,18 +224,27 @@ def arm(tmp_path_factory):
 
 
 def test_the_command_draws_what_is_asked_for(arm, tmp_path, capsys):
-    assert main(["figures", str(arm), "-o", str(tmp_path), "--only", "error_by_v", "--only", "drive"]) == 0
+    assert main(["figures", str(arm)]) == 0
+    *listed, step = capsys.readouterr().out.splitlines()
+    assert {"error_by_velocity", "error_spectrum", "drive_gains"} < set(listed)
+    assert step.startswith(f"next: bench figures {arm} {listed[-1]} -o {arm}.figures    ")
+    assert main(["figures", str(arm), "error_by_v", "--only", "drive", "-o", str(tmp_path)]) == 0
     names = {path.name for path in tmp_path.iterdir()}
     assert "error_by_velocity_two_columns.pdf" in names
     assert "drive_gains.csv" in names
     assert len(names) == 11
-    assert capsys.readouterr().out.count("(numbers)") == 3
+    told = capsys.readouterr().out
+    assert told.count("(numbers)") == 3
+    assert told.splitlines()[-1].startswith(f"next: bench diagnose {arm}    ")
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["{arm}", "--only", "nonsense"], "--only nonsense: no such figure; there are currents_"),
+        (["{arm}", "--only", "nonsense"], "nonsense: no such figure; there are currents_"),
+        (["{arm}", "error_by_v", "nonsense"], "nonsense: no such figure"),
+        (["{arm}"], "figures: name those to draw, or --all; there are currents_"),
+        (["{arm}", "--all", "ladder"], "--all goes without names"),
         (["{tmp}"], "neither a dataset (dataset.toml) nor a result (report.json)"),
         (["{tmp}/model.json"], "neither a dataset"),
     ],

@@ -66,7 +66,9 @@ def test_a_sweep_writes_summary_and_figures(folder):
 def test_figures_of_any_kind(folder, tmp_path, suffix, lines, x, capsys):
     target = tmp_path / f"figure.{suffix}"
     assert main(["plot", str(folder), "--x", x, "--y", "gain_error", *lines, "-o", str(target)]) == 0
-    assert str(target) in capsys.readouterr().out
+    wrote, step = capsys.readouterr().out.splitlines()
+    assert wrote == f"wrote {target} (figure)"
+    assert step.startswith(f"next: bench view {folder}    ")
     assert target.stat().st_size > 2000
 
 
@@ -76,6 +78,20 @@ def test_table_prints_and_writes(folder, capsys):
     assert "current" in out
     path = folder / "gain_error_by_method.md"
     assert path.read_text().startswith("| method | runs | failed | gain_error |")
+    *_, pooled, wrote, step = out.splitlines()
+    assert pooled.startswith(
+        "all values together of payloads.disc.mass (3 values), sensors.current_noise_ratio"
+    )
+    assert wrote == f"wrote {path} (summary)"
+    assert step.startswith(f"next: bench plot {folder} --x method --y gain_error    ")
+    assert main(["table", str(folder), "--by", "method", "--by", "payloads.disc.mass"]) == 0
+    line = f"next: bench plot {folder} --x method --y gain_error --lines payloads.disc.mass    "
+    assert capsys.readouterr().out.splitlines()[-1].startswith(line)
+    assert main(["table", str(folder)]) == 0
+    step = capsys.readouterr().out.splitlines()[-1]
+    assert step.startswith(
+        f"next: bench table {folder} --by payloads.disc.mass --by sensors.current_noise_ratio "
+    )
 
 
 @pytest.mark.parametrize(

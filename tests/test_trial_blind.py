@@ -103,6 +103,10 @@ def test_workers_give_the_same_rows_and_the_command_writes_them(
     effect = EFFECTS[0]
     options = ["--effects", effect, "--kinds", "one", "--seeds", "1", "--duration", str(DURATION)]
     assert main(["trial", "five_bar", *options, "--workers", "1", "-o", str(tmp_path)]) == 0
+    step = capsys.readouterr().out.splitlines()[-1]
+    assert step.startswith(
+        f"next: bench trial five_bar --effects {effect} --kinds one --duration {DURATION:g} --seeds 2 -o "
+    )
     (row,) = read_rows(tmp_path / "five_bar")
     assert row | {"commit": ""} == trial[1][0] | {"commit": ""}  # files may change while tests run
     assert read_table(tmp_path / "five_bar.parquet")["hidden"] == [effect]

@@ -1,8 +1,10 @@
 """Figures for papers, with the numbers behind them."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from bench.api.sources import Data, as_dataset
+from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.document.figures.paper import PaperFigure, write_paper_figures
@@ -12,14 +14,26 @@ from bench.identification.result import Identification
 from bench.residuals.motor import compared
 
 
-def figures(result: Identification | Diagnosis, data: Data, folder: str | Path) -> tuple[Path, ...]:
-    """Write every figure of a result as PDF and PNG, with its numbers as CSV: the paths.
+def figures(
+    result: Identification | Diagnosis, data: Data, folder: str | Path, names: Sequence[str] = ()
+) -> tuple[Path, ...]:
+    """Write figures of a result as PDF and PNG, with their numbers as CSV: the paths.
 
-    data: what it was identified from, or its folder.
+    data: what it was identified from, or its folder. names: those to draw, or how their names begin; none: every one.
+    Raises BenchError for a name that no figure has.
     """
     diagnosis = result if isinstance(result, Diagnosis) else None
     after = result.after if isinstance(result, Diagnosis) else result
-    return tuple(write_paper_figures(Path(folder), figures_of(as_dataset(data), after, diagnosis)))
+    chosen = figures_named(figures_of(as_dataset(data), after, diagnosis), names)
+    return tuple(write_paper_figures(Path(folder), chosen))
+
+
+def figures_named(found: Sequence[PaperFigure], names: Sequence[str]) -> list[PaperFigure]:
+    """The figures whose names begin so, all without any. Raises BenchError for a name that no figure has."""
+    for name in names:
+        if not any(one.name.startswith(name) for one in found):
+            raise BenchError(f"{name}: no such figure; there are {', '.join(one.name for one in found)}")
+    return [one for one in found if not names or one.name.startswith(tuple(names))]
 
 
 def figures_of(dataset: Dataset, result: Identification, diagnosis: Diagnosis | None) -> list[PaperFigure]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from bench.cli.completion import scenarios
+from bench.cli.last_lines import next_line, say
 
 
 @click.command("demo")
@@ -24,8 +25,8 @@ def demo(output: Path, scenario: str) -> None:
     """Simulate a robot, identify it, and compare with the truth."""
     from rich.console import Console
 
+    from bench.api.diagnose import diagnose
     from bench.dataset.dataset import load_dataset
-    from bench.discovery.find import find_missing_effects
     from bench.document.figures.currents import write_current_figure
     from bench.document.terminal.identification import identification_report
     from bench.excitation.scenario import designer
@@ -60,7 +61,8 @@ def demo(output: Path, scenario: str) -> None:
     write_rrd(output / "demo.rrd", result, dataset, truth=true)
     console.print("Looking for physical effects that the model lacks ...")
     run = Run("diagnose", str(output / "dataset"), output=str(output))
-    report = write_diagnosis_report(output, find_missing_effects(dataset), dataset, run)
+    report = write_diagnosis_report(output, diagnose(dataset), dataset, run)
     click.echo(f"Measurements: {output / 'dataset'}, the truth: {output / 'dataset.truth.json'}")
     click.echo(f"Model:        {output / 'model.json'}")
     click.echo(f"Open {report} in a browser, and the robot in motion with: rerun {output / 'demo.rrd'}")
+    say([next_line(["open", output / "dataset"], "goes on with it on a page in the browser")])

@@ -49,6 +49,7 @@ def export(
     stands in NAME.twin.json beside it. C is a feed-forward, currents for a desired motion, of a robot without loops.
     """
     from bench.basics.errors import BenchError
+    from bench.cli.next_steps import after_export
     from bench.export.c_code import write_c
     from bench.export.identified import load_identified
     from bench.export.mjcf import write_mjcf
@@ -61,10 +62,11 @@ def export(
     if payload is not None and form != "mjcf":
         raise click.UsageError("--payload goes with --to mjcf")
     identified = load_identified(model, robot, effect_files)
+    step = after_export(model, form, output, effect_files)
     if form == "c":
         for line in write_c(output, identified):
             click.echo(f"Not held: {line}")
-        say([wrote(output)])
+        say([wrote(output), *step])
         return
     physical = physical_set(identified, use_cad=cad)
     if physical.contradiction is not None and not nearest:
@@ -91,8 +93,7 @@ def export(
         click.echo(f"Changed: {line}")
     for line in lines:
         click.echo(f"Not held: {line}")
-    for path in written:
-        say([wrote(path)])
+    say([*map(wrote, written), *step])
 
 
 def _bodies_line(distance: float, prior: str) -> str:

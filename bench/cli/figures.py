@@ -11,11 +11,12 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
 
 @click.command("figures")
 @click.argument("source", type=click.Path(path_type=Path))
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--all", "every", is_flag=True, help="Every figure that there is.")
 @click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path),
-    required=True,
     metavar="DIR",
     help="Folder for PDF, PNG and CSV.",
 )
@@ -23,7 +24,7 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
     "--only",
     multiple=True,
     metavar="NAME",
-    help="Figures whose names begin so, such as error_by or ladder. Repeat for each. [default: all]",
+    help="The same as NAME. Repeat for each.",
 )
 @click.option(
     "--data",
@@ -36,7 +37,9 @@ from bench.cli.options import effect_file_option, filter_options, given_filters,
 @filter_options
 def figures(
     source: Path,
-    output: Path,
+    names: tuple[str, ...],
+    every: bool,
+    output: Path | None,
     only: tuple[str, ...],
     data: Path | None,
     effects: tuple[str, ...],
@@ -49,19 +52,35 @@ def figures(
     folder that `bench identify`, `compare` or `diagnose` wrote with -o. Ladder, ranking and gains before and after
     come from a diagnosis.
 
-    Each figure comes as PDF and PNG for one column (88 mm) and for two (180 mm), with its numbers as CSV.
+    NAME is a figure, or how the names of several begin, such as ladder or error_by. Without any, this command lists
+    them. Each figure comes as PDF and PNG for one column (88 mm) and for two (180 mm), with its numbers as CSV.
     """
-    from bench.api.figures import figures_of
+    from bench.api.figures import figures_named, figures_of
     from bench.basics.errors import BenchError
     from bench.cli.named_sources import Asked, answer_of
+    from bench.cli.next_steps import Source, after_figures, before_figures
     from bench.document.figures.paper import write_paper_figures
 
+    wanted = (*names, *only)
+    if every and wanted:
+        raise click.UsageError("--all goes without names of figures")
+    if output is None and (every or wanted):
+        raise click.UsageError("name the folder of the figures with -o DIR")
     given = given_filters(**filters)
     dataset, result, diagnosis = answer_of(source, Asked(effects, effect_files, given, data))
     found = figures_of(dataset, result, diagnosis)
-    chosen = [one for one in found if not only or one.name.startswith(only)]
-    if not chosen:
-        names = ", ".join(one.name for one in found)
-        raise BenchError(f"--only {' --only '.join(only)}: no such figure; there are {names}")
-    for path in write_paper_figures(output, chosen):
-        say([wrote(path, "figure" if path.suffix != ".csv" else "numbers")])
+    there = Source(source, effects, effect_files, given, data)
+    if output is None:
+        for one in found:
+            click.echo(one.name)
+        say([before_figures(there, found[-1].name)])
+        return
+    if not every and not wanted:
+        raise BenchError(
+            f"figures: name those to draw, or --all; there are {', '.join(one.name for one in found)}"
+        )
+    written = [
+        wrote(path, "figure" if path.suffix != ".csv" else "numbers")
+        for path in write_paper_figures(output, figures_named(found, wanted))
+    ]
+    say([*written, after_figures(there)])

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from bench.cli.last_lines import say, wrote
+from bench.cli.last_lines import next_line, say, wrote
 
 
 @click.command("plot")
@@ -28,9 +28,11 @@ def plot(
     DIR is the folder of a sweep.
     """
     from bench.studies.sweep.plot import plot_sweep
+    from bench.studies.sweep.rerun_runs import is_sweep_folder
     from bench.studies.sweep.results import plot_name, table_in
 
     table = table_in(folder)
     path = output or table.with_name(plot_name(x, y, lines))
     plot_sweep(table, path, x, y, lines, logarithmic=logarithmic)
-    say([wrote(path, "figure")])
+    seen = next_line(["view", folder], "shows a good, a middling and a bad run in motion")
+    say([wrote(path, "figure"), *([seen] if is_sweep_folder(folder) else [])])

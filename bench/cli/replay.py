@@ -59,6 +59,7 @@ def replay(
     from rich.console import Console
 
     from bench.basics.errors import BenchError
+    from bench.cli.next_steps import after_replay
     from bench.cli.progress import shown_progress
     from bench.dataset.dataset import load_dataset
     from bench.effects import catalogue_for
@@ -87,6 +88,11 @@ def replay(
         model = read_identification(model_file, data, catalogue_for(data.effect_files, effect_files))
         told = replace(model, method="twin", recordings=result.twin.recordings, error=result.twin.error)
         write_rrd(rrd_file, told, data)
-        written.append(wrote(rrd_file, f"recording: open it with rerun {rrd_file}"))
+        written.append(wrote(rrd_file, "recording"))
     replay_report(result, Console())
-    say(written)
+    options = [
+        *(["--no-cad"] if not cad else []),
+        *(["--nearest"] if nearest else []),
+        *(word for file in effect_files for word in ("--effect-file", file)),
+    ]
+    say([*written, after_replay(dataset, model_file, rrd_file, options)])

@@ -1,7 +1,7 @@
 """`bench report`: one page in one file on a dataset, a result or a model."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +15,10 @@ from bench.cli.options import (
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
+
+if TYPE_CHECKING:
+    from bench.cli.next_steps import Source
+    from bench.diagnosis.result import Diagnosis
 
 
 @click.command("report")
@@ -55,36 +59,37 @@ def report(
     """
     given = given_filters(**filters)
     with shown_progress(quiet) as progress:
+        from bench.cli.next_steps import Source
         from bench.page.write import REPORT_FILE
 
         output = output / REPORT_FILE if output.is_dir() else output
-        said = _written(source, data, effects, effect_files, given, output, progress)
+        said, step = _written(Source(source, effects, effect_files, given, data), output, progress)
     if said:
         click.echo(said, err=True)
-    say([wrote(output, "report")])
+    say([wrote(output, "report"), step])
 
 
-def _written(
-    source: Path,
-    data: Path | None,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
-    given: dict[str, Any],
-    output: Path,
-    progress: Progress,
-) -> str:
-    """Write the page of what the source turns out to be; tells what of a result was worked out anew, if anything."""
+def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, str]:
+    """Write the page of what the source turns out to be; tells what of a result was worked out anew, if anything, and
+    the next step.
+    """
     from bench.basics.errors import BenchError
+    from bench.cli.next_steps import after_page, after_trial
     from bench.page.folder import RUN_FILE, read_run
     from bench.page.write import write_kept, write_sweep_report
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
-    said = ""
-    models = {"--data": data, "--with": effects, "--effect-file": effect_files, "filters": given}
+    said, source, data = "", given.path, given.data
+    models = {
+        "--data": data,
+        "--with": given.effects,
+        "--effect-file": given.effect_files,
+        "filters": given.filters,
+    }
     if (source / "dataset.toml").is_file() or source.name == "dataset.toml":
         _refuse({"--data": data}, "a dataset, which is diagnosed")
-        _of_dataset(source, effects, effect_files, given, output, progress)
-    elif (source / RUN_FILE).is_file():
+        return said, after_page(given, _of_dataset(given, output, progress))
+    if (source / RUN_FILE).is_file():
         _refuse(models, "a result")
         progress.phase("reading the result")
         kept = read_run(source)
@@ -97,13 +102,13 @@ def _written(
     elif source.is_dir() or source.suffix == ".parquet":
         _refuse(models, "a trial")
         progress.phase("drawing the page of a trial")
-        _of_trial(source, output)
+        return said, after_trial(_of_trial(source, output))
     elif source.is_file():
-        _refuse({"--with": effects, "filters": given}, "a model file")
-        _of_model(source, data, effect_files, output, progress)
+        _refuse({"--with": given.effects, "filters": given.filters}, "a model file")
+        _of_model(source, data, given.effect_files, output, progress)
     else:
         raise BenchError(f"{source}: no such file or folder")
-    return said
+    return said, after_page(given, None)
 
 
 def _refuse(options: dict[str, Any], what: str) -> None:
@@ -112,7 +117,7 @@ def _refuse(options: dict[str, Any], what: str) -> None:
             raise click.UsageError(f"{name} does not go with {what}")
 
 
-def _of_trial(source: Path, output: Path) -> None:
+def _of_trial(source: Path, output: Path) -> Path:
     from bench.basics.errors import BenchError
     from bench.page.folder import RUN_FILE
     from bench.page.trial_page import trial_table
@@ -128,30 +133,29 @@ def _of_trial(source: Path, output: Path) -> None:
             f"{source}: not the table of a trial" if source.exists() else f"{source}: no such file or folder"
         )
     write_trial_report(table, output)
+    return table
 
 
-def _of_dataset(
-    source: Path,
-    effects: tuple[str, ...],
-    effect_files: tuple[Path, ...],
-    given: dict[str, Any],
-    output: Path,
-    progress: Progress,
-) -> None:
+def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis":
+    from bench.api.diagnose import diagnose
     from bench.dataset.dataset import load_dataset
-    from bench.discovery.find import find_missing_effects
     from bench.page.folder import Kept
     from bench.page.section_run import Run
     from bench.page.write import write_kept
 
     progress.phase("reading the recordings")
-    dataset = load_dataset(source)
-    diagnosis = find_missing_effects(
-        dataset, effects, filters=given, effect_files=effect_files, progress=progress
+    dataset = load_dataset(given.path)
+    diagnosis = diagnose(
+        dataset,
+        given.effects,
+        filters=given.filters,
+        effect_files=given.effect_files,
+        progress=progress,
     )
-    files = tuple(map(str, effect_files))
-    run = Run("report", str(source), tuple(effects), files, given, str(output))
+    files = tuple(map(str, given.effect_files))
+    run = Run("report", str(given.path), given.effects, files, given.filters, str(output))
     write_kept(output, Kept(run, dataset, diagnosis.after, diagnosis, ""), progress=progress)
+    return diagnosis
 
 
 def _of_model(

@@ -25,13 +25,16 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
     DIR is the folder of a sweep. Prints median and spread, and writes them beside the table as Markdown. Every
     column of the table can be an axis, and every column of numbers a metric.
     """
+    from bench.cli.next_steps import after_table
     from bench.studies.sweep.console import table_console
     from bench.studies.sweep.print_summary import print_summary
     from bench.studies.sweep.results import pooled_axes, table_in, write_table_summary
 
     runs = table_in(folder)
-    summary, path = write_table_summary(runs, axes, metrics or ("gain_error",))
+    metrics = metrics or ("gain_error",)
+    summary, path = write_table_summary(runs, axes, metrics)
     print_summary(summary, table_console())
     pooled = pooled_axes(runs, axes)
-    told = f"all values together of {', '.join(pooled)}; --by tells them apart"
-    say([*([told] if pooled else []), wrote(path, "summary")])
+    values = ", ".join(f"{name} ({count} values)" for name, count in pooled.items())
+    told = [f"all values together of {values}; --by tells them apart"] if pooled else []
+    say([*told, wrote(path, "summary"), after_table(folder, axes, metrics, tuple(pooled))])

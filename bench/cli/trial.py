@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from bench.cli.completion import robots
-from bench.cli.last_lines import say, wrote
+from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.options import as_folder
 from bench.cli.progress import quiet_option, shown_progress
 
@@ -89,8 +89,17 @@ def trial(
         from bench.page.write import write_trial_report
 
         table = output / f"{load_robot(robot).name}.parquet"
-        page = write_trial_report(table, table.with_suffix(".html"))
-    say([wrote(page, "report")])
+        pages = [write_trial_report(table, table.with_suffix(".html"))] if table.is_file() else []
+    words = [
+        "trial",
+        robot,
+        *(["--effects", effects] if effects else []),
+        *(["--kinds", kinds] if kinds else []),
+    ]
+    words += ["--scenario", scenario] if scenario else []
+    words += ["--duration", f"{duration:g}"] if duration else []
+    again = next_line([*words, "--seeds", str(2 * seeds), "-o", output], "adds as many datasets again")
+    say([*(wrote(page, "report") for page in pages), again])
     return code
 
 

@@ -44,6 +44,7 @@ def view(
     The recording goes to SOURCE.rrd, beside SOURCE, and opens; with --save it is only written.
     """
     from bench.cli.named_sources import Asked, told_of
+    from bench.cli.next_steps import Source, after_looking
     from bench.viewer.recording import write_rrd, write_side_by_side
 
     given = given_filters(**filters)
@@ -55,8 +56,9 @@ def view(
         write_rrd(path, told[0].result, told[0].dataset, story=told[0].story)
     else:
         write_side_by_side(path, told)
-    say([wrote(path, "recording")])
+    written = [wrote(path, "recording" if save is None else f"recording: open it with rerun {path}")]
     if save is None:
         from bench.cli.open_viewer import open_viewer
 
-        click.echo(open_viewer(path))
+        written.append(open_viewer(path))
+    say([*written, after_looking(Source(source, effects, effect_files, given, data))])

@@ -105,8 +105,8 @@ def trial_page(found: TrialResult, again: Sequence[str]) -> Page:
     )
 
 
-def again_line(found: TrialResult) -> str:
-    """The command that runs the trial again, as far as its folder tells."""
+def again_line(found: TrialResult, times: int = 1) -> str:
+    """The command that runs the trial again, as far as its folder tells; with so many times the seeds."""
     counts = Counter(row["kind"] for row in found.rows)
     kinds = [kind for kind in KINDS if counts[kind]]
     each = Counter((row["kind"], row["hidden"]) for row in found.rows if row["kind"] in ("one", "outside"))
@@ -124,7 +124,7 @@ def again_line(found: TrialResult) -> str:
         words += ["--kinds", ",".join(kinds)]
     if kept.get("effects"):
         words += ["--effects", ",".join(kept["effects"])]
-    return " ".join([*words, "--seeds", str(seeds), "-o", quoted(found.table.parent)])
+    return " ".join([*words, "--seeds", str(times * seeds), "-o", quoted(found.table.parent)])
 
 
 def _kept_beside(found: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:

@@ -87,7 +87,6 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
         figure = Figure(figsize=(8.0, 0.32 * len(rows) + 1.7), dpi=DPI, layout="constrained")
         axes = figure.subplots()
         draw_moved(axes, rows)
-        axes.set_xlabel("difference to the value after, with 95 % intervals [%]; beyond ±1 % logarithmic")
         added = and_list([effect_name(one) for one in diagnosis.added])
         figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
         figure.legend(loc="outside upper right", ncols=3, frameon=False)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import SymmetricalLogLocator
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
@@ -23,6 +24,8 @@ VERDICT_COLOURS = {
     "absorbed": "#CC79A7",
 }
 BAR = 0.36
+EVEN_NATS, EVEN_PERCENT = 10.0, 10.0
+FAR = 5.0  # times the even part: what an even axis shows well
 
 
 @dataclass(frozen=True)
@@ -105,26 +108,43 @@ def draw_ladder(axes: Axes, steps: Sequence[Rung], floor: float, scale: float = 
 
 
 def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0) -> None:
-    """Evidence for every effect on a scale that is even up to one nat, in the colour of its verdict."""
+    """Evidence for every effect as a point in the colour of its verdict.
+
+    No bars: their lengths would say nothing on a scale that is even up to `EVEN_NATS` and logarithmic beyond.
+    """
     shown = [one for one in diagnosis.ranking if one.verdict != "absorbed"][:most]
     at = np.arange(len(shown))
-    axes.barh(at, [one.evidence for one in shown], 0.7, color=[VERDICT_COLOURS[one.verdict] for one in shown])
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
-    axes.set_xscale("symlog", linthresh=1.0)
-    axes.xaxis.set_major_formatter(PLAIN)
+    for verdict, colour in VERDICT_COLOURS.items():
+        of_it = [(one.evidence, i) for i, one in zip(at, shown, strict=True) if one.verdict == verdict]
+        if of_it:
+            evidence, places = zip(*of_it, strict=True)
+            axes.plot(evidence, places, "o", color=colour, markersize=6.0 * scale, label=verdict)
+    declared = even_then_logarithmic(axes, [one.evidence for one in shown], EVEN_NATS, "nats")
     axes.set_yticks(at, [effect_name(one.effect) for one in shown])
     axes.set_ylim(len(shown) - 0.4, -0.6)
-    axes.set_xlabel("evidence [nats]; beyond ±1 logarithmic")
-    axes.grid(visible=False, axis="y")
+    axes.set_xlabel(f"evidence [nats]{declared}")
+    axes.grid(visible=True, axis="y", linewidth=0.5 * scale, alpha=0.5)
+
+
+def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit: str) -> str:
+    """Make the horizontal axis logarithmic beyond ±even where a value is far beyond it; tells so for its label."""
+    if max(map(abs, values), default=0.0) <= FAR * even:
+        return ""
+    axes.set_xscale("symlog", linthresh=even, linscale=0.5)
+    axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=even))
+    axes.xaxis.set_major_formatter(PLAIN)
+    return f", logarithmic beyond ±{even:g} {unit}"
 
 
 def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
-    """Values before and after with their 95 % intervals, in percent of the value after; nominal gains as rings."""
+    """Values before and after with their 95 % intervals, in percent of the value after; nominal gains between them."""
     at = np.arange(len(rows))
+    apart = 0.17 if all(one.nominal is None for one in rows) else 0.28
     factor = [100.0 / abs(one.after.value) if one.after.value else 0.0 for one in rows]
     for shift, colour, marker, label, values in (
-        (-0.17, BEFORE, "s", "before", [one.before for one in rows]),
-        (0.17, AFTER, "o", "after", [one.after for one in rows]),
+        (-apart, BEFORE, "s", "before", [one.before for one in rows]),
+        (apart, AFTER, "o", "after", [one.after for one in rows]),
     ):
         axes.errorbar(
             [(one.value - row.after.value) * f for one, row, f in zip(values, rows, factor, strict=True)],
@@ -154,10 +174,10 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
             label="nominal",
         )
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
-    axes.set_xscale("symlog", linthresh=1.0)
-    axes.xaxis.set_major_formatter(PLAIN)
+    declared = even_then_logarithmic(axes, axes.get_xlim(), EVEN_PERCENT, "%")
     axes.set_yticks(at, [one.label for one in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set_xlabel(f"difference to the value after [%]{declared}")
 
 
 def draw_before_after(

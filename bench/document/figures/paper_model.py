@@ -5,14 +5,12 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import SymmetricalLogLocator
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
 from bench.document.figures.comparison_panels import ZERO
 from bench.document.figures.diagnosis_panels import (
     AFTER,
-    VERDICT_COLOURS,
     Moved,
     Rung,
     draw_before_after,
@@ -27,10 +25,9 @@ from bench.document.numbers import current_unit, judged_error, pretty_unit
 from bench.identification.result import CurrentSeries, DriveGain, Identification
 
 FOOT = 16.0  # mm that an axis with its label takes
-BAR, MOVED = 3.8, 4.2  # mm for each bar, each parameter
+BAR, MOVED, WITH_NOMINAL = 3.8, 4.2, 5.6  # mm for each bar, each parameter, each gain
 ERRORS = 26.0  # mm
 SHOWN = 14  # effects of the ranking
-FEW_TICKS = 30.0  # %, the end of an axis from which every second power of ten is named, for one column
 
 
 def gain_figure(result: Identification) -> PaperFigure:
@@ -120,12 +117,6 @@ def _ranking(diagnosis: Diagnosis) -> PaperFigure:
 
 def _draw_ranking(diagnosis: Diagnosis, axes: Axes) -> None:
     draw_ranking(axes, diagnosis, SHOWN, SCALE)
-    axes.xaxis.set_major_locator(SymmetricalLogLocator(base=100.0, linthresh=1.0))  # few, for one column
-    axes.set_xlabel("evidence [nats]")
-    shown = {one.verdict for one in diagnosis.ranking}
-    for verdict, colour in VERDICT_COLOURS.items():
-        if verdict in shown and verdict != "absorbed":
-            axes.bar(0.0, 0.0, color=colour, label=verdict)
 
 
 def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
@@ -137,17 +128,15 @@ def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
         "after": [one.after.value for one in rows],
         "standard deviation after": [one.after.std for one in rows],
     }
-    if any(one.nominal is not None for one in rows):
+    nominal = any(one.nominal is not None for one in rows)
+    if nominal:
         numbers["nominal"] = [one.nominal for one in rows]
-    panel = Panel(partial(_draw_moved, rows), FOOT + MOVED * len(rows))
+    panel = Panel(partial(_draw_moved, rows), FOOT + (WITH_NOMINAL if nominal else MOVED) * len(rows))
     return PaperFigure(name, (panel,), {"": numbers})
 
 
 def _draw_moved(rows: Sequence[Moved], axes: Axes) -> None:
     draw_moved(axes, rows, SCALE)
-    if max(np.abs(axes.get_xlim())) > FEW_TICKS:
-        axes.xaxis.set_major_locator(SymmetricalLogLocator(base=100.0, linthresh=1.0))
-    axes.set_xlabel("difference to the value after [%]")
 
 
 def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSeries) -> PaperFigure:

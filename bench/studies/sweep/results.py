@@ -35,19 +35,19 @@ def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]
     return summary, path
 
 
-def pooled_axes(table: Path, axes: Sequence[str]) -> tuple[str, ...]:
+def pooled_axes(table: Path, axes: Sequence[str]) -> dict[str, int]:
     """Axes of the sweep that a summary by these throws together, with how many values each has; of a table that
     stands without its sweep, none.
     """
     file = table.with_name(FILE)
     if not file.is_file():
-        return ()
+        return {}
     plan = Plan(load_sweep(file))
-    return tuple(
-        f"{axis.name} ({len(axis.points)} values)"
+    return {
+        axis.name: len(axis.points)
         for axis in plan.sweep.grid
         if axis.name not in axes and len(axis.points) > 1
-    )
+    }
 
 
 def write_summary(plan: Plan, folder: Path) -> Summary:

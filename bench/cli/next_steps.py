@@ -1,0 +1,149 @@
+"""The command that makes sense after one that looked at a source: a dataset, a model, a result, a sweep or a trial."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bench.cli.last_lines import after_diagnosis, next_line
+from bench.page.section_run import Run, quoted
+
+if TYPE_CHECKING:
+    from bench.diagnosis.result import Diagnosis
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a command was called with: a path, and what was named beside it."""
+
+    path: Path
+    effects: tuple[str, ...] = ()
+    effect_files: tuple[Path, ...] = ()
+    filters: dict[str, Any] = field(default_factory=dict)
+    data: Path | None = None
+
+    def command(self, name: str, data: Path) -> str:
+        """A command line on a dataset with all effects, files and filters."""
+        return Run(name, str(data), self.effects, tuple(map(str, self.effect_files)), self.filters).line()
+
+    @property
+    def dataset(self) -> Path | None:
+        """Its own folder, where it is a dataset; of a model, the recordings that it is shown beside."""
+        from bench.dataset.dataset_toml import DATASET_FILE
+
+        if self.path.name == DATASET_FILE or (self.path / DATASET_FILE).is_file():
+            return self.path
+        return (self.data or dataset_behind(self.path)) if self.path.is_file() else None
+
+
+def dataset_behind(model: Path) -> Path | None:
+    """The recordings that a model file is from; None where it does not say."""
+    from bench.identification.model_file import load_model
+
+    return load_model(model).dataset
+
+
+def after_looking(source: Source) -> str:
+    """After the viewer: of recordings, where their errors are; of a result, its figures; of a sweep, its figures."""
+    from bench.studies.sweep.rerun_runs import is_sweep_folder
+
+    data = source.dataset
+    if data == source.path:
+        return f"next: {source.command('compare', data)}    shows where the model fails"
+    if data is not None:
+        return _beside(source, data)
+    if is_sweep_folder(source.path):
+        return next_line(["table", source.path], "summarises all of its runs by axis")
+    return next_line(["figures", source.path], "lists what there is for a paper")
+
+
+def before_figures(source: Source, name: str) -> str:
+    """After the list of figures: one of them; `--all` in place of its name draws every one."""
+    words = source.command("figures", source.path)
+    if source.data is not None:
+        words += f" --data {quoted(source.data)}"
+    folder = source.path.resolve().with_suffix("").name + ".figures"
+    return f"next: {words} {name} -o {quoted(source.path.with_name(folder))}    draws it; --all every one"
+
+
+def after_figures(source: Source) -> str:
+    """After figures: of recordings, those of a diagnosis; of a model, its errors; of a result, the robot in motion."""
+    data = source.dataset
+    if data == source.path:
+        return f"next: {source.command('diagnose', data)}    tells which physical effect the model lacks"
+    if data is not None:
+        return _beside(source, data)
+    return next_line(["view", source.path], "shows the robot in motion with them")
+
+
+def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
+    """After a page: of a dataset, what its diagnosis calls for; of what is kept, the next place to look at it."""
+    from bench.studies.sweep.rerun_runs import is_sweep_folder
+
+    data = source.dataset
+    if diagnosis is not None and data == source.path:
+        again = source.command("diagnose", data)
+        return after_diagnosis(diagnosis, data, again, None, source.effect_files)
+    if is_sweep_folder(source.path):
+        return next_line(["table", source.path], "summarises it by axis")
+    if data is not None:
+        target = source.path.with_suffix(".xml")
+        words = ["export", source.path, "--to", "mjcf", "-o", target, *_files(source.effect_files)]
+        return next_line(words, "gives the machine to a simulator")
+    return next_line(["figures", source.path], "lists what there is for a paper")
+
+
+def after_table(folder: Path, axes: Sequence[str], metrics: Sequence[str], pooled: Sequence[str]) -> str:
+    """After a summary: by the axes that it throws together, or its first metric as a figure."""
+    if not axes and pooled:
+        by = [word for axis in pooled for word in ("--by", axis)]
+        return next_line(["table", folder, *by, *_shown(metrics)], "tells their values apart")
+    if not axes:
+        return next_line(["view", folder], "shows a good, a middling and a bad run in motion")
+    lines = ["--lines", axes[1]] if len(axes) > 1 else []
+    return next_line(["plot", folder, "--x", axes[0], "--y", metrics[0], *lines], "draws it")
+
+
+def after_trial(table: Path) -> str:
+    """After a trial, or its page: the same with twice the seeds, which adds to what is there."""
+    from bench.page.trial_page import again_line, read_trial
+
+    return f"next: {again_line(read_trial(table), 2)}    adds as many datasets again"
+
+
+def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Path]) -> list[str]:
+    """After an export: the bodies that were written, beside the recordings; a feed-forward, compiled.
+
+    A model that does not know its recordings has no next step.
+    """
+    if form == "c":
+        return [f"next: cc -O2 -c {quoted(output)}    compiles it, to be linked with a controller"]
+    data = dataset_behind(model)
+    if data is None:
+        return []
+    words = ["replay", data, "--model", model, *_files(effect_files)]
+    return [next_line(words, "simulates these bodies along the recorded motions")]
+
+
+def after_replay(dataset: Path, model: Path, film: Path | None, options: Sequence[str | Path]) -> str:
+    """After a replay: the same as a film, or the film. options: those that it was called with."""
+    if film is not None:
+        return f"next: rerun {quoted(film)}    shows the twin in motion beside what was measured"
+    target = model.with_suffix(".rrd")
+    words = ["replay", dataset, "--model", model, *options, "--rrd", target]
+    return next_line(words, "writes it as a film for the viewer")
+
+
+def _beside(source: Source, data: Path) -> str:
+    words = ["compare", data, "--model", source.path, *_files(source.effect_files)]
+    return next_line(words, "shows where the model fails")
+
+
+def _files(effect_files: Sequence[Path]) -> list[str | Path]:
+    return [word for file in effect_files for word in ("--effect-file", file)]
+
+
+def _shown(metrics: Sequence[str]) -> list[str]:
+    return [word for metric in metrics for word in ("--show", metric)]
