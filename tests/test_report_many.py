@@ -10,6 +10,8 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.cli.next_steps import after_trial
+from bench.page.browser import opened
+from bench.page.figures_sweep import point_label, value_text
 from bench.page.parts import Figure, Table
 from bench.page.render import render_page
 from bench.page.sweep_page import read_sweep, sweep_page
@@ -75,7 +77,7 @@ def test_a_sweep_says_what_it_gave_and_where_it_was_worst(swept):
 
 def test_a_sweeps_figure_shows_every_median_and_spread(swept):
     found = read_sweep(swept)
-    (figure,) = parts_of(sweep_page(found, []), "plots")
+    _, figure = parts_of(sweep_page(found, []), "plots")
     (chart,) = figure.variants[""].charts
     series = chart.spec["panels"][0]["series"]
     drawn = sorted(value for one in series for value in one["mean"])
@@ -91,6 +93,100 @@ def test_a_sweeps_figure_shows_every_median_and_spread(swept):
     assert len(table.rows) == len(found.summary.lines)
 
 
+@pytest.fixture(scope="module")
+def of_three_axes(tmp_path_factory):
+    """A sweep over mass, noise and estimator, in which two runs failed."""
+    folder = tmp_path_factory.mktemp("three")
+    run(plan_of(folder / "file"), folder / "out", work=StandIn(Accidents(refused=(0, 7))))
+    return folder / "out"
+
+
+def test_a_matrix_shows_two_axes_and_asks_for_the_others(of_three_axes):
+    found = read_sweep(of_three_axes)
+    grid = parts_of(sweep_page(found, []), "plots")[0]
+    (choice,) = grid.choices
+    assert (choice.name, choice.options) == ("estimator", ("ls", "current"))
+    medians = {
+        tuple(map(point_label, line.values)): line.spreads["gain_error"].median
+        for line in found.summary.lines
+    }
+    axes = found.summary.axes
+    for key, method in enumerate(choice.options):
+        (cells,) = grid.variants[str(key)].charts[0].spec["panels"][0]["series"]
+        assert len(cells["x"]) == 9
+        for text, pick in zip(cells["texts"], cells["pick"], strict=True):
+            assert pick["method"] == method
+            assert text == value_text("gain_error", medians[tuple(pick[axis] for axis in axes)])
+    shares = [
+        share
+        for one in grid.variants.values()
+        for share in one.charts[0].spec["panels"][0]["series"][0]["share"]
+    ]
+    assert (min(shares), max(shares)) == (0.0, 1.0)
+    assert (
+        grid.title
+        == "Largest gain error over noise of the current over its RMS and mass of payload disc [kg]"
+    )
+    (plot,) = parts_of(sweep_page(found, []), "plots")[1:]
+    assert plot.aid.endswith("All values together of estimator.")
+
+
+def test_one_axis_has_no_matrix(tmp_path):
+    run(plan_of(tmp_path / "file", SWEEP.replace('method = ["ls", "current"]\n', "")), tmp_path / "out")
+    page = sweep_page(read_sweep(tmp_path / "out"), [])
+    assert all(chart.spec["panels"][0]["series"][0]["kind"] != "cells" for chart in charts_of(page, "plots"))
+
+
+def charts_of(page, name):
+    return [chart for part in parts_of(page, name) for one in part.variants.values() for chart in one.charts]
+
+
+def test_every_run_stands_on_the_page_with_what_it_failed_of(of_three_axes):
+    found = read_sweep(of_three_axes)
+    (runs,) = parts_of(sweep_page(found, []), "each")
+    assert [one.header for one in runs.columns] == [
+        "run",
+        "mass of payload disc [kg]",
+        "noise of the current over its RMS",
+        "estimator",
+        "seed",
+        "Largest gain error",
+    ]
+    rows = pq.read_table(of_three_axes / "runs.parquet").to_pylist()
+    assert len(runs.columns[0].values) == len(rows) == 90
+    assert set(runs.failed) == {"0", "7"}
+    at = runs.columns[0].values.index(rows[5]["run"])
+    mass, estimator = runs.columns[1], runs.columns[3]
+    assert mass.labels[mass.values[at]] == str(rows[5]["payloads.disc.mass"])
+    assert estimator.labels[estimator.values[at]] == rows[5]["method"]
+    assert runs.columns[5].values[at] == pytest.approx(rows[5]["gain_error"], rel=1e-4)
+    assert runs.command == f"bench view {of_three_axes}"
+
+
+def test_a_click_on_a_cell_shows_its_runs_and_a_run_its_command(chromium, of_three_axes, tmp_path):
+    path = write_sweep_report(of_three_axes, tmp_path / "page.html")
+    page = opened(chromium, path)
+    heard = []
+    page.on("pageerror", lambda error: heard.append(str(error)))
+    cell = page.locator("#plots rect.pick").nth(4)
+    said = cell.get_attribute("aria-label")
+    cell.focus()
+    page.keyboard.press("Enter")
+    runs = page.locator("#each")
+    assert "5 of 90 runs" in runs.inner_text()
+    shown = [select.evaluate("one => one.selectedOptions[0].text") for select in runs.locator("select").all()]
+    assert ", ".join(shown[:3]) == said
+    for row in (0, 3):
+        runs.locator("tbody tr").nth(row).click()
+    numbers = [runs.locator("tbody tr").nth(row).locator("td").first.inner_text() for row in (0, 3)]
+    command = f"bench view {of_three_axes} --run {numbers[0]} --run {numbers[1]}"
+    assert runs.locator("pre").inner_text() == command
+    runs.locator("select").first.select_option("")
+    assert "15 of 90 runs" in runs.inner_text()
+    page.close()
+    assert heard == []
+
+
 def test_more_lines_than_colours_stand_in_charts_of_their_own(tmp_path):
     masses = [round(0.1 * (i + 1), 1) for i in range(9)]
     text = (
@@ -98,7 +194,7 @@ def test_more_lines_than_colours_stand_in_charts_of_their_own(tmp_path):
         + '[[plots]]\nx = "method"\ny = "gain_error"\nlines = "payloads.disc.mass"\n'
     )
     run(plan_of(tmp_path / "file", text), tmp_path / "out")
-    (figure,) = parts_of(sweep_page(read_sweep(tmp_path / "out"), []), "plots")
+    _, figure = parts_of(sweep_page(read_sweep(tmp_path / "out"), []), "plots")
     assert len(figure.variants[""].charts) == len(masses)
 
 
@@ -212,7 +308,7 @@ def test_both_pages_are_drawn_in_a_browser(swept, tried, tmp_path, chromium, wid
         assert heard == []
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         for holder in page.locator("[data-figure]").all():
-            assert holder.locator("svg[role=img]").count() >= 1
+            assert holder.locator(".plot > svg").count() >= 1
         drawn = "[...document.querySelectorAll('svg *')].every((one) => !/NaN|Infinity/.test(one.outerHTML))"
         assert page.evaluate(drawn)
         page.close()

@@ -1,15 +1,16 @@
 """Figures of a sweep: a metric against an axis, and how metrics spread over all runs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from bench.diagnosis.summary import and_list
 from bench.effects.display_names import begun
 from bench.page.parts import Chart, Figure, Variant, one_figure
 from bench.page.thinned import significant
-from bench.page.words import typeset
+from bench.page.words import share, short, typeset
 from bench.studies.sweep.measure import METRICS
 from bench.studies.sweep.summary import Spread, is_share, spread, summarise
 from bench.studies.sweep.table import read_table
@@ -30,6 +31,16 @@ Spec = dict[str, Any]
 Points = list[tuple[Any, Spread]]
 
 
+def value_text(metric: str, value: float) -> str:
+    """A metric's value as it is set: relative ones in percent."""
+    return share(value) if is_relative(metric) else short(value, 3)
+
+
+def point_label(value: Any) -> str:
+    """A value of an axis, as it is set."""
+    return short(value, 5) if isinstance(value, float) else str(value)
+
+
 def metric_label(metric: str) -> str:
     """A metric in words with its unit."""
     unit = "%" if is_relative(metric) else UNITS.get(metric.split(".", maxsplit=1)[0], "")
@@ -37,11 +48,13 @@ def metric_label(metric: str) -> str:
     return f"{title} [{unit}]" if unit else title
 
 
-def plot_figure(table: Path, x: str, y: str, lines: str | None) -> Figure:
+def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collection[str] = ()) -> Figure:
     """Median and spread of a metric against an axis, a line for each value of another one.
 
-    More lines than colours stand beside each other, each in a chart of its own.
+    More lines than colours stand beside each other, each in a chart of its own. picked: axes with several
+    values, each tried with all of the others: where x and lines are of them, a dot can be clicked for its runs.
     """
+    pick = {x, *([lines] if lines else [])} <= set(picked)
     found = _points(table, x, y, lines)
     every = [point for points in found.values() for point in points]
     values = list(dict.fromkeys(value for value, _ in every))
@@ -55,7 +68,10 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None) -> Figure:
         # lines stand side by side, or their whiskers would hide each other
         beside = i - (len(found) - 1) / 2.0 if len(found) <= len(ROLES) else 0.0
         x_of = _moved([at[value] for value, _ in points], list(at.values()), beside, across)
-        one = _line(points, x_of, share=is_share(y)) | {"apart": "categories" in across}
+        one = _line(points, x_of, of_share=is_share(y)) | {"apart": "categories" in across}
+        if pick:
+            own = {} if lines is None else {lines: point_label(name)}
+            one["pick"] = [{x: point_label(value), **own} for value, _ in points]
         drawn.append(one | ({"name": f"{axis_words(lines)} {_short(name)}"} if lines else {}))
     marks = [{"kind": "rule", "role": "noise", "name": "95 %", "at": COVERAGE, "dashed": True}]
     marks = marks if is_share(y) else []
@@ -63,7 +79,9 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None) -> Figure:
     reading = (
         "means; whiskers: 95 % intervals." if is_share(y) else "medians; whiskers: the middle 90 % of runs."
     )
-    aid = f"{what[:1].upper()}{what[1:]}. Dots: {reading}"
+    together = [axis_words(axis) for axis in picked if axis not in (x, lines)] if pick else []
+    pooled = f" All values together of {and_list(together)}." if together else ""
+    aid = typeset(f"{what[:1].upper()}{what[1:]}. Dots: {reading}{pooled}")
 
     def spec(height: int, series: Sequence[Spec]) -> Spec:
         return {
@@ -163,12 +181,12 @@ def spread_figure(columns: Mapping[str, Sequence[Any]], metrics: Sequence[str]) 
     return Figure("Histograms", aid, False, (), {"": Variant(tuple(charts))}, ("",))
 
 
-def _line(points: Points, x: Sequence[float], *, share: bool) -> Spec:
+def _line(points: Points, x: Sequence[float], *, of_share: bool) -> Spec:
     return {
         "kind": "bins",
         "clear": True,
         "x": significant(x),
-        "mean": significant([one.mean if share else one.median for _, one in points]),
+        "mean": significant([one.mean if of_share else one.median for _, one in points]),
         "spread": [0.0] * len(points),
         "low": significant([one.low for _, one in points]),
         "high": significant([one.high for _, one in points]),

@@ -132,7 +132,35 @@ class Figure:
     type: Literal["figure"] = "figure"
 
 
-Part = Table | Items | Text | Commands | Picture | Figure
+@dataclass(frozen=True)
+class RunsColumn:
+    """A column of `Runs`. labels: what its values number, by which runs are filtered; axis: its name in a chart's
+    `pick`. kind: "share" for what is told in percent.
+    """
+
+    header: str
+    values: tuple[float | int | str | None, ...]
+    labels: tuple[str, ...] = ()
+    axis: str = ""
+    kind: Literal["", "share"] = ""
+
+
+@dataclass(frozen=True)
+class Runs:
+    """The runs of a sweep. The first column holds their numbers; failed: reasons by number; command: shows runs that
+    are named behind it.
+    """
+
+    title: str
+    aid: str
+    columns: tuple[RunsColumn, ...]
+    failed: Mapping[str, str]
+    command: str
+    folded: bool = False
+    type: Literal["runs"] = "runs"
+
+
+Part = Table | Items | Text | Commands | Picture | Figure | Runs
 
 
 @dataclass(frozen=True)

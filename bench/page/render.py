@@ -12,10 +12,11 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from bench.files.atomic import finite
-from bench.page.parts import Figure, Page
+from bench.page.parts import Figure, Page, Runs
 
 ASSETS = Path(__file__).with_name("assets")
 CHARTS = ("chart_basics.js", "chart_series.js", "charts.js")
+RUNS = "runs.js"
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,10 @@ def asset(name: str) -> str:
 
 def render_page(page: Page, workbench: Workbench | None = None) -> str:
     """The file's text. The policy allows the scripts and the style in it by their hashes, and nothing else."""
-    scripts = [*map(asset, CHARTS), *([workbench.script] if workbench else []), asset("page.js")]
+    runs = (
+        [RUNS] if any(isinstance(part, Runs) for section in page.sections for part in section.parts) else []
+    )
+    scripts = [*map(asset, (*CHARTS, *runs)), *([workbench.script] if workbench else []), asset("page.js")]
     style = asset("page.css") + (workbench.style if workbench else "")
     # a script ends at its end tag, wherever it stands: none of ours may hold one
     if any("</" in text for text in (*scripts, style)):
@@ -73,12 +77,12 @@ def _hash(text: str) -> str:
 
 
 def _figures(page: Page) -> dict[str, Any]:
-    """What the figures show, by the place at which the template puts them."""
+    """What figures and runs show, by the place at which the template puts them."""
     return {
         f"{section.id}-{i}": asdict(part)
         for section in page.sections
         for i, part in enumerate(section.parts)
-        if isinstance(part, Figure)
+        if isinstance(part, Figure | Runs)
     }
 
 

@@ -5,15 +5,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.diagnosis.summary import and_list
 from bench.effects.display_names import begun
-from bench.page.figures_sweep import metric_label, plot_figure, spread_figure
+from bench.page.figures_grid import grid_figure
+from bench.page.figures_sweep import metric_label, plot_figure, point_label, spread_figure, value_text
 from bench.page.parts import Cell, Column, Commands, Items, Page, Part, Row, Section, Table, Tile, row
+from bench.page.runs import runs_part
 from bench.page.section_run import versions_of
-from bench.page.words import plural, share, short, typeset
+from bench.page.words import plural, typeset
 from bench.studies.sweep.axes import DrawnAxis
 from bench.studies.sweep.measure import METRICS
 from bench.studies.sweep.plan import Plan
@@ -76,6 +77,7 @@ def sweep_page(found: SweepResult, again: Sequence[str]) -> Page:
         tiles=_tiles(found),
         sections=(
             _plots_section(found),
+            _each_section(found),
             _numbers_section(found),
             _runs_section(found),
             _failures_section(found),
@@ -141,16 +143,7 @@ def _middle(metric: str, spread: Spread) -> float:
 
 def _place(found: SweepResult, line: Line) -> str:
     values = zip(found.summary.axes, line.values, strict=True)
-    return and_list([f"{axis_words(axis)} {_label(value)}" for axis, value in values])
-
-
-def _label(value: Any) -> str:
-    return short(value, 5) if isinstance(value, float) else str(value)
-
-
-def value_text(metric: str, value: float) -> str:
-    """A metric's value as it is set: relative ones in percent."""
-    return share(value) if is_relative(metric) else short(value, 3)
+    return and_list([f"{axis_words(axis)} {point_label(value)}" for axis, value in values])
 
 
 def _tiles(found: SweepResult) -> tuple[Tile, ...]:
@@ -170,14 +163,22 @@ def _tiles(found: SweepResult) -> tuple[Tile, ...]:
 def _plots_section(found: SweepResult) -> Section:
     known = column_names(found.table)
     plots = found.plan.sweep.table.plots or default_plots(found.plan)
-    parts = [
-        plot_figure(found.table, plot.x, plot.y, plot.lines)
+    grid = grid_figure(found.summary, [(plot.x, plot.lines) for plot in plots])
+    axes = [axis.name for axis in found.plan.sweep.grid if len(axis.points) > 1]
+    parts: list[Part] = [grid] if grid is not None else []
+    parts += [
+        plot_figure(found.table, plot.x, plot.y, plot.lines, axes)
         for plot in plots
         if {plot.x, plot.y, *([plot.lines] if plot.lines else [])} <= set(known)
     ]
     none: tuple[Part, ...] = (Items("", "", ("None of the metrics asked for was recorded.",)),)
     lead = "As the sweep's file asks for it; the first metrics against the first axis where it does not."
     return Section("plots", "Metrics against what was varied", lead, tuple(parts) or none, "Metrics")
+
+
+def _each_section(found: SweepResult) -> Section:
+    part = runs_part(found.plan, found.table, found.folder, found.metrics)
+    return Section("each", "Run by run", "", (part,), "Runs")
 
 
 def _numbers_section(found: SweepResult) -> Section:
@@ -200,7 +201,7 @@ def _numbers_section(found: SweepResult) -> Section:
 
 
 def _line(summary: Summary, line: Line, *, failed: bool) -> Row:
-    cells: list[str | Cell] = [_label(value) for value in line.values]
+    cells: list[str | Cell] = [point_label(value) for value in line.values]
     cells.append(str(line.runs))
     if failed:
         cells.append(Cell(str(line.failed), "poor" if line.failed else ""))
@@ -245,10 +246,10 @@ def _plan_section(found: SweepResult) -> Section:
     rows = []
     for axis in sweep.axes:
         if isinstance(axis, DrawnAxis):
-            told = ", ".join(f"{k} {_label(v)}" for k, v in axis.draw.model_dump(by_alias=True).items())
+            told = ", ".join(f"{k} {point_label(v)}" for k, v in axis.draw.model_dump(by_alias=True).items())
             rows.append(row(axis_title(axis.name), "drawn for each seed", told))
             continue
-        values = [_label(point.label) for point in axis.points]
+        values = [point_label(point.label) for point in axis.points]
         more = f" … {values[-1]}" if len(values) > MOST_VALUES else ""
         rows.append(row(axis_title(axis.name), str(len(values)), ", ".join(values[:MOST_VALUES]) + more))
     seeds = list(sweep.seeds)

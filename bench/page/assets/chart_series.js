@@ -46,6 +46,22 @@ const ChartSeries = (() => {
     return node("rect", {...place, ...size, class: kind}, parent);
   }
 
+  /* Lets a mark be picked by mouse and keyboard; `what` is told with the event. */
+  function pickable(mark, what) {
+    if (!what) return;
+    mark.classList.add("pick");
+    mark.setAttribute("role", "button");
+    mark.setAttribute("tabindex", "0");
+    mark.setAttribute("aria-label", Object.values(what).join(", "));
+    const tell = () => mark.dispatchEvent(new CustomEvent("pick", {detail: what, bubbles: true}));
+    mark.addEventListener("click", tell);
+    mark.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" && event.key !== " ") return;
+      event.preventDefault();
+      tell();
+    });
+  }
+
   const DRAW = {
     line(one, xs, ys, plot, box) {
       const kind = `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}${one.wide ? " wide" : ""}`;
@@ -75,7 +91,7 @@ const ChartSeries = (() => {
       }
       node("path", {d: area(one.x, between(-1), between(1), xs, ys), class: `band ${one.role}`}, plot);
       if (!one.apart) node("path", {d: path(one.x, one.mean, one.mean.length, xs, ys), class: `line ${one.role}`}, plot);
-      one.mean.forEach((m, i) => known(m) && dot(xs.at(one.x[i]), ys.at(m), one.role, plot));
+      one.mean.forEach((m, i) => known(m) && pickable(dot(xs.at(one.x[i]), ys.at(m), one.role, plot, one.pick ? 4 : 2.6), one.pick && one.pick[i]));
     },
     points(one, xs, ys, plot) {
       one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot));
@@ -121,6 +137,7 @@ const ChartSeries = (() => {
         const [w, h] = [xs.width / 2 - 1, Math.abs(ys.width) / 2 - 1];
         const cell = rectangle(x - w, x + w, y - h, y + h, `fill ${one.role}`, plot);
         cell.setAttribute("fill-opacity", (0.06 + 0.49 * share).toFixed(2)); // a number is read on every shade
+        pickable(cell, one.pick && one.pick[i]);
         node("text", {x: x.toFixed(1), y: (y + 4).toFixed(1), class: "label", "text-anchor": "middle"}, plot, one.texts[i]);
       });
     },

@@ -27,6 +27,7 @@ colour: measured, modelled, error, before, after, noise, forwards, backwards, on
   hbars      x: horizontal bars over a band of categories on y; thin: true for a mark inside
   intervals  y: numbers of categories, x, low, high: points with whiskers over a band on y; shift
   cells      x, y: numbers of categories, share: 0 to 1, texts: a matrix over two bands
+cells and bins with `pick`, an object for each, can be clicked: a "pick" event with it goes up through the page.
   rule       at, axis: "x" | "y"; a straight line across
 */
 const Charts = (() => {
@@ -195,7 +196,7 @@ const Charts = (() => {
     const wider = width > chart.width + 1;
     const holder = block("div", wider ? "plot wider" : "plot", chart.element);
     if (wider) holder.tabIndex = 0; // so that keys can scroll it
-    const svg = node("svg", {viewBox: `0 0 ${width} ${total}`, width, height: total, role: "img", "aria-label": figure.label || ""}, holder);
+    const svg = node("svg", {viewBox: `0 0 ${width} ${total}`, width, height: total, role: picked(figure) ? "group" : "img", "aria-label": figure.label || ""}, holder);
     const count = figure.panels.length;
     const weights = figure.panels.map((panel) => panel.weight || 1);
     const sum = weights.reduce((a, b) => a + b, 0);
@@ -246,6 +247,11 @@ const Charts = (() => {
       node("text", {...place, class: "label", "text-anchor": "middle"}, svg, text);
     });
     if (!xs.band) watch(chart, svg, holder, {xs, left, right, top: boxes[0].top, bottom, width});
+  }
+
+  /* Whether parts of a figure can be picked: their readers must find them inside it. */
+  function picked(figure) {
+    return figure.panels.some((panel) => panel.series.some((one) => one.pick));
   }
 
   /* Values under the pointer. */

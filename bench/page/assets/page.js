@@ -152,6 +152,7 @@
 
   startTheme();
   startFigures();
+  for (const one of document.querySelectorAll("[data-runs]")) window.Runs.start(one, figures[one.dataset.runs]);
   startContents();
   const workbench = document.getElementById("workbench");
   if (workbench && window.Workbench) {
