@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from bench.effects import CATALOGUE
 from bench.residuals.as_json import where_json
 from bench.residuals.autocorrelation import autocorrelation, correlations, memory
 from bench.residuals.concentration import concentrations, shares
@@ -301,3 +302,43 @@ def test_few_rows_are_no_reason_to_fail():
     series = made(at_reversals).of("left")
     assert concentrations(series, []) == []
     assert isinstance(dependences(series[:1]), list)
+
+
+ARM = {name: effect for name, effect in CATALOGUE.items() if effect.place != "passive"}
+
+
+def alike_of(error, has=()):
+    (motor,) = errors_by_motor(made(error), ARM, has).motors
+    return motor.alike
+
+
+def test_a_friction_is_said_to_look_like_the_frictions_of_the_atlas():
+    first = alike_of(lambda row, random: 0.1 * friction(row) + white(random))[0]
+    assert (first.seen, first.question) == ("opposes", 1)
+    assert first.effects[0] == "coulomb_friction"
+    assert "viscous_friction" not in first.effects
+    first = alike_of(lambda row, random: 0.1 * row["velocity"] + white(random))[0]
+    assert (first.seen, first.effects[0]) == ("velocity", "viscous_friction")
+    first = alike_of(lambda row, random: 0.1 * np.sin(12.0 * row["position"]) + white(random))[0]
+    assert first.seen == "repeats"
+    assert {"cogging_torque", "torque_ripple", "transmission_error"} <= set(first.effects)
+    assert alike_of(lambda row, random: white(random)) == ()
+
+
+def test_what_the_model_has_already_is_no_candidate():
+    def error(row, random):
+        return 0.1 * friction(row) + white(random)
+
+    assert "coulomb_friction" not in alike_of(error, ["coulomb_friction:left"])[0].effects
+    assert "coulomb_friction" not in alike_of(error, ["coulomb_friction@recording"])[0].effects
+    assert alike_of(error, ["coulomb_friction:right"])[0].effects[0] == "coulomb_friction"
+
+
+def test_candidates_are_named_in_words_with_the_question_of_the_atlas():
+    where = errors_by_motor(made(lambda row, random: 0.1 * friction(row) + white(random)), ARM)
+    (said,) = [one for one in where_sentences(where) if "question 1" in one]
+    assert said.startswith("motor left: Coulomb friction, ")
+    assert said.endswith(" more would leave such an error (atlas of effects, question 1)")
+    (told,) = [one for one in where_json(where)["where"]["left"]["looks_like"] if one["question"] == 1]
+    assert told["text"] == said
+    assert "coulomb_friction" in told["effects"]

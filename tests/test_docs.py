@@ -57,9 +57,15 @@ def test_equations_are_drawn_by_the_browser_itself(site):
 
 def test_the_key_of_the_atlas_leads_to_every_effect_and_each_has_its_figure(site, project_root):
     from bench.effects import CATALOGUE
+    from bench.residuals.look_alikes import QUESTION
 
     key = (project_root / "docs" / "pages" / "atlas" / "index.md").read_text(encoding="utf-8")
     assert {*re.findall(r"\]\((\w+)\.md\)", key)} == {*CATALOGUE}
+    questions = dict(enumerate(re.split(r"^\*\*\d\. ", key, flags=re.MULTILINE)))
+    for name, effect in CATALOGUE.items():
+        assert effect.seen, f"{name} does not say how its error looks"
+        for seen in effect.seen:
+            assert f"]({name}.md)" in questions[QUESTION[seen]], f"{name} is not in question {QUESTION[seen]}"
     assert {path.stem for path in (site / "atlas").glob("*.png")} == {*CATALOGUE}
     for name in CATALOGUE:
         text = (site / "atlas" / f"{name}.html").read_text(encoding="utf-8")

@@ -10,6 +10,8 @@ from bench.dataset.dataset import Dataset
 from bench.identification.identify import identify
 from bench.identification.model_file import Comparison, apply_model
 from bench.identification.result import CurrentSeries, ErrorSummary, Identification
+from bench.model.geometry import read_geometry
+from bench.residuals.look_alikes import possible_effects
 from bench.residuals.motor import Compared, compared
 from bench.residuals.residuals import WhereItFails, errors_by_motor
 from bench.signals.settings import FilterSettings
@@ -78,4 +80,7 @@ def compare(
         comparison, settings = apply_model(dataset, saved, catalogue), saved.settings
         has = saved.model.effects
     motors = compared(dataset.robot, dataset.recordings, comparison.recordings, settings)
-    return ModelErrors(dataset, has, comparison, motors, errors_by_motor(motors), result)
+    weighed = [name for name, payload in dataset.payloads.items() if payload.mass is not None]
+    possible = possible_effects(read_geometry(dataset.robot), weighed, catalogue)
+    where = errors_by_motor(motors, possible, has)
+    return ModelErrors(dataset, has, comparison, motors, where, result)

@@ -12,6 +12,10 @@ from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals, RobotSignals
 
 Place = Literal["actuator", "passive", "body", "payload", "robot"]
+Seen = Literal["opposes", "fades", "load", "velocity", "repeats", "position", "current", "acceleration"]
+"""What an error looks like, as the key of the atlas asks: it opposes the motion, fades or grows in the course of a
+recording, or with the load; passes through zero with the velocity; repeats over the position; is a smooth curve over
+it; follows the current or its change; follows the acceleration, or rings."""
 Bracket = tuple[float, float, float]
 """Where a shape parameter is searched: lower bound, first value, upper bound; all equal: no further search."""
 
@@ -77,7 +81,8 @@ class Effect(ABC):
     and no part of the torque that effects see as needed.
 
     law: a sentence with the law as a formula in written symbols; symbols: what they mean, with their units. Both are
-    "" where the effect tells none. shown_by: the motion in which it differs most from the others.
+    "" where the effect tells none. shown_by: the motion in which it differs most from the others. seen: how the error
+    of a model without it looks, what is most often seen first.
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
     columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
@@ -88,6 +93,7 @@ class Effect(ABC):
     law: ClassVar[str] = ""
     symbols: ClassVar[str] = ""
     shown_by: ClassVar[str] = "move over the whole range, fast and slowly"
+    seen: ClassVar[tuple[Seen, ...]] = ()
     parameters: ClassVar[tuple[EffectParameter, ...]]
     shape: ClassVar[tuple[ShapeParameter, ...]] = ()
     place: ClassVar[Place] = "actuator"

@@ -83,7 +83,7 @@ def diagnosis_page(
 
 def identification_page(result: Identification, dataset: Dataset, made: Made) -> Page:
     """An identified model: its errors, its gains, its parameters."""
-    model = shown("", "error", dataset, result, result.settings)
+    model = shown("", "error", dataset, result, result.settings, result.effects)
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
     return Page(
         title=f"Drive gains and parameters of {result.robot}",
@@ -109,7 +109,7 @@ def identification_page(result: Identification, dataset: Dataset, made: Made) ->
 def comparison_page(comparison: Comparison, dataset: Dataset, saved: Identification, made: Made) -> Page:
     """A saved model beside recordings that it may never have seen: its errors, and where they are."""
     settings = saved.settings
-    model = shown("", "error", dataset, comparison, settings)
+    model = shown("", "error", dataset, comparison, settings, saved.effects)
     noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
     return Page(
         title=f"Where a model of {comparison.robot} fails",

@@ -6,6 +6,7 @@ from typing import Any
 from bench.files.atomic import finite
 from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.residuals.words import (
+    alike_words,
     change_words,
     concentration_words,
     dependence_words,
@@ -73,6 +74,10 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
         "changes": [
             {"first": asdict(one.first), "second": asdict(one.second), "text": change_words(one, units[0])}
             for one in motor.changes
+        ],
+        "looks_like": [
+            {**asdict(one), "question": one.question, "text": alike_words(motor.joint, one)}
+            for one in motor.alike
         ],
         "warm_up": [asdict(one) for one in motor.warm_up],
         "by_load": [asdict(one) for one in motor.by_load],

@@ -1,12 +1,15 @@
 """Everything that is told of where a model fails, motor by motor."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
+from bench.effects import Effect
 from bench.identification.result import Identification
 from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.concentration import Concentration, concentrations
+from bench.residuals.look_alikes import LookAlike, look_alikes
 from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, over_warm_up
 from bench.residuals.periods import Line, lines
@@ -22,7 +25,8 @@ class MotorErrors:
 
     units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all
     recordings together; by_recording: both of each, by name. memory: s over which errors are alike. above_noise:
-    whether there is anything beside noise; concentrations, dependences, lines and changes are empty where not.
+    whether there is anything beside noise; concentrations, dependences, lines and changes are empty where not. alike:
+    effects that leave such errors.
     """
 
     joint: str
@@ -38,6 +42,7 @@ class MotorErrors:
     changes: tuple[Change, ...]
     warm_up: tuple[Opposing, Opposing]
     by_load: tuple[Opposing, ...]
+    alike: tuple[LookAlike, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -57,17 +62,28 @@ def where_it_fails(dataset: Dataset, result: Identification) -> WhereItFails:
     return errors_by_motor(compared(dataset.robot, dataset.recordings, result.recordings, result.settings))
 
 
-def errors_by_motor(what: Compared) -> WhereItFails:
-    """Look for where the errors of every motor are concentrated, and what they follow."""
-    motors = [_of_motor(what, joint) for joint in what.joints if what.of(joint)]
+def errors_by_motor(
+    what: Compared, possible: Mapping[str, Effect] | None = None, has: Sequence[str] = ()
+) -> WhereItFails:
+    """Look for where the errors of every motor are concentrated, and what they follow.
+
+    possible: effects that have a place in the robot, to be named where they leave such errors. has: those of the model.
+    """
+    motors = [_of_motor(what, joint, possible or {}, has) for joint in what.joints if what.of(joint)]
     return WhereItFails(what.robot, tuple(motors))
 
 
-def _of_motor(what: Compared, joint: str) -> MotorErrors:
+def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: Sequence[str]) -> MotorErrors:
     series = what.of(joint)
     current, unit = what.units[joint]
     error, noise = relative_error_of(series) or 0.0, relative_noise(series)
     above = error > MATERIAL * noise
+    found = (
+        tuple(concentrations(series, regions(series, unit, current))) if above else (),
+        tuple(dependences(series)) if above else (),
+        tuple(lines(series)) if above else (),
+        tuple(changes(series)) if above else (),
+    )
     return MotorErrors(
         joint=joint,
         units=what.units[joint],
@@ -76,12 +92,13 @@ def _of_motor(what: Compared, joint: str) -> MotorErrors:
         by_recording={one.recording: _error_and_noise(one) for one in series},
         memory=autocorrelation(series).memory / (series[0].rate or 1.0),
         above_noise=above,
-        concentrations=tuple(concentrations(series, regions(series, unit, current))) if above else (),
-        dependences=tuple(dependences(series)) if above else (),
-        lines=tuple(lines(series)) if above else (),
-        changes=tuple(changes(series)) if above else (),
+        concentrations=found[0],
+        dependences=found[1],
+        lines=found[2],
+        changes=found[3],
         warm_up=over_warm_up(series),
         by_load=tuple(by_load(series)),
+        alike=look_alikes(joint, found, possible, has),
     )
 
 

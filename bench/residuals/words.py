@@ -1,12 +1,15 @@
 """Where a model fails, in sentences."""
 
+from bench.effects.display_names import spoken
 from bench.identification.wording import in_percent
 from bench.residuals.concentration import Concentration
+from bench.residuals.look_alikes import LookAlike
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import Line
 from bench.residuals.profile import Dependence
 from bench.residuals.residuals import MotorErrors, WhereItFails
 
+MOST_LOOKS, MOST_NAMES = 2, 4
 CHANGES = {
     "warm-up": "friction changes while it moves, as with warming up",
     "load": "friction changes with the load",
@@ -42,7 +45,17 @@ def finding_sentences(motor: MotorErrors) -> list[str]:
         *(dependence_words(one, units) for one in motor.dependences),
         *(line_words(one, units) for one in motor.lines),
         *(change_words(one, units[0]) for one in motor.changes),
+        *(alike_words(motor.joint, one) for one in motor.alike[:MOST_LOOKS]),
     ]
+
+
+def alike_words(joint: str, one: LookAlike) -> str:
+    """As in "motor left: Coulomb friction or Stribeck friction leaves such an error (atlas of effects, question 1)"."""
+    names = [spoken(name) for name in one.effects[:MOST_NAMES]]
+    more = len(one.effects) - len(names)
+    names += [f"{more} more"] if more else []
+    listed = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    return f"{motor_words(joint)}: {listed} would leave such an error (atlas of effects, question {one.question})"
 
 
 def concentration_words(one: Concentration) -> str:

@@ -35,6 +35,7 @@ class Backlash(Effect):
         "values, found from the data; t0: a tenth of the RMS of τ_s, for a change of flank in finite time."
     )
     shown_by = "go where the motor's torque changes its sign"
+    seen = ("acceleration",)
     parameters = (EffectParameter("b", "{angle}", positive=True),)
     shape = (ShapeParameter("r", "1", (0.0, 0.3, 0.6, 0.9), discrete=True),)
     depends_on_model = True

@@ -29,6 +29,7 @@ class BaseTilt(Effect):
         "two axes are those that follow it in the order x y z."
     )
     shown_by = "move slowly over the whole range"
+    seen = ("position",)
     parameters = (EffectParameter("tilt_x", "rad"), EffectParameter("tilt_y", "rad"))
     place = "robot"
     depends_on_model = True

@@ -27,6 +27,7 @@ class CoggingTorque(ActuatorEffect):
         "metre, and the phase is 2 pi N q), found from the data."
     )
     shown_by = "turn slowly, without a payload"
+    seen = ("repeats",)
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
     shape = (PERIODS,)
 

@@ -20,6 +20,7 @@ class ConstantOffset(ActuatorEffect):
     law = "τ = c: an amplifier's offset, or Coulomb friction that differs with the direction of motion."
     symbols = "c: N·m or N, of either sign."
     shown_by = "move slowly in both directions"
+    seen = ("position",)
     parameters = (EffectParameter("c", "{effort}"),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -20,6 +20,7 @@ class CoulombFriction(ActuatorEffect):
     law = "τ = Fc sign(q̇): dry friction of constant size against the motion."
     symbols = "Fc: Coulomb friction, positive, N·m or N."
     shown_by = "reverse slowly"
+    seen = ("opposes",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -28,6 +28,7 @@ class CurrentDelay(ActuatorEffect):
     )
     symbols = "T: s, of either sign; τ: torque that the present model needs, interpolated between samples."
     shown_by = "reverse fast"
+    seen = ("current", "velocity")
     parameters = (EffectParameter("T", "s"),)
     depends_on_model = True
     before_torque = True

@@ -22,6 +22,7 @@ class CurrentLoopLag(ActuatorEffect):
     law = "g i = τ + T dτ/dt: the torque follows the current reference i with a first-order lag."
     symbols = "T: time constant, positive, s; τ: torque that the present model needs."
     shown_by = "reverse fast"
+    seen = ("current", "velocity")
     parameters = (EffectParameter("T", "s", positive=True),)
     depends_on_model = True
     before_torque = True

@@ -47,6 +47,7 @@ class DriveFlexibility(Effect):
         "does not swing."
     )
     shown_by = "reverse fast, with a heavy payload"
+    seen = ("acceleration",)
     parameters = (
         EffectParameter("C", "{angle}/({effort})", positive=True),
         EffectParameter("CIa", "s^2", positive=True),

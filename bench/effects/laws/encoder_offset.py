@@ -26,6 +26,7 @@ class EncoderOffset(Effect):
     law = "A joint that stands at q − offset where q was logged: τ = τ(q − offset) − τ(q), loops closed."
     symbols = "offset: rad or m, of either sign, constant."
     shown_by = "move slowly over the whole range"
+    seen = ("position",)
     parameters = (EffectParameter("offset", "{angle}"),)
     depends_on_model = True
 

@@ -26,6 +26,7 @@ class GainSaturation(ActuatorEffect):
         "of the present model takes; were it the measured one, that would be explained by itself."
     )
     shown_by = "carry a second payload, or accelerate harder"
+    seen = ("current",)
     parameters = (EffectParameter("k", "1/{drive}^2", positive=True),)
     depends_on_model = True
     before_torque = True

@@ -30,6 +30,7 @@ class GeometricError(Effect):
         'platform; the base, by the name "world").'
     )
     shown_by = "move over the whole range"
+    seen = ("position",)
     parameters = (EffectParameter("dl", "m"),)
     place = "body"
     depends_on_model = True

@@ -22,6 +22,7 @@ class JointSpring(ActuatorEffect):
         "from which the position q0 without torque follows."
     )
     shown_by = "move slowly over the whole range"
+    seen = ("position",)
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
     contains = ("constant_offset",)
 

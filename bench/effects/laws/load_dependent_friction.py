@@ -31,6 +31,7 @@ class LoadDependentFriction(ActuatorEffect):
         "motor drives or brakes, is taken from the current."
     )
     shown_by = "carry a second payload"
+    seen = ("load", "opposes")
     parameters = (EffectParameter("mu", "1", positive=True, below=MOST),)
     depends_on_model = True
     before_torque = True

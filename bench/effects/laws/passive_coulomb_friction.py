@@ -24,6 +24,7 @@ class PassiveCoulombFriction(Effect):
         "velocity for the motors' velocities."
     )
     shown_by = "move one motor alone, slowly"
+    seen = ("opposes",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
     place = "passive"
 

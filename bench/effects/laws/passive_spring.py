@@ -25,6 +25,7 @@ class PassiveSpring(Effect):
         "it; J_p (1, n): its velocity for the motors' velocities."
     )
     shown_by = "move slowly over the whole range"
+    seen = ("position",)
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
     place = "passive"
 

@@ -24,6 +24,7 @@ class PassiveViscousFriction(Effect):
         "joint; J_p (1, n): its velocity for the motors' velocities."
     )
     shown_by = "move one motor alone, fast"
+    seen = ("velocity",)
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
     place = "passive"
 

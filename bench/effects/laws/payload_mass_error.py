@@ -21,6 +21,7 @@ class PayloadMassError(Effect):
     law = "τ = dm τ_L / m: a payload of mass m + dm, all its declared parameters larger by the same share."
     symbols = "dm: kg, of either sign; τ_L: torque of the payload as it was declared, with mass m."
     shown_by = "carry a second payload"
+    seen = ("current",)
     parameters = (EffectParameter("dm", "kg"),)
     place = "payload"
 

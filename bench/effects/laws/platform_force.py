@@ -25,6 +25,7 @@ class PlatformForce(Effect):
         "Directions in which the tool cannot move have no column."
     )
     shown_by = "move slowly over the whole range, without a payload"
+    seen = ("position",)
     parameters = (
         EffectParameter("Fx", "N"),
         EffectParameter("Fy", "N"),

@@ -30,6 +30,7 @@ class PositionDependentFriction(ActuatorEffect):
         "whole halves of the travel, and the angle is 2 pi h q)."
     )
     shown_by = "move slowly over the whole range"
+    seen = ("opposes",)
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
     shape = (ShapeParameter("harmonic", "1/{turn}", (1.0, 2.0, 3.0, 4.0, 6.0, 8.0), discrete=True),)
 

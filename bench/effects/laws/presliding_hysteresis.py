@@ -24,6 +24,7 @@ class PreslidingHysteresis(ActuatorEffect):
         "x0 = 0 is Coulomb friction."
     )
     shown_by = "reverse slowly, in small strokes"
+    seen = ("opposes",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
     shape = (ShapeParameter("x0", "{angle}", (0.001, 0.003, 0.01, 0.03, 0.1, 0.3), scale="speed"),)
     contains = ("coulomb_friction",)

@@ -20,6 +20,7 @@ class QuadraticDrag(ActuatorEffect):
     law = "τ = c q̇ |q̇|: resistance of air or oil that is pushed aside."
     symbols = "c: positive, N·m·s²/rad² or N·s²/m²."
     shown_by = "move as fast as allowed"
+    seen = ("velocity",)
     parameters = (EffectParameter("c", "{effort}*s^2/{angle}^2", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -27,6 +27,7 @@ class StribeckFriction(ActuatorEffect):
         "velocity, rad/s or m/s, and delta: 1 or 2, both found from the data."
     )
     shown_by = "reverse slowly"
+    seen = ("opposes",)
     parameters = (
         EffectParameter("Fc", "{effort}", positive=True),
         EffectParameter("Fs", "{effort}", positive=True),

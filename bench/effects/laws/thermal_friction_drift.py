@@ -25,6 +25,7 @@ class ThermalFrictionDrift(ActuatorEffect):
         "The friction of the warm joint is an effect of its own."
     )
     shown_by = "start cold and record for longer"
+    seen = ("fades", "opposes", "velocity")
     parameters = (EffectParameter("Fc", "{effort}"), EffectParameter("Fv", "{effort}*s/{angle}"))
     shape = (ShapeParameter("T", "s", (0.05, 0.1, 0.2, 0.4, 0.8, 2.0), scale="duration"),)
 

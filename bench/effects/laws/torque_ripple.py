@@ -32,6 +32,7 @@ class TorqueRipple(ActuatorEffect):
         "explained by itself in part."
     )
     shown_by = "turn slowly, with and without a payload"
+    seen = ("repeats",)
     parameters = (EffectParameter("a", "1"), EffectParameter("b", "1"))
     shape = (PERIODS,)
     depends_on_model = True

@@ -36,6 +36,7 @@ class TransmissionError(Effect):
         "for teeth."
     )
     shown_by = "move fast over the whole range"
+    seen = ("repeats",)
     parameters = (EffectParameter("a", "{angle}"), EffectParameter("b", "{angle}"))
     shape = (ShapeParameter("periods", "1/{turn}", (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)),)
     depends_on_model = True

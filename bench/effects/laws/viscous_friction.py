@@ -20,6 +20,7 @@ class ViscousFriction(ActuatorEffect):
     law = "τ = Fv q̇: friction proportional to the velocity q̇, as of an oil film."
     symbols = "Fv: viscous friction coefficient, positive, N·m·s/rad or N·s/m."
     shown_by = "move fast and slowly"
+    seen = ("velocity",)
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -38,7 +38,7 @@ const Errors = (() => {
       return holder.replaceChildren(links(run)); // made in a shell, without --json
     }
     const joints = Object.keys(found.where);
-    const sentences = joints.flatMap((joint) => [found.where[joint].text, ...found.where[joint].follows.map((one) => one.text)]);
+    const sentences = joints.flatMap((joint) => [found.where[joint].text, ...[...found.where[joint].follows, ...(found.where[joint].looks_like || [])].map((one) => one.text)]);
     const rows = joints.map((joint) => [joint, percent(found.where[joint].error), percent(found.where[joint].noise)]);
     const models = before ? [{path: before.model, name: "before", role: "before"}, {path: run.model, name: "after", role: "after"}] :
       [{path: run.model, name: "", role: "error"}];

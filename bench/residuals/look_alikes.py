@@ -1,0 +1,110 @@
+"""Which effects leave errors like those found at a motor: candidates, between which a diagnosis decides."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from bench.effects import Effect, places_in
+from bench.effects.effect import Seen
+from bench.model.geometry import Geometry
+from bench.residuals.concentration import Concentration
+from bench.residuals.opposing_motion import Change
+from bench.residuals.periods import Line
+from bench.residuals.profile import Dependence
+
+QUESTION: Mapping[Seen, int] = {
+    "opposes": 1,
+    "fades": 1,
+    "load": 1,
+    "velocity": 2,
+    "repeats": 3,
+    "position": 4,
+    "current": 5,
+    "acceleration": 6,
+}
+"""Which question of the key of the atlas asks for it."""
+LOOKS: Mapping[str, Seen] = {
+    "direction": "opposes",
+    "velocity": "velocity",
+    "position": "position",
+    "constant": "position",
+    "current": "current",
+    "acceleration": "acceleration",
+    "time": "fades",
+}
+"""What the variable of a dependence stands for."""
+PERIODS: Mapping[str, Seen] = {"position": "repeats", "time": "acceleration"}
+CHANGES: Mapping[str, Seen] = {"warm-up": "fades", "load": "load"}
+REVERSALS = "reversals"
+
+
+@dataclass(frozen=True)
+class LookAlike:
+    """Effects that the model lacks and that leave such an error; the plainest law first."""
+
+    seen: Seen
+    effects: tuple[str, ...]
+
+    @property
+    def question(self) -> int:
+        """The question of the atlas's key that leads to them."""
+        return QUESTION[self.seen]
+
+
+def possible_effects(
+    geometry: Geometry, payloads: Iterable[str], catalogue: Mapping[str, Effect]
+) -> dict[str, Effect]:
+    """The effects that have a place in a robot; payloads: those of known mass."""
+    places = places_in(geometry, payloads)
+    return {name: effect for name, effect in catalogue.items() if places.of(effect.place)}
+
+
+def look_alikes(
+    joint: str,
+    found: tuple[Iterable[Concentration], Iterable[Dependence], Iterable[Line], Iterable[Change]],
+    possible: Mapping[str, Effect],
+    has: Iterable[str],
+) -> tuple[LookAlike, ...]:
+    """Effects by what was found at a motor, what holds most of the error first.
+
+    possible: effects that have a place in the robot. has: those of the model, as EFFECT or EFFECT:PLACE. An effect is
+    named for the first look that it has.
+    """
+    there = {
+        name
+        for name, _, place in (one.partition("@")[0].partition(":") for one in has)
+        if place in ("", joint)
+    }
+    left = [effect for name, effect in possible.items() if name not in there]
+    named: set[str] = set()
+    answer = []
+    for seen in _looks(*found):
+        ranks = sorted(
+            (effect.seen.index(seen), *_plainness(effect, possible))
+            for effect in left
+            if seen in effect.seen and effect.name not in named
+        )
+        effects = tuple(name for *_, name in ranks)
+        named.update(effects)
+        if effects:
+            answer.append(LookAlike(seen, effects))
+    return tuple(answer)
+
+
+def _plainness(effect: Effect, possible: Mapping[str, Effect]) -> tuple[bool, int, int, str]:
+    """What sorts laws: at the motor itself, with few parameters, special cases of others, by name."""
+    within = sum(effect.name in other.contains for other in possible.values())
+    return effect.place != "actuator", len(effect.parameters) + len(effect.shape), -within, effect.name
+
+
+def _looks(
+    concentrations: Iterable[Concentration],
+    dependences: Iterable[Dependence],
+    lines: Iterable[Line],
+    changes: Iterable[Change],
+) -> list[Seen]:
+    """What was found, as the atlas asks for it: changes first, since they tell most; then by the share of the error."""
+    shares: list[tuple[float, Seen]] = [(one.error_share, LOOKS[one.variable]) for one in dependences]
+    shares += [(one.error_share, PERIODS[one.over]) for one in lines]
+    shares += [(one.error_share, "opposes") for one in concentrations if one.region == REVERSALS]
+    ordered = [seen for _, seen in sorted(shares, key=lambda one: -one[0])]
+    return list(dict.fromkeys([*(CHANGES[one.between] for one in changes), *ordered]))
