@@ -17,6 +17,7 @@ PEERS := .venv-peers
 PEERS_INSTALL := $(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check \
 	--constraint .ci/constraints.txt --constraint .ci/constraints-peers.txt
 INSTALLED := $(VENV)/.installed
+SCRIPTS := $(wildcard bench/*/assets/*.js docs/pages/*.js)
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
@@ -30,6 +31,8 @@ test: lint types imports tests
 lint: $(INSTALLED)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/oxlint --quiet --config .ci/oxlint.json $(SCRIPTS)
+	$(BIN)/oxfmt --config .ci/oxfmt.json --list-different $(SCRIPTS)
 
 types: $(INSTALLED)
 	$(BIN)/mypy
@@ -73,6 +76,7 @@ atlas: $(INSTALLED)
 format: $(INSTALLED)
 	$(BIN)/ruff check --fix-only .
 	$(BIN)/ruff format .
+	$(BIN)/oxfmt --config .ci/oxfmt.json --write $(SCRIPTS)
 
 # The build backend is installed first, so that the editable install needs no build environment of its own.
 $(INSTALLED): pyproject.toml .ci/constraints.txt

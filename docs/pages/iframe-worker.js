@@ -35,14 +35,14 @@ if (location.protocol === "file:") {
         else inside.addEventListener_(kind, listener);
       };
       inside.postMessage = (data) => {
-        const event = new MessageEvent("message", { data });
+        const event = new MessageEvent("message", {data});
         this.dispatchEvent(event);
         if (this.onmessage) this.onmessage(event);
       };
       this.ready = inside.importScripts(base.href);
     }
     postMessage(data) {
-      this.ready.then(() => this.listener && this.listener(new MessageEvent("message", { data })));
+      this.ready.then(() => this.listener && this.listener(new MessageEvent("message", {data})));
     }
     terminate() {
       this.frame.remove();

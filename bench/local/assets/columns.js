@@ -12,15 +12,30 @@ const Columns = (() => {
       const guess = look.guesses[target] || {column: "", unit: "", why: ""};
       mapping[target] = {...guess, unit: guess.unit || own(target, guess.column)};
     }
-    const state = {active: look.needs.find((one) => !mapping[one].column) || look.needs[0], accept: [], split_gaps: false, rate: null, found: {}};
+    const state = {
+      active: look.needs.find((one) => !mapping[one].column) || look.needs[0],
+      accept: [],
+      split_gaps: false,
+      rate: null,
+      found: {},
+    };
     const targets = el("ul", {class: "targets"});
     const chips = el("div", {class: "chips", role: "group", "aria-label": "Columns of the log"});
-    const root = el("div", {class: "mapping"},
+    const root = el(
+      "div",
+      {class: "mapping"},
       el("div", {}, el("h4", {}, "What a recording needs"), targets),
-      el("div", {}, el("h4", {}, `Columns of the log (${look.columns.length})`), chips));
+      el("div", {}, el("h4", {}, `Columns of the log (${look.columns.length})`), chips),
+    );
     const needs = () => look.needs.filter((one) => one !== "time" || state.rate === null);
-    const scaled = (targets) => Object.fromEntries(targets.filter((one) => mapping[one].unit !== own(one, mapping[one].column)).map((one) => [one, mapping[one].unit]));
-    let timer = 0, round = 0;
+    const scaled = (several) =>
+      Object.fromEntries(
+        several
+          .filter((one) => mapping[one].unit !== own(one, mapping[one].column))
+          .map((one) => [one, mapping[one].unit]),
+      );
+    let timer = 0,
+      round = 0;
 
     function check() {
       clearTimeout(timer);
@@ -29,12 +44,21 @@ const Columns = (() => {
         const mapped = needs().filter((one) => mapping[one].column);
         const columns = Object.fromEntries(mapped.map((one) => [one, mapping[one].column]));
         try {
-          const found = await Server.look("checks", {...asked, columns, scale: scaled(mapped), rate: state.rate, split_gaps: state.split_gaps, accept: state.accept});
+          const found = await Server.look("checks", {
+            ...asked,
+            columns,
+            scale: scaled(mapped),
+            rate: state.rate,
+            split_gaps: state.split_gaps,
+            accept: state.accept,
+          });
           if (mine !== round) return;
           state.found = found;
         } catch (error) {
           if (mine !== round) return;
-          state.found = {[mapped[0] || "time"]: {ok: false, problems: [{what: error.message, where: "", remedy: null}]}};
+          state.found = {
+            [mapped[0] || "time"]: {ok: false, problems: [{what: error.message, where: "", remedy: null}]},
+          };
         }
         draw();
       }, PAUSE);
@@ -45,7 +69,9 @@ const Columns = (() => {
       const given = needs().filter((one) => mapping[one].column);
       changed({
         ready,
-        columns: Object.fromEntries(given.filter((one) => mapping[one].column !== one).map((one) => [one, mapping[one].column])),
+        columns: Object.fromEntries(
+          given.filter((one) => mapping[one].column !== one).map((one) => [one, mapping[one].column]),
+        ),
         scale: scaled(given),
         split_gaps: state.split_gaps,
         rate: state.rate,
@@ -69,32 +95,57 @@ const Columns = (() => {
       const cure = problem.remedy;
       if (!cure) return null;
       if (cure.unit !== undefined && look.units[target].includes(cure.unit)) {
-        return el("button", {type: "button", class: "small", click: () => {
-          const alike = (one) => (state.found[one]?.problems || []).some((two) => two.remedy?.unit === cure.unit);
-          for (const one of needs()) if (one.split(".")[0] === target.split(".")[0] && alike(one)) mapping[one].unit = cure.unit;
-          change();
-        }}, `It is in ${cure.unit}`);
+        return el(
+          "button",
+          {
+            type: "button",
+            class: "small",
+            click: () => {
+              const alike = (one) => (state.found[one]?.problems || []).some((two) => two.remedy?.unit === cure.unit);
+              for (const one of needs())
+                if (one.split(".")[0] === target.split(".")[0] && alike(one)) mapping[one].unit = cure.unit;
+              change();
+            },
+          },
+          `It is in ${cure.unit}`,
+        );
       }
       if (cure.unit !== undefined) return null;
       if (cure.split_gaps) {
-        return el("button", {type: "button", class: "small", click: () => {
-          state.split_gaps = true;
-          change();
-        }}, "Cut the log there");
+        return el(
+          "button",
+          {
+            type: "button",
+            class: "small",
+            click: () => {
+              state.split_gaps = true;
+              change();
+            },
+          },
+          "Cut the log there",
+        );
       }
-      return el("button", {type: "button", class: "small", click: () => {
-        state.accept = [...new Set([...state.accept, cure.accept])];
-        change();
-      }}, `That is meant: accept "${cure.accept}"`);
+      return el(
+        "button",
+        {
+          type: "button",
+          class: "small",
+          click: () => {
+            state.accept = [...new Set([...state.accept, cure.accept])];
+            change();
+          },
+        },
+        `That is meant: accept "${cure.accept}"`,
+      );
     }
 
     /* What is known of a column of the recording, in a line below it; problems have their remedy beside them. */
     function said(target) {
-      const own = mapping[target];
-      if (!own.column) return [el("p", {class: "said"}, "choose a column")];
+      const chosen = mapping[target];
+      if (!chosen.column) return [el("p", {class: "said"}, "choose a column")];
       const found = state.found[target];
       if (!found) return [el("p", {class: "said"}, "checking")];
-      const guess = own.why === "order" ? " · taken in the order of their numbers: look whether it is right" : "";
+      const guess = chosen.why === "order" ? " · taken in the order of their numbers: look whether it is right" : "";
       if (found.ok) return [el("p", {class: guess ? "said poor" : "said fine"}, `✓ checked${guess}`)];
       return found.problems.map((problem) => {
         const where = problem.where ? `${problem.where}: ` : "";
@@ -103,30 +154,76 @@ const Columns = (() => {
     }
 
     function units(target) {
-      return select(look.units[target].map((one) => [one, Dom.unit(one)]), mapping[target].unit, (value) => {
-        mapping[target].unit = value;
-        change();
-      }, {"aria-label": `Unit of ${target}`, id: `unit-${target}`});
+      return select(
+        look.units[target].map((one) => [one, Dom.unit(one)]),
+        mapping[target].unit,
+        (value) => {
+          mapping[target].unit = value;
+          change();
+        },
+        {"aria-label": `Unit of ${target}`, id: `unit-${target}`},
+      );
     }
 
     function draw() {
       const focused = document.activeElement && root.contains(document.activeElement) ? document.activeElement.id : "";
-      targets.replaceChildren(...needs().map((target) => {
-        const own = mapping[target];
-        const column = look.columns.find((one) => one.name === own.column);
-        return el("li", {class: target === state.active ? "active" : null},
-          el("button", {type: "button", class: "target", id: `target-${target}`, "aria-pressed": String(target === state.active),
-            click: () => { state.active = target; draw(); }}, target),
-          select([["", "–"], ...look.columns.map((one) => [one.name, one.name])], own.column, (value) => assign(target, value),
-            {"aria-label": `Column for ${target}`, id: `column-${target}`}),
-          units(target), spark(column ? column.picture : []), ...said(target));
-      }));
+      targets.replaceChildren(
+        ...needs().map((target) => {
+          const chosen = mapping[target];
+          const column = look.columns.find((one) => one.name === chosen.column);
+          return el(
+            "li",
+            {class: target === state.active ? "active" : null},
+            el(
+              "button",
+              {
+                type: "button",
+                class: "target",
+                id: `target-${target}`,
+                "aria-pressed": String(target === state.active),
+                click: () => {
+                  state.active = target;
+                  draw();
+                },
+              },
+              target,
+            ),
+            select(
+              [["", "–"], ...look.columns.map((one) => [one.name, one.name])],
+              chosen.column,
+              (value) => assign(target, value),
+              {"aria-label": `Column for ${target}`, id: `column-${target}`},
+            ),
+            units(target),
+            spark(column ? column.picture : []),
+            ...said(target),
+          );
+        }),
+      );
       const taken = Object.fromEntries(needs().map((one) => [mapping[one].column, one]));
-      chips.replaceChildren(...look.columns.map((column, i) => el("button", {type: "button", id: `chip-${i}`, "aria-pressed": String(column.name in taken),
-        title: column.name in taken ? `is ${taken[column.name]}` : `make it ${state.active}`, click: () => pick(column.name)},
-        el("span", {class: "name"}, column.name),
-        el("span", {class: "range"}, column.low === null ? "text" : `${ChartBasics.formatNumber(column.low, 3)} … ${ChartBasics.formatNumber(column.high, 3)}`),
-        spark(column.picture))));
+      chips.replaceChildren(
+        ...look.columns.map((column, i) =>
+          el(
+            "button",
+            {
+              type: "button",
+              id: `chip-${i}`,
+              "aria-pressed": String(column.name in taken),
+              title: column.name in taken ? `is ${taken[column.name]}` : `make it ${state.active}`,
+              click: () => pick(column.name),
+            },
+            el("span", {class: "name"}, column.name),
+            el(
+              "span",
+              {class: "range"},
+              column.low === null
+                ? "text"
+                : `${ChartBasics.formatNumber(column.low, 3)} … ${ChartBasics.formatNumber(column.high, 3)}`,
+            ),
+            spark(column.picture),
+          ),
+        ),
+      );
       if (focused) document.getElementById(focused)?.focus({preventScroll: true});
     }
 

@@ -35,41 +35,64 @@ const Dom = (() => {
 
   function table(heads, rows, kinds = []) {
     const head = el("tr", {}, ...heads.map((text, i) => el("th", {scope: "col", class: kinds[i] || null}, text)));
-    const body = rows.map((cells) => el("tr", {}, ...cells.map((cell, i) => el("td", {class: kinds[i] || null}, cell))));
+    const body = rows.map((cells) =>
+      el("tr", {}, ...cells.map((cell, i) => el("td", {class: kinds[i] || null}, cell))),
+    );
     return el("div", {class: "scroll"}, el("table", {}, el("thead", {}, head), el("tbody", {}, ...body)));
   }
 
   /* A command with a button that copies it. */
   function command(line) {
     const text = el("pre", {tabindex: "0"}, line);
-    const button = el("button", {type: "button", class: "small", "aria-label": "Copy the command", click: async () => {
-      try {
-        await navigator.clipboard.writeText(line);
-        button.textContent = "Copied";
-      } catch {
-        getSelection().selectAllChildren(text); // a browser may not let a page write there
-        button.textContent = "Selected";
-      }
-      setTimeout(() => (button.textContent = "Copy"), 2000);
-    }}, "Copy");
+    const button = el(
+      "button",
+      {
+        type: "button",
+        class: "small",
+        "aria-label": "Copy the command",
+        click: async () => {
+          try {
+            await navigator.clipboard.writeText(line);
+            button.textContent = "Copied";
+          } catch {
+            getSelection().selectAllChildren(text); // a browser may not let a page write there
+            button.textContent = "Selected";
+          }
+          setTimeout(() => (button.textContent = "Copy"), 2000);
+        },
+      },
+      "Copy",
+    );
     return el("div", {class: "command"}, text, button);
   }
 
   /* What a command said: its fault, or what it printed, folded away. */
   function outcome(job) {
     if (!job) return el("div");
-    if (job.state !== "done") return el("div", {}, el("p", {class: "fault", role: "alert"}, job.error || "It did not end well."));
+    if (job.state !== "done")
+      return el("div", {}, el("p", {class: "fault", role: "alert"}, job.error || "It did not end well."));
     if (!job.output) return el("div");
-    return el("details", {class: "printed-text"}, el("summary", {}, "What the command printed"), el("pre", {tabindex: "0"}, job.output));
+    return el(
+      "details",
+      {class: "printed-text"},
+      el("summary", {}, "What the command printed"),
+      el("pre", {tabindex: "0"}, job.output),
+    );
   }
 
   /* A small picture of a column. */
   function spark(values) {
-    const svg = ChartBasics.node("svg", {class: "spark", viewBox: "0 0 88 26", preserveAspectRatio: "none", "aria-hidden": "true"});
+    const svg = ChartBasics.node("svg", {
+      class: "spark",
+      viewBox: "0 0 88 26",
+      preserveAspectRatio: "none",
+      "aria-hidden": "true",
+    });
     const known = values.filter((value) => value !== null);
     const [low, high] = [Math.min(...known), Math.max(...known)];
     const at = (value) => (high > low ? 24 - (22 * (value - low)) / (high - low) : 13);
-    let path = "", open = false;
+    let path = "",
+      open = false;
     values.forEach((value, i) => {
       if (value === null) open = false;
       else {

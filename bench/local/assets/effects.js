@@ -2,10 +2,17 @@
 /* The third and the fourth step: which effect is missing, and effects that are tried by ticking them. */
 const Effects = (() => {
   const {el, percent, quantity, unit} = Dom;
-  let app, missing, body, round = 0, asking = 0;
+  let app,
+    missing,
+    body,
+    round = 0,
+    asking = 0;
   const chosen = new Set();
   const models = new Map(); // effects -> the model that was identified with them, this time
-  let tried = null, shownOf = null, applied = null, diagnosis = null;
+  let tried = null,
+    shownOf = null,
+    applied = null,
+    diagnosis = null;
 
   function start(given) {
     app = given;
@@ -37,32 +44,60 @@ const Effects = (() => {
   }
 
   function drawMissing(run, line) {
-    const button = el("button", {type: "button", class: "main", id: "diagnose", click: async () => {
-      button.disabled = true;
-      const job = await Server.run({step: "diagnose", dataset: app.dataset});
-      button.disabled = false;
-      if (job.state === "done") await app.refresh();
-      else missing.append(Dom.outcome(job));
-    }}, run ? "Diagnose again" : "Diagnose");
+    const button = el(
+      "button",
+      {
+        type: "button",
+        class: "main",
+        id: "diagnose",
+        click: async () => {
+          button.disabled = true;
+          const job = await Server.run({step: "diagnose", dataset: app.dataset});
+          button.disabled = false;
+          if (job.state === "done") await app.refresh();
+          else missing.append(Dom.outcome(job));
+        },
+      },
+      run ? "Diagnose again" : "Diagnose",
+    );
     missing.replaceChildren(el("div", {class: "row"}, button), Dom.command(line), ...(diagnosis ? verdict(run) : []));
   }
 
   /* What a diagnosis says: the error as effects are added, and the verdict on each. */
   function verdict(run) {
-    const words = (names) => names.map((name) => spoken(name)).join(", ").replace(/, ([^,]*)$/, " and $1");
+    const words = (names) =>
+      names
+        .map((name) => spoken(name))
+        .join(", ")
+        .replace(/, ([^,]*)$/, " and $1");
     const steps = diagnosis.ladder.map((step, i) => {
       const before = i ? diagnosis.ladder[i - 1].effects : [];
-      return [i ? `+ ${words(step.effects.filter((one) => !before.includes(one)))}` : "the model as it is", step.error.validate ?? step.error.identify, i ? "" : "before"];
+      return [
+        i ? `+ ${words(step.effects.filter((one) => !before.includes(one)))}` : "the model as it is",
+        step.error.validate ?? step.error.identify,
+        i ? "" : "before",
+      ];
     });
     steps.push(["noise of the currents", diagnosis.unexplained.noise_floor, "noise"]);
     const most = Math.max(...steps.map(([, share]) => share || 0));
     const told = diagnosis.missing.length
       ? `${words(diagnosis.missing).replace(/^./, (c) => c.toUpperCase())} ${diagnosis.missing.length > 1 ? "are" : "is"} missing.`
       : "No effect of the catalogue helps beyond chance.";
-    const left = diagnosis.unexplained.significant ? `Something is left that no known effect accounts for: ${diagnosis.unexplained.why}.` : null;
+    const left = diagnosis.unexplained.significant
+      ? `Something is left that no known effect accounts for: ${diagnosis.unexplained.why}.`
+      : null;
     const shown = diagnosis.ranking.filter((one) => one.verdict !== "not supported" && one.verdict !== "absorbed");
-    const table = (list) => Dom.table(["effect", "verdict", "at", "why"], list.map((one) => [
-      spoken(one.effect), el("span", {class: `badge ${one.verdict.replace(/ .*/, "")}`}, one.verdict), one.actuators.join(", "), one.why]), ["keep", "keep", "", "words"]);
+    const table = (list) =>
+      Dom.table(
+        ["effect", "verdict", "at", "why"],
+        list.map((one) => [
+          spoken(one.effect),
+          el("span", {class: `badge ${one.verdict.replace(/ .*/, "")}`}, one.verdict),
+          one.actuators.join(", "),
+          one.why,
+        ]),
+        ["keep", "keep", "", "words"],
+      );
     return [
       el("div", {class: "verdict"}, el("p", {}, told), left ? el("p", {}, left) : null),
       el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
@@ -101,18 +136,45 @@ const Effects = (() => {
     const answer = el("div", {class: "answer"});
     const boxes = list.map((effect) => {
       const said = verdictOf(effect.name);
-      const legend = el("legend", {}, effect.words, said && said.verdict !== "not supported" ? el("span", {class: `badge ${said.verdict.replace(/ .*/, "")}`}, said.verdict) : null);
-      const places = effect.places.length ? effect.places.map((place) => [`${effect.name}:${place}`, place]) : [[effect.name, "the whole robot"]];
-      return el("fieldset", {}, legend, ...places.map(([name, words]) => {
-        const input = el("input", {type: "checkbox", id: name, checked: chosen.has(name), change: () => {
-          if (input.checked) chosen.add(name);
-          else chosen.delete(name);
-          drawAnswer(answer, true);
-        }});
-        return el("label", {}, input, words);
-      }));
+      const legend = el(
+        "legend",
+        {},
+        effect.words,
+        said && said.verdict !== "not supported"
+          ? el("span", {class: `badge ${said.verdict.replace(/ .*/, "")}`}, said.verdict)
+          : null,
+      );
+      const places = effect.places.length
+        ? effect.places.map((place) => [`${effect.name}:${place}`, place])
+        : [[effect.name, "the whole robot"]];
+      return el(
+        "fieldset",
+        {},
+        legend,
+        ...places.map(([name, words]) => {
+          const input = el("input", {
+            type: "checkbox",
+            id: name,
+            checked: chosen.has(name),
+            change: () => {
+              if (input.checked) chosen.add(name);
+              else chosen.delete(name);
+              drawAnswer(answer, true);
+            },
+          });
+          return el("label", {}, input, words);
+        }),
+      );
     });
-    body.replaceChildren(el("div", {class: "choose"}, el("div", {class: "effects", tabindex: "0", role: "group", "aria-label": "Effects"}, ...boxes), answer), el("div", {id: "applied"}));
+    body.replaceChildren(
+      el(
+        "div",
+        {class: "choose"},
+        el("div", {class: "effects", tabindex: "0", role: "group", "aria-label": "Effects"}, ...boxes),
+        answer,
+      ),
+      el("div", {id: "applied"}),
+    );
     await drawAnswer(answer, false);
     await drawApplied();
   }
@@ -123,7 +185,8 @@ const Effects = (() => {
     const asked = {step: "identify", dataset: app.dataset, effects: effects()};
     const key = JSON.stringify([app.dataset, asked.effects]);
     holder.classList.add("waiting");
-    let job = models.get(key), fault = null;
+    let job = models.get(key),
+      fault = null;
     if (!job && now) {
       job = await Server.run(asked);
       if (job.state === "done") models.set(key, job);
@@ -131,7 +194,11 @@ const Effects = (() => {
     }
     if (mine !== asking) return;
     const title = asked.effects.length ? `With ${asked.effects.map(said).join(", ")}` : "Without any effect";
-    const go = el("button", {type: "button", class: "main", id: "identify", click: () => drawAnswer(holder, true)}, "Identify with these");
+    const go = el(
+      "button",
+      {type: "button", class: "main", id: "identify", click: () => drawAnswer(holder, true)},
+      "Identify with these",
+    );
     const parts = [el("h3", {}, title)];
     if (fault) parts.push(Dom.outcome(fault));
     if (job) {
@@ -160,30 +227,64 @@ const Effects = (() => {
 
   /* Errors and gains of a model beside those of the model without effects. */
   function numbers(found, base) {
-    const uses = [["identify", "fitted"], ["validate", "not fitted"]].filter(([use]) => found.error[use] !== null);
+    const uses = [
+      ["identify", "fitted"],
+      ["validate", "not fitted"],
+    ].filter(([use]) => found.error[use] !== null);
     const most = Math.max(...uses.flatMap(([use]) => [found.error[use], base ? base.error[use] || 0 : 0]));
     const steps = uses.flatMap(([use, words]) => [
-      ...(base ? [[`${words}, before`, base.error[use], "before"]] : []), [base ? `${words}, now` : words, found.error[use], ""]]);
+      ...(base ? [[`${words}, before`, base.error[use], "before"]] : []),
+      [base ? `${words}, now` : words, found.error[use], ""],
+    ]);
     const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
-      joint, base ? quantity(base.drive_gains[joint]) : "–", quantity(gain), unit(gain.unit)]);
-    const values = Object.entries(found.effect_parameters).flatMap(([effect, joints]) => Object.entries(joints).flatMap(([joint, list]) =>
-      Object.entries(list).map(([name, one]) => [`${spoken(effect)}${joint === "robot" ? "" : ` at ${joint}`}`, name, quantity(one), unit(one.unit)])));
-    return [bars(steps, most), el("h4", {}, found.gains_fitted ? "Drive gains" : "Drive gains, nominal: no weighed payload"),
+      joint,
+      base ? quantity(base.drive_gains[joint]) : "–",
+      quantity(gain),
+      unit(gain.unit),
+    ]);
+    const values = Object.entries(found.effect_parameters).flatMap(([effect, joints]) =>
+      Object.entries(joints).flatMap(([joint, list]) =>
+        Object.entries(list).map(([name, one]) => [
+          `${spoken(effect)}${joint === "robot" ? "" : ` at ${joint}`}`,
+          name,
+          quantity(one),
+          unit(one.unit),
+        ]),
+      ),
+    );
+    return [
+      bars(steps, most),
+      el("h4", {}, found.gains_fitted ? "Drive gains" : "Drive gains, nominal: no weighed payload"),
       Dom.table(["motor", "before", "now", "unit"], rows, ["", "right", "right", "keep"]),
-      values.length ? Dom.table(["effect", "", "value", "unit"], values, ["", "", "right", "keep"]) : null].filter((one) => one !== null);
+      values.length ? Dom.table(["effect", "", "value", "unit"], values, ["", "", "right", "keep"]) : null,
+    ].filter((one) => one !== null);
   }
 
   function apply() {
-    const button = el("button", {type: "button", class: "main", id: "apply", click: async () => {
-      button.disabled = true;
-      const job = await Server.run({step: "compare", dataset: app.dataset, models: [tried.model]});
-      button.disabled = false;
-      if (job.state !== "done") return button.after(Dom.outcome(job));
-      applied = job.files.run;
-      await app.refresh();
-      return document.getElementById("applied").scrollIntoView({block: "start"});
-    }}, "Apply and compare");
-    return el("div", {class: "row"}, button, el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model"));
+    const button = el(
+      "button",
+      {
+        type: "button",
+        class: "main",
+        id: "apply",
+        click: async () => {
+          button.disabled = true;
+          const job = await Server.run({step: "compare", dataset: app.dataset, models: [tried.model]});
+          button.disabled = false;
+          if (job.state !== "done") return button.after(Dom.outcome(job));
+          applied = job.files.run;
+          await app.refresh();
+          return document.getElementById("applied").scrollIntoView({block: "start"});
+        },
+      },
+      "Apply and compare",
+    );
+    return el(
+      "div",
+      {class: "row"},
+      button,
+      el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model"),
+    );
   }
 
   /* The comparison with the model that was applied, beside the one before. */
@@ -192,8 +293,20 @@ const Effects = (() => {
     const run = app.latest("compare", (one) => one.applied && (applied === null || one.path === applied));
     if (!run) return;
     const answer = el("div", {class: "part"});
-    holder.replaceChildren(el("div", {class: "panel"}, el("h3", {}, `Applied: ${run.effects.map(said).join(", ") || "no effect"}`), Dom.command(run.line), answer));
-    await Errors.show(answer, run, app.latest("compare", (one) => !one.applied));
+    holder.replaceChildren(
+      el(
+        "div",
+        {class: "panel"},
+        el("h3", {}, `Applied: ${run.effects.map(said).join(", ") || "no effect"}`),
+        Dom.command(run.line),
+        answer,
+      ),
+    );
+    await Errors.show(
+      answer,
+      run,
+      app.latest("compare", (one) => !one.applied),
+    );
   }
 
   return {start, render, said};

@@ -2,7 +2,10 @@
 /* The second step: where a model fails; and how such an answer is shown wherever it is one. */
 const Errors = (() => {
   const {el, percent} = Dom;
-  let app, body, last = null, round = 0;
+  let app,
+    body,
+    last = null,
+    round = 0;
   const remembered = {}; // choices of the figure, by name
 
   function start(given) {
@@ -18,13 +21,22 @@ const Errors = (() => {
     const run = app.latest("compare", (one) => !one.applied);
     const answer = el("div");
     if (mine !== round) return undefined;
-    const button = el("button", {type: "button", class: "main", id: "compare", click: async () => {
-      button.disabled = true;
-      last = await Server.run(asked);
-      button.disabled = false;
-      if (last.state === "done") await app.refresh();
-      else body.append(Dom.outcome(last));
-    }}, run ? "Compare again" : "Compare");
+    const button = el(
+      "button",
+      {
+        type: "button",
+        class: "main",
+        id: "compare",
+        click: async () => {
+          button.disabled = true;
+          last = await Server.run(asked);
+          button.disabled = false;
+          if (last.state === "done") await app.refresh();
+          else body.append(Dom.outcome(last));
+        },
+      },
+      run ? "Compare again" : "Compare",
+    );
     body.replaceChildren(el("div", {class: "row"}, button), Dom.command(line), answer);
     return run ? show(answer, run) : undefined; // a chart needs its place in the page
   }
@@ -38,13 +50,24 @@ const Errors = (() => {
       return holder.replaceChildren(links(run)); // made in a shell, without --json
     }
     const joints = Object.keys(found.where);
-    const sentences = joints.flatMap((joint) => [found.where[joint].text, ...[...found.where[joint].follows, ...(found.where[joint].looks_like || [])].map((one) => one.text)]);
+    const sentences = joints.flatMap((joint) => [
+      found.where[joint].text,
+      ...[...found.where[joint].follows, ...(found.where[joint].looks_like || [])].map((one) => one.text),
+    ]);
     const rows = joints.map((joint) => [joint, percent(found.where[joint].error), percent(found.where[joint].noise)]);
-    const models = before ? [{path: before.model, name: "before", role: "before"}, {path: run.model, name: "after", role: "after"}] :
-      [{path: run.model, name: "", role: "error"}];
+    const models = before
+      ? [
+          {path: before.model, name: "before", role: "before"},
+          {path: run.model, name: "after", role: "after"},
+        ]
+      : [{path: run.model, name: "", role: "error"}];
     const figure = el("div", {class: "part"});
-    holder.replaceChildren(el("ul", {class: "said"}, ...sentences.map((text) => el("li", {}, text))),
-      el("div", {class: "part"}, Dom.table(["motor", "error", "noise of the current"], rows, ["", "right", "right"])), figure, links(run));
+    holder.replaceChildren(
+      el("ul", {class: "said"}, ...sentences.map((text) => el("li", {}, text))),
+      el("div", {class: "part"}, Dom.table(["motor", "error", "noise of the current"], rows, ["", "right", "right"])),
+      figure,
+      links(run),
+    );
     await curves(figure, models);
     return undefined;
   }
@@ -75,10 +98,17 @@ const Errors = (() => {
   }
 
   function links(run) {
-    return el("p", {class: "row"},
-      el("a", {href: `show/${Server.address(run.path)}/report.html`, target: "_blank", rel: "noopener"}, "Open the report"),
+    return el(
+      "p",
+      {class: "row"},
+      el(
+        "a",
+        {href: `show/${Server.address(run.path)}/report.html`, target: "_blank", rel: "noopener"},
+        "Open the report",
+      ),
       el("a", {href: `files/${Server.address(run.path)}/report.html`, download: true}, "Download the report"),
-      run.model ? el("a", {href: `files/${Server.address(run.model)}`, download: true}, "Download the model") : null);
+      run.model ? el("a", {href: `files/${Server.address(run.model)}`, download: true}, "Download the model") : null,
+    );
   }
 
   return {start, render, show, curves, links};

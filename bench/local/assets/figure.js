@@ -19,14 +19,26 @@ const Figures = (() => {
       charts = variant.charts.map((one, i) => Charts.create(frames[i], one.spec));
     };
     const choices = figure.choices.map((choice, i) =>
-      Dom.field(choice.name, select(choice.options.map((option, k) => [String(k), option]), String(chosen[i]), (value) => {
-        chosen[i] = Number(value);
-        remembered[choice.name] = choice.options[chosen[i]];
-        draw();
-        chose();
-      })),
+      Dom.field(
+        choice.name,
+        select(
+          choice.options.map((option, k) => [String(k), option]),
+          String(chosen[i]),
+          (value) => {
+            chosen[i] = Number(value);
+            remembered[choice.name] = choice.options[chosen[i]];
+            draw();
+            chose();
+          },
+        ),
+      ),
     );
-    holder.replaceChildren(el("h3", {}, figure.title), el("p", {class: "aid"}, figure.aid), el("div", {class: "row"}, ...choices), screen);
+    holder.replaceChildren(
+      el("h3", {}, figure.title),
+      el("p", {class: "aid"}, figure.aid),
+      el("div", {class: "row"}, ...choices),
+      screen,
+    );
     draw();
     return {destroy: () => charts.forEach((chart) => chart.destroy())};
   }

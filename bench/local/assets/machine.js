@@ -11,23 +11,51 @@ const Machine = (() => {
     const size = data.high.map((high, i) => high - data.low[i]);
     const thin = size.indexOf(Math.min(...size));
     const flat = size[thin] < 0.3 * Math.max(...size); // a planar robot is looked at from the side
-    const view = flat ? {yaw: thin === 0 ? Math.PI / 2 : 0, pitch: thin === 2 ? Math.PI / 2 : 0} : {yaw: 0.6, pitch: 0.45};
+    const view = flat
+      ? {yaw: thin === 0 ? Math.PI / 2 : 0, pitch: thin === 2 ? Math.PI / 2 : 0}
+      : {yaw: 0.6, pitch: 0.45};
     const reach = 0.55 * Math.hypot(...size);
-    let frame = 0, playing = 0;
-    const canvas = el("canvas", {class: "machine", tabindex: "0", role: "img", "aria-label": "The mechanism; arrow keys turn it",
-      pointerdown: (event) => { canvas.setPointerCapture(event.pointerId); },
-      pointermove: (event) => { if (event.buttons) turn(-0.01 * event.movementX, 0.01 * event.movementY); },
+    let frame = 0,
+      playing = 0;
+    const canvas = el("canvas", {
+      class: "machine",
+      tabindex: "0",
+      role: "img",
+      "aria-label": "The mechanism; arrow keys turn it",
+      pointerdown: (event) => {
+        canvas.setPointerCapture(event.pointerId);
+      },
+      pointermove: (event) => {
+        if (event.buttons) turn(-0.01 * event.movementX, 0.01 * event.movementY);
+      },
       keydown: (event) => {
-        const turns = {ArrowLeft: [TURN, 0], ArrowRight: [-TURN, 0], ArrowUp: [0, TURN], ArrowDown: [0, -TURN]}[event.key];
+        const turns = {ArrowLeft: [TURN, 0], ArrowRight: [-TURN, 0], ArrowUp: [0, TURN], ArrowDown: [0, -TURN]}[
+          event.key
+        ];
         if (!turns) return;
         event.preventDefault();
         turn(...turns);
-      }});
-    const slider = el("input", {type: "range", min: "0", max: String(frames - 1), value: "0", "aria-label": "Time", input: () => show(Number(slider.value))});
+      },
+    });
+    const slider = el("input", {
+      type: "range",
+      min: "0",
+      max: String(frames - 1),
+      value: "0",
+      "aria-label": "Time",
+      input: () => show(Number(slider.value)),
+    });
     const moment = el("output", {class: "name"});
     const play = el("button", {type: "button", class: "small", click: () => (playing ? stop() : start())}, "Play");
-    const told = data.largest > 0 ? `Tool path: the stronger its colour, the larger the error, up to ${Dom.percent(data.largest)} of the current.` : "";
-    holder.replaceChildren(canvas, el("div", {class: "row time"}, play, slider, moment), el("p", {class: "aid"}, `Drag, or use the arrow keys, to turn it. ${told}`));
+    const told =
+      data.largest > 0
+        ? `Tool path: the stronger its colour, the larger the error, up to ${Dom.percent(data.largest)} of the current.`
+        : "";
+    holder.replaceChildren(
+      canvas,
+      el("div", {class: "row time"}, play, slider, moment),
+      el("p", {class: "aid"}, `Drag, or use the arrow keys, to turn it. ${told}`),
+    );
 
     function turn(yaw, pitch) {
       view.yaw += yaw;
@@ -98,15 +126,22 @@ const Machine = (() => {
       if (data.path) {
         for (let i = 1; i < frames; i++) {
           pen.globalAlpha = 0.25 + 0.75 * data.error[i];
-          line(projected(data.path, i - 1, scale, width, height), projected(data.path, i, scale, width, height), 2, colour("error"));
+          line(
+            projected(data.path, i - 1, scale, width, height),
+            projected(data.path, i, scale, width, height),
+            2,
+            colour("error"),
+          );
         }
         pen.globalAlpha = 1;
       }
-      const bars = data.bars.map((bar) => {
-        const i = bar.from.length > 3 ? frame : 0;
-        const [a, b] = [projected(bar.from, i, scale, width, height), projected(bar.to, i, scale, width, height)];
-        return {a, b, thick: Math.max(2, 2 * bar.radius * scale), depth: a[2] + b[2], still: bar.from.length === 3};
-      }).sort((one, two) => two.depth - one.depth);
+      const bars = data.bars
+        .map((bar) => {
+          const i = bar.from.length > 3 ? frame : 0;
+          const [a, b] = [projected(bar.from, i, scale, width, height), projected(bar.to, i, scale, width, height)];
+          return {a, b, thick: Math.max(2, 2 * bar.radius * scale), depth: a[2] + b[2], still: bar.from.length === 3};
+        })
+        .sort((one, two) => two.depth - one.depth);
       for (const {a, b, thick, still} of bars) {
         line(a, b, thick + 2, colour("ground"));
         line(a, b, thick, still ? colour("noise") : colour("measured"));

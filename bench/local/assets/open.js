@@ -10,10 +10,17 @@
   async function refresh(dataset = app.dataset) {
     app.folder = await Server.get("api/folder");
     const known = app.folder.datasets;
-    app.dataset = known.includes(dataset) ? dataset : known.includes(app.folder.start) ? app.folder.start : known[0] ?? null;
+    app.dataset = known.includes(dataset)
+      ? dataset
+      : known.includes(app.folder.start)
+        ? app.folder.start
+        : (known[0] ?? null);
     [app.described, app.fault] = [null, null];
     if (app.dataset !== null) {
-      await Server.look("dataset", {dataset: app.dataset}).then((found) => (app.described = found), (error) => (app.fault = error.message));
+      await Server.look("dataset", {dataset: app.dataset}).then(
+        (found) => (app.described = found),
+        (error) => (app.fault = error.message),
+      );
     }
     const paths = app.folder.runs.map((one) => one.path);
     const told = paths.length ? await Server.look("runs", {paths}) : [];
@@ -28,7 +35,9 @@
   /* The newest run of a kind in the results of the dataset that is shown. */
   function latest(kind, fits) {
     const results = app.dataset === "." ? "results" : `${app.dataset}.results`;
-    const found = app.runs.filter((run) => !run.fault && run.path.startsWith(`${results}/`) && run.path.endsWith(`-${kind}`) && fits(run));
+    const found = app.runs.filter(
+      (run) => !run.fault && run.path.startsWith(`${results}/`) && run.path.endsWith(`-${kind}`) && fits(run),
+    );
     return found.sort((a, b) => numberOf(a) - numberOf(b)).pop();
   }
 
@@ -39,8 +48,16 @@
     document.title = `${name} – parabench`;
     document.getElementById("title").textContent = name;
     const count = datasets.length === 1 ? "1 dataset" : `${datasets.length} datasets`;
-    document.getElementById("facts").replaceChildren(el("span", {}, root), " ", el("span", {}, count), " ", el("span", {}, command),
-      ...(app.folder.cut ? [" ", el("span", {}, "too many files: only the first were looked at")] : []));
+    document
+      .getElementById("facts")
+      .replaceChildren(
+        el("span", {}, root),
+        " ",
+        el("span", {}, count),
+        " ",
+        el("span", {}, command),
+        ...(app.folder.cut ? [" ", el("span", {}, "too many files: only the first were looked at")] : []),
+      );
     for (const part of [Recordings, Errors, Effects, Results]) part.render();
   }
 
@@ -53,12 +70,33 @@
       const waiting = jobs.filter((one) => one.state === "waiting").length;
       const steps = job.total ? ` ${job.done} of ${job.total}` : "";
       const words = `${job.line.split(" ").slice(0, 2).join(" ")}: ${job.phase || "starting"}${steps}${waiting ? `, ${waiting} more waiting` : ""}`;
-      const bar = job.total ? el("progress", {value: job.done, max: job.total, "aria-label": job.phase}) : el("progress", {"aria-label": job.phase || "starting"});
-      holder.replaceChildren(el("div", {class: "row"}, el("span", {class: "words"}, words),
-        el("button", {type: "button", class: "small", id: "cancel", click: () => Server.cancel(job.number).catch(() => undefined)}, "Cancel")), bar);
+      const bar = job.total
+        ? el("progress", {value: job.done, max: job.total, "aria-label": job.phase})
+        : el("progress", {"aria-label": job.phase || "starting"});
+      holder.replaceChildren(
+        el(
+          "div",
+          {class: "row"},
+          el("span", {class: "words"}, words),
+          el(
+            "button",
+            {
+              type: "button",
+              class: "small",
+              id: "cancel",
+              click: () => Server.cancel(job.number).catch(() => undefined),
+            },
+            "Cancel",
+          ),
+        ),
+        bar,
+      );
     }
     // what another page has asked for changes this one, too
-    const foreign = jobs.filter((one) => one.state === "done" && one.step !== "identify" && !Server.own.has(one.number)).map((one) => one.number).join();
+    const foreign = jobs
+      .filter((one) => one.state === "done" && one.step !== "identify" && !Server.own.has(one.number))
+      .map((one) => one.number)
+      .join();
     if (app.folder && numbers !== null && foreign !== numbers) refresh().catch(unreachable);
     numbers = foreign;
   }
@@ -86,7 +124,8 @@
     const mark = () => {
       let current = links[0];
       for (const link of links) {
-        if (document.getElementById(link.hash.slice(1)).getBoundingClientRect().top < Math.min(innerHeight / 3, 200)) current = link;
+        if (document.getElementById(link.hash.slice(1)).getBoundingClientRect().top < Math.min(innerHeight / 3, 200))
+          current = link;
       }
       for (const link of links) {
         if (link === current) link.setAttribute("aria-current", "true");

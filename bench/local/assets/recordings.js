@@ -3,29 +3,69 @@
 const Recordings = (() => {
   const {el, field, select, radios} = Dom;
   const NEW = "\u0000new";
-  const form = {log: "", robot: "", dataset: NEW, name: "my_data", use: "identify", load: null, payload: "load", mass: "", rate: "", mapped: null};
-  let app, logs, setup, last = null;
+  const form = {
+    log: "",
+    robot: "",
+    dataset: NEW,
+    name: "my_data",
+    use: "identify",
+    load: null,
+    payload: "load",
+    mass: "",
+    rate: "",
+    mapped: null,
+  };
+  let app,
+    logs,
+    setup,
+    last = null;
 
   function start(given) {
     app = given;
     logs = el("div");
     setup = el("div");
-    const input = el("input", {type: "file", id: "files", multiple: true, accept: ".csv,.tsv,.txt,.dat,.log,.mat,.npz,.parquet,.mcap,.db3,.bag", change: () => take([...input.files])});
-    const drop = el("label", {class: "drop", for: "files",
-      dragover: (event) => { event.preventDefault(); drop.classList.add("over"); },
-      dragleave: () => drop.classList.remove("over"),
-      drop: (event) => { event.preventDefault(); drop.classList.remove("over"); take([...event.dataTransfer.files]); }},
-      input, "Drop logs here, or choose them: CSV and other text, MAT, NPZ, Parquet, ROS bags");
-    document.getElementById("add-log").replaceChildren(
-      el("div", {class: "panel"}, el("h3", {}, "Add a log"), drop, logs, setup));
+    const input = el("input", {
+      type: "file",
+      id: "files",
+      multiple: true,
+      accept: ".csv,.tsv,.txt,.dat,.log,.mat,.npz,.parquet,.mcap,.db3,.bag",
+      change: () => take([...input.files]),
+    });
+    const drop = el(
+      "label",
+      {
+        class: "drop",
+        for: "files",
+        dragover: (event) => {
+          event.preventDefault();
+          drop.classList.add("over");
+        },
+        dragleave: () => drop.classList.remove("over"),
+        drop: (event) => {
+          event.preventDefault();
+          drop.classList.remove("over");
+          take([...event.dataTransfer.files]);
+        },
+      },
+      input,
+      "Drop logs here, or choose them: CSV and other text, MAT, NPZ, Parquet, ROS bags",
+    );
+    document
+      .getElementById("add-log")
+      .replaceChildren(el("div", {class: "panel"}, el("h3", {}, "Add a log"), drop, logs, setup));
   }
 
   async function take(files) {
     await app.ready;
     const faults = [];
     for (const file of files) {
-      if (file.size > app.folder.largest) faults.push(`${file.name}: larger than this page takes; put it into the folder by hand`);
-      else await Server.upload(file).then(() => (form.log = file.name), (error) => faults.push(error.message));
+      if (file.size > app.folder.largest)
+        faults.push(`${file.name}: larger than this page takes; put it into the folder by hand`);
+      else
+        await Server.upload(file).then(
+          () => (form.log = file.name),
+          (error) => faults.push(error.message),
+        );
     }
     await app.refresh();
     if (faults.length) logs.append(...faults.map((text) => el("p", {class: "fault", role: "alert"}, text)));
@@ -35,33 +75,82 @@ const Recordings = (() => {
   function render() {
     document.getElementById("dataset-choice").replaceChildren(datasetChoice());
     document.getElementById("recordings-table").replaceChildren(table());
-    const imported = new Set((app.described ? app.described.recordings : []).map((one) => one.name.replace(/\.\w+$/, "")));
-    logs.replaceChildren(el("ul", {class: "logs"}, ...app.folder.logs.map((log) => {
-      const stem = log.split("/").pop().replace(/\.\w+$/, "");
-      return el("li", {}, el("button", {type: "button", "aria-pressed": String(log === form.log), click: () => choose(log)},
-        imported.has(stem) ? `${log} ✓` : log));
-    })));
+    const imported = new Set(
+      (app.described ? app.described.recordings : []).map((one) => one.name.replace(/\.\w+$/, "")),
+    );
+    logs.replaceChildren(
+      el(
+        "ul",
+        {class: "logs"},
+        ...app.folder.logs.map((log) => {
+          const stem = log
+            .split("/")
+            .pop()
+            .replace(/\.\w+$/, "");
+          return el(
+            "li",
+            {},
+            el(
+              "button",
+              {type: "button", "aria-pressed": String(log === form.log), click: () => choose(log)},
+              imported.has(stem) ? `${log} ✓` : log,
+            ),
+          );
+        }),
+      ),
+    );
   }
 
   function datasetChoice() {
     const known = app.folder.datasets;
     if (!known.length) return el("p", {class: "aid"}, "No dataset in this folder yet: drop the first log.");
     const options = known.map((one) => [one, one === "." ? app.folder.name : one]);
-    return el("div", {class: "row"}, field("Dataset", select(options, app.dataset, (value) => app.choose(value), {id: "dataset"})),
-      el("a", {href: `zip/${Server.address(app.dataset)}`, download: true}, "Download this dataset"));
+    return el(
+      "div",
+      {class: "row"},
+      field(
+        "Dataset",
+        select(options, app.dataset, (value) => app.choose(value), {id: "dataset"}),
+      ),
+      el("a", {href: `zip/${Server.address(app.dataset)}`, download: true}, "Download this dataset"),
+    );
   }
 
   function table() {
     if (app.fault) return el("p", {class: "fault"}, app.fault);
     if (!app.described) return el("div");
     const data = app.described;
-    const rows = data.recordings.map((one) => [one.name, one.use === "identify" ? "fitted" : "only compared", load(one.payload),
-      `${ChartBasics.formatNumber(one.seconds, 3)} s`, `${ChartBasics.formatNumber(one.rate, 4)} Hz`, one.accepted.length ? `✓ passed; accepted: ${one.accepted.join(", ")}` : "✓ all checks passed"]);
-    const weighed = data.recordings.some((one) => one.use === "identify" && one.payload && data.payloads[one.payload]) &&
+    const rows = data.recordings.map((one) => [
+      one.name,
+      one.use === "identify" ? "fitted" : "only compared",
+      load(one.payload),
+      `${ChartBasics.formatNumber(one.seconds, 3)} s`,
+      `${ChartBasics.formatNumber(one.rate, 4)} Hz`,
+      one.accepted.length ? `✓ passed; accepted: ${one.accepted.join(", ")}` : "✓ all checks passed",
+    ]);
+    const weighed =
+      data.recordings.some((one) => one.use === "identify" && one.payload && data.payloads[one.payload]) &&
       data.recordings.some((one) => one.use === "identify" && !one.payload);
-    const advice = weighed ? null : el("p", {class: "aid"},
-      "For drive gains, one recording without a payload and one with a payload that was weighed are needed; until then gains stay nominal.");
-    return el("div", {}, Dom.table(["recording", "use", "payload", "length", "rate", "checks"], rows, ["", "", "", "right", "right", "keep"]), advice);
+    const advice = weighed
+      ? null
+      : el(
+          "p",
+          {class: "aid"},
+          "For drive gains, one recording without a payload and one with a payload that was weighed are needed; until then gains stay nominal.",
+        );
+    return el(
+      "div",
+      {},
+      Dom.table(["recording", "use", "payload", "length", "rate", "checks"], rows, [
+        "",
+        "",
+        "",
+        "right",
+        "right",
+        "keep",
+      ]),
+      advice,
+    );
   }
 
   function load(name) {
@@ -87,14 +176,41 @@ const Recordings = (() => {
   async function draw() {
     if (!form.log) return setup.replaceChildren();
     const robots = [["", "choose …"], ...Object.entries(app.folder.robots)];
-    const robot = field("Robot", select(robots, form.robot, (value) => { form.robot = value; draw(); }, {id: "robot"}));
+    const robot = field(
+      "Robot",
+      select(
+        robots,
+        form.robot,
+        (value) => {
+          form.robot = value;
+          draw();
+        },
+        {id: "robot"},
+      ),
+    );
     const checked = el("div");
-    const check = el("button", {type: "button", class: "small", disabled: !form.robot, click: async () => {
-      checked.replaceChildren(Dom.outcome(await Server.run({step: "robot", robot: form.robot})));
-      checked.querySelector("details")?.setAttribute("open", "");
-    }}, "Check the robot");
+    const check = el(
+      "button",
+      {
+        type: "button",
+        class: "small",
+        disabled: !form.robot,
+        click: async () => {
+          checked.replaceChildren(Dom.outcome(await Server.run({step: "robot", robot: form.robot})));
+          checked.querySelector("details")?.setAttribute("open", "");
+        },
+      },
+      "Check the robot",
+    );
     const parts = [el("h3", {}, form.log), el("div", {class: "row"}, robot, check), checked];
-    if (!form.robot) parts.push(el("p", {class: "aid"}, "Which robot is this a log of? A folder with a robot.toml in the opened folder is offered as well, and so is bench open --robot FOLDER."));
+    if (!form.robot)
+      parts.push(
+        el(
+          "p",
+          {class: "aid"},
+          "Which robot is this a log of? A folder with a robot.toml in the opened folder is offered as well, and so is bench open --robot FOLDER.",
+        ),
+      );
     setup.replaceChildren(el("hr"), ...parts);
     if (!form.robot) return undefined;
     let look;
@@ -104,13 +220,28 @@ const Recordings = (() => {
       return setup.append(el("p", {class: "fault", role: "alert"}, error.message));
     }
     const shown = el("div");
-    const columns = Columns.create(look, {log: form.log, robot: form.robot}, (mapped) => { form.mapped = mapped; command(shown); });
-    const rate = el("input", {type: "number", min: "0", step: "any", placeholder: "Hz", value: form.rate, input: () => {
-      form.rate = rate.value;
-      columns.setRate(Number(rate.value) > 0 ? Number(rate.value) : null);
-    }});
+    const columns = Columns.create(look, {log: form.log, robot: form.robot}, (mapped) => {
+      form.mapped = mapped;
+      command(shown);
+    });
+    const rate = el("input", {
+      type: "number",
+      min: "0",
+      step: "any",
+      placeholder: "Hz",
+      value: form.rate,
+      input: () => {
+        form.rate = rate.value;
+        columns.setRate(Number(rate.value) > 0 ? Number(rate.value) : null);
+      },
+    });
     if (look.notes.length) setup.append(el("p", {class: "aid"}, look.notes.join("; ")));
-    setup.append(columns.root, el("div", {class: "row"}, field("No time column? Sampling rate in Hz", rate)), ...about(shown), shown);
+    setup.append(
+      columns.root,
+      el("div", {class: "row"}, field("No time column? Sampling rate in Hz", rate)),
+      ...about(shown),
+      shown,
+    );
     return command(shown);
   }
 
@@ -118,12 +249,23 @@ const Recordings = (() => {
   function about(shown) {
     const changed = () => command(shown);
     const text = (key, properties) => {
-      const input = el("input", {...properties, value: form[key], input: () => { form[key] = input.value; changed(); }});
+      const input = el("input", {
+        ...properties,
+        value: form[key],
+        input: () => {
+          form[key] = input.value;
+          changed();
+        },
+      });
       return input;
     };
     const payloads = app.described && form.dataset !== NEW ? Object.keys(app.described.payloads) : [];
-    const fresh = el("span", {class: "row"}, field("called", text("payload", {type: "text", id: "payload"})),
-      field("weighed, kg", text("mass", {type: "number", min: "0", step: "any", id: "mass"})));
+    const fresh = el(
+      "span",
+      {class: "row"},
+      field("called", text("payload", {type: "text", id: "payload"})),
+      field("weighed, kg", text("mass", {type: "number", min: "0", step: "any", id: "mass"})),
+    );
     const loads = [["", "none"], ...payloads.map((one) => [one, one]), [NEW, "a new one"]];
     if (!loads.some(([value]) => value === form.load)) form.load = null;
     fresh.hidden = form.load !== NEW;
@@ -132,47 +274,105 @@ const Recordings = (() => {
       fresh.hidden = value !== NEW;
       changed();
     });
-    const use = radios("Use", "use", [["identify", "fit it"], ["validate", "only compare with it"]], form.use, (value) => { form.use = value; changed(); });
+    const use = radios(
+      "Use",
+      "use",
+      [
+        ["identify", "fit it"],
+        ["validate", "only compare with it"],
+      ],
+      form.use,
+      (value) => {
+        form.use = value;
+        changed();
+      },
+    );
     const name = field("called", text("name", {type: "text", id: "name"}));
-    const into = field("Into", select([...app.folder.datasets.map((one) => [one, one === "." ? app.folder.name : one]), [NEW, "a new dataset"]], form.dataset, (value) => {
-      form.dataset = value;
-      name.hidden = value !== NEW;
-      changed();
-    }, {id: "into"}));
+    const into = field(
+      "Into",
+      select(
+        [...app.folder.datasets.map((one) => [one, one === "." ? app.folder.name : one]), [NEW, "a new dataset"]],
+        form.dataset,
+        (value) => {
+          form.dataset = value;
+          name.hidden = value !== NEW;
+          changed();
+        },
+        {id: "into"},
+      ),
+    );
     name.hidden = form.dataset !== NEW;
-    return [el("div", {class: "row"}, on, fresh), el("div", {class: "row"}, use), el("div", {class: "row"}, into, name)];
+    return [
+      el("div", {class: "row"}, on, fresh),
+      el("div", {class: "row"}, use),
+      el("div", {class: "row"}, into, name),
+    ];
   }
 
   function asked() {
     const {ready, ...mapped} = form.mapped;
     const fresh = form.load === NEW;
-    return {step: "import", log: form.log, robot: form.robot, dataset: form.dataset === NEW ? form.name : form.dataset, ...mapped, use: form.use,
-      payload: fresh ? form.payload : form.load, payload_mass: fresh && Number(form.mass) > 0 ? Number(form.mass) : null};
+    return {
+      step: "import",
+      log: form.log,
+      robot: form.robot,
+      dataset: form.dataset === NEW ? form.name : form.dataset,
+      ...mapped,
+      use: form.use,
+      payload: fresh ? form.payload : form.load,
+      payload_mass: fresh && Number(form.mass) > 0 ? Number(form.mass) : null,
+    };
   }
 
   let round = 0;
   async function command(holder) {
     const mine = ++round;
     const {ready} = form.mapped || {ready: false};
-    const missing = !ready ? "Every line above needs a column." : form.load === null ? "Say what was on the tool." : form.load === NEW && !(Number(form.mass) > 0) ? "Weigh the payload: its mass gives the gains their scale." : "";
-    let line = null, fault = missing;
-    if (!missing) await Server.line(asked()).then((text) => (line = text), (error) => (fault = error.message));
+    const missing = !ready
+      ? "Every line above needs a column."
+      : form.load === null
+        ? "Say what was on the tool."
+        : form.load === NEW && !(Number(form.mass) > 0)
+          ? "Weigh the payload: its mass gives the gains their scale."
+          : "";
+    let line = null,
+      fault = missing;
+    if (!missing)
+      await Server.line(asked()).then(
+        (text) => (line = text),
+        (error) => (fault = error.message),
+      );
     if (mine !== round) return;
-    const button = el("button", {type: "button", class: "main", id: "import", disabled: line === null, click: async () => {
-      button.disabled = true;
-      const dataset = asked().dataset;
-      last = await Server.run(asked());
-      if (last.state === "done") {
-        await app.refresh(dataset);
-        setup.replaceChildren(el("p", {class: "done", role: "status"}, `${form.log} is a recording of ${dataset} now.`));
-        form.log = "";
-        render();
-      } else {
-        button.disabled = false;
-        holder.append(Dom.outcome(last));
-      }
-    }}, "Import");
-    holder.replaceChildren(el("div", {class: "row"}, button, fault ? el("span", {class: "name"}, fault) : null), line ? Dom.command(line) : "");
+    const button = el(
+      "button",
+      {
+        type: "button",
+        class: "main",
+        id: "import",
+        disabled: line === null,
+        click: async () => {
+          button.disabled = true;
+          const dataset = asked().dataset;
+          last = await Server.run(asked());
+          if (last.state === "done") {
+            await app.refresh(dataset);
+            setup.replaceChildren(
+              el("p", {class: "done", role: "status"}, `${form.log} is a recording of ${dataset} now.`),
+            );
+            form.log = "";
+            render();
+          } else {
+            button.disabled = false;
+            holder.append(Dom.outcome(last));
+          }
+        },
+      },
+      "Import",
+    );
+    holder.replaceChildren(
+      el("div", {class: "row"}, button, fault ? el("span", {class: "name"}, fault) : null),
+      line ? Dom.command(line) : "",
+    );
   }
 
   return {start, render};

@@ -3,7 +3,9 @@
 const Results = (() => {
   const {el, percent, quantity, unit} = Dom;
   const chosen = new Set();
-  let app, body, side = null;
+  let app,
+    body,
+    side = null;
 
   function start(given) {
     app = given;
@@ -13,21 +15,48 @@ const Results = (() => {
   function render() {
     if (!app.runs.length) return body.replaceChildren(el("p", {class: "aid"}, "No result in this folder yet."));
     const answer = el("div");
-    const button = el("button", {type: "button", class: "main", id: "side-by-side", disabled: chosen.size < 2, click: () => compare(answer)}, "Side by side");
+    const button = el(
+      "button",
+      {type: "button", class: "main", id: "side-by-side", disabled: chosen.size < 2, click: () => compare(answer)},
+      "Side by side",
+    );
     const rows = app.runs.map((run) => {
       if (run.fault) return ["", run.time, run.path, run.fault, "", ""];
-      const input = el("input", {type: "checkbox", "aria-label": `Choose ${run.path}`, checked: chosen.has(run.model), change: () => {
-        if (input.checked) chosen.add(run.model);
-        else chosen.delete(run.model);
-        button.disabled = chosen.size < 2;
-      }});
-      const link = run.path === run.model ? {href: `files/${Server.address(run.path)}`, download: true} :
-        {href: `show/${Server.address(run.path)}/report.html`, target: "_blank", rel: "noopener"};
-      return [input, run.time, el("a", link, run.path),
-        run.effects.map(Effects.said).join(", ") || "none", percent(run.error.identify), percent(run.error.validate)];
+      const input = el("input", {
+        type: "checkbox",
+        "aria-label": `Choose ${run.path}`,
+        checked: chosen.has(run.model),
+        change: () => {
+          if (input.checked) chosen.add(run.model);
+          else chosen.delete(run.model);
+          button.disabled = chosen.size < 2;
+        },
+      });
+      const link =
+        run.path === run.model
+          ? {href: `files/${Server.address(run.path)}`, download: true}
+          : {href: `show/${Server.address(run.path)}/report.html`, target: "_blank", rel: "noopener"};
+      return [
+        input,
+        run.time,
+        el("a", link, run.path),
+        run.effects.map(Effects.said).join(", ") || "none",
+        percent(run.error.identify),
+        percent(run.error.validate),
+      ];
     });
-    body.replaceChildren(Dom.table(["", "made", "result", "effects", "error, fitted", "not fitted"], rows, ["", "keep", "", "", "right", "right"]),
-      el("div", {class: "row"}, button), answer);
+    body.replaceChildren(
+      Dom.table(["", "made", "result", "effects", "error, fitted", "not fitted"], rows, [
+        "",
+        "keep",
+        "",
+        "",
+        "right",
+        "right",
+      ]),
+      el("div", {class: "row"}, button),
+      answer,
+    );
     if (side) show(answer, side);
     return undefined;
   }
@@ -48,13 +77,35 @@ const Results = (() => {
 
   function show(holder, {line, found}) {
     const names = found.models.map((one) => one.name);
-    const errors = [["error, fitted", ...found.models.map((one) => percent(one.error.identify))], ["error, not fitted", ...found.models.map((one) => percent(one.error.validate))],
-      ...Object.keys(found.models[0].error.by_actuator).map((joint) => [`error of ${joint}`, ...found.models.map((one) => percent(one.error.by_actuator[joint]))])];
-    const gains = Object.keys(found.models[0].drive_gains).map((joint) => [`${joint}, ${unit(found.models[0].drive_gains[joint].unit)}`, ...found.models.map((one) => gain(one.drive_gains[joint]))]);
+    const errors = [
+      ["error, fitted", ...found.models.map((one) => percent(one.error.identify))],
+      ["error, not fitted", ...found.models.map((one) => percent(one.error.validate))],
+      ...Object.keys(found.models[0].error.by_actuator).map((joint) => [
+        `error of ${joint}`,
+        ...found.models.map((one) => percent(one.error.by_actuator[joint])),
+      ]),
+    ];
+    const gains = Object.keys(found.models[0].drive_gains).map((joint) => [
+      `${joint}, ${unit(found.models[0].drive_gains[joint].unit)}`,
+      ...found.models.map((one) => gain(one.drive_gains[joint])),
+    ]);
     const kinds = ["", ...names.map(() => "right")];
-    holder.replaceChildren(Dom.command(line), el("div", {class: "part"}, Dom.table(["", ...names], errors, kinds)),
-      el("div", {class: "part"}, el("h3", {}, "Drive gains ± standard deviation, 95 % interval"), Dom.table(["", ...names], gains, kinds)),
-      el("div", {class: "part"}, el("h3", {}, "What changed"), el("ul", {class: "said"}, ...found.changed.map((text) => el("li", {}, text)))));
+    holder.replaceChildren(
+      Dom.command(line),
+      el("div", {class: "part"}, Dom.table(["", ...names], errors, kinds)),
+      el(
+        "div",
+        {class: "part"},
+        el("h3", {}, "Drive gains ± standard deviation, 95 % interval"),
+        Dom.table(["", ...names], gains, kinds),
+      ),
+      el(
+        "div",
+        {class: "part"},
+        el("h3", {}, "What changed"),
+        el("ul", {class: "said"}, ...found.changed.map((text) => el("li", {}, text))),
+      ),
+    );
   }
 
   return {start, render};

@@ -29,7 +29,8 @@ const ChartSeries = (() => {
       if (there || start < 0) continue;
       const points = [];
       for (let k = start; k < i; k++) points.push(`${xs.at(valueAt(x, k)).toFixed(1)} ${ys.at(high[k]).toFixed(1)}`);
-      for (let k = i - 1; k >= start; k--) points.push(`${xs.at(valueAt(x, k)).toFixed(1)} ${ys.at(low[k]).toFixed(1)}`);
+      for (let k = i - 1; k >= start; k--)
+        points.push(`${xs.at(valueAt(x, k)).toFixed(1)} ${ys.at(low[k]).toFixed(1)}`);
       parts.push(`M${points.join("L")}Z`);
       start = -1;
     }
@@ -80,31 +81,45 @@ const ChartSeries = (() => {
       node("path", {d: area(one.x, one.low, one.high, xs, ys), class: `fill ${one.role} edge`}, plot);
     },
     band(one, xs, ys, plot, box) {
-      if (typeof one.low === "number") rectangle(box.left, box.right, ys.at(one.low), ys.at(one.high), `band ${one.role}`, plot);
+      if (typeof one.low === "number")
+        rectangle(box.left, box.right, ys.at(one.low), ys.at(one.high), `band ${one.role}`, plot);
       else node("path", {d: area(one.x, one.low, one.high, xs, ys), class: `band ${one.role}`}, plot);
     },
     bins(one, xs, ys, plot) {
       const between = (sign) => one.mean.map((m, i) => (known(m) ? m + sign * one.spread[i] : null));
       if (one.low) {
-        const whiskers = one.low.map((low, i) => (known(low) ? `M${xs.at(one.x[i]).toFixed(1)} ${ys.at(low).toFixed(1)}V${ys.at(one.high[i]).toFixed(1)}` : ""));
+        const whiskers = one.low.map((low, i) =>
+          known(low) ? `M${xs.at(one.x[i]).toFixed(1)} ${ys.at(low).toFixed(1)}V${ys.at(one.high[i]).toFixed(1)}` : "",
+        );
         node("path", {d: whiskers.join(""), class: `line ${one.clear ? "" : "thin "}${one.role}`}, plot);
       }
       node("path", {d: area(one.x, between(-1), between(1), xs, ys), class: `band ${one.role}`}, plot);
-      if (!one.apart) node("path", {d: path(one.x, one.mean, one.mean.length, xs, ys), class: `line ${one.role}`}, plot);
-      one.mean.forEach((m, i) => known(m) && pickable(dot(xs.at(one.x[i]), ys.at(m), one.role, plot, one.pick ? 4 : 2.6), one.pick && one.pick[i]));
+      if (!one.apart)
+        node("path", {d: path(one.x, one.mean, one.mean.length, xs, ys), class: `line ${one.role}`}, plot);
+      one.mean.forEach(
+        (m, i) =>
+          known(m) &&
+          pickable(dot(xs.at(one.x[i]), ys.at(m), one.role, plot, one.pick ? 4 : 2.6), one.pick && one.pick[i]),
+      );
     },
     points(one, xs, ys, plot) {
       one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot));
     },
     stems(one, xs, ys, plot) {
       const zero = ys.at(0).toFixed(1);
-      const all = one.y.map((y, i) => (known(y) ? `M${xs.at(valueAt(one.x, i)).toFixed(1)} ${zero}V${ys.at(y).toFixed(1)}` : ""));
+      const all = one.y.map((y, i) =>
+        known(y) ? `M${xs.at(valueAt(one.x, i)).toFixed(1)} ${zero}V${ys.at(y).toFixed(1)}` : "",
+      );
       node("path", {d: all.join(""), class: `line ${one.role}`}, plot);
       one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot, 2.2));
     },
     histogram(one, xs, ys, plot) {
       const base = ys.low > 0 ? ys.at(ys.low) : ys.at(0);
-      one.y.forEach((y, i) => y > 0 && rectangle(xs.at(one.edges[i]), xs.at(one.edges[i + 1]), base, ys.at(y), `fill ${one.role} slab`, plot));
+      one.y.forEach(
+        (y, i) =>
+          y > 0 &&
+          rectangle(xs.at(one.edges[i]), xs.at(one.edges[i + 1]), base, ys.at(y), `fill ${one.role} slab`, plot),
+      );
     },
     bars(one, xs, ys, plot, box, place) {
       const base = ys.low > 0 ? ys.at(ys.low) : ys.at(0);
@@ -117,7 +132,18 @@ const ChartSeries = (() => {
     },
     hbars(one, xs, ys, plot) {
       const half = (one.thin ? 0.42 : 0.28) * Math.abs(ys.width);
-      one.x.forEach((x, i) => known(x) && rectangle(xs.at(0), xs.at(x), ys.at(i) - half, ys.at(i) + half, one.thin ? `band ${one.role}` : `fill ${one.role}`, plot));
+      one.x.forEach(
+        (x, i) =>
+          known(x) &&
+          rectangle(
+            xs.at(0),
+            xs.at(x),
+            ys.at(i) - half,
+            ys.at(i) + half,
+            one.thin ? `band ${one.role}` : `fill ${one.role}`,
+            plot,
+          ),
+      );
     },
     intervals(one, xs, ys, plot) {
       one.x.forEach((x, i) => {
@@ -138,13 +164,19 @@ const ChartSeries = (() => {
         const cell = rectangle(x - w, x + w, y - h, y + h, `fill ${one.role}`, plot);
         cell.setAttribute("fill-opacity", (0.06 + 0.49 * share).toFixed(2)); // a number is read on every shade
         pickable(cell, one.pick && one.pick[i]);
-        node("text", {x: x.toFixed(1), y: (y + 4).toFixed(1), class: "label", "text-anchor": "middle"}, plot, one.texts[i]);
+        node(
+          "text",
+          {x: x.toFixed(1), y: (y + 4).toFixed(1), class: "label", "text-anchor": "middle"},
+          plot,
+          one.texts[i],
+        );
       });
     },
     rule(one, xs, ys, plot, box) {
       const kind = `line ${one.role}${one.dashed ? " dashed" : ""}`;
       const at = one.axis === "x" ? xs.at(one.at) : ys.at(one.at);
-      const d = one.axis === "x" ? `M${at.toFixed(1)} ${box.top}V${box.bottom}` : `M${box.left} ${at.toFixed(1)}H${box.right}`;
+      const d =
+        one.axis === "x" ? `M${at.toFixed(1)} ${box.top}V${box.bottom}` : `M${box.left} ${at.toFixed(1)}H${box.right}`;
       node("path", {d, class: kind}, plot);
     },
   };

@@ -61,8 +61,16 @@ const Charts = (() => {
         if (one.kind === "rule" && one.axis === "x") widen(range, one.at);
       } else {
         if (one.kind !== "intervals") [one.y, one.low, one.high, one.mean].forEach((values) => widen(range, values));
-        if (one.spread) widen(range, one.mean.map((m, i) => (known(m) ? m - one.spread[i] : null)));
-        if (one.spread) widen(range, one.mean.map((m, i) => (known(m) ? m + one.spread[i] : null)));
+        if (one.spread)
+          widen(
+            range,
+            one.mean.map((m, i) => (known(m) ? m - one.spread[i] : null)),
+          );
+        if (one.spread)
+          widen(
+            range,
+            one.mean.map((m, i) => (known(m) ? m + one.spread[i] : null)),
+          );
         if (["bars", "stems", "histogram"].includes(one.kind)) widen(range, [0]);
         if (one.kind === "rule" && one.axis !== "x") widen(range, one.at);
       }
@@ -82,7 +90,14 @@ const Charts = (() => {
     if (axis.scale === "band") {
       const count = Math.max(axis.categories.length, 1);
       const width = (to - from) / count;
-      return {band: true, turned: axis.turned, width, at: (i) => from + (i + 0.5) * width, ticks: axis.categories.map((_, i) => i), text: (i) => axis.categories[i]};
+      return {
+        band: true,
+        turned: axis.turned,
+        width,
+        at: (i) => from + (i + 0.5) * width,
+        ticks: axis.categories.map((_, i) => i),
+        text: (i) => axis.categories[i],
+      };
     }
     const range = extent(axis, series, which);
     let [low, high] = axis.domain || range;
@@ -122,15 +137,22 @@ const Charts = (() => {
 
   function legendOf(figure, parent) {
     const seen = new Map();
-    for (const panel of figure.panels) for (const one of panel.series) if (one.name && !seen.has(one.name)) seen.set(one.name, one);
+    for (const panel of figure.panels)
+      for (const one of panel.series) if (one.name && !seen.has(one.name)) seen.set(one.name, one);
     if (figure.legend === false || seen.size < 1) return;
     const list = block("ul", "legend", parent);
     for (const [name, one] of seen) {
       const item = block("li", "", list);
       const mark = node("svg", {viewBox: "0 0 22 12", width: 22, height: 12, "aria-hidden": "true"}, item);
       const soft = one.kind === "band" || one.thin;
-      if (FLAT.includes(one.kind)) node("rect", {x: 1, y: 1, width: 20, height: 10, class: `${soft ? "band" : "fill"} ${one.role}`}, mark);
-      else if (one.kind !== "intervals" && one.kind !== "points") node("path", {d: "M1 6H21", class: `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}`}, mark);
+      if (FLAT.includes(one.kind))
+        node("rect", {x: 1, y: 1, width: 20, height: 10, class: `${soft ? "band" : "fill"} ${one.role}`}, mark);
+      else if (one.kind !== "intervals" && one.kind !== "points")
+        node(
+          "path",
+          {d: "M1 6H21", class: `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}`},
+          mark,
+        );
       if (one.marker || ["bins", "points", "intervals", "stems"].includes(one.kind)) dot(11, 6, one.role, mark, 3.4);
       item.appendChild(document.createTextNode(name));
     }
@@ -165,7 +187,9 @@ const Charts = (() => {
       }
       if (scale.band) {
         const mark = node("text", {y: bottom + 15, class: "tick", "text-anchor": "middle"}, svg);
-        wrapped(whole, scale.width - 8).forEach((text, i) => node("tspan", {x: at.toFixed(1), dy: i ? 14 : 0}, mark, text));
+        wrapped(whole, scale.width - 8).forEach((text, i) =>
+          node("tspan", {x: at.toFixed(1), dy: i ? 14 : 0}, mark, text),
+        );
         continue;
       }
       const text = whole;
@@ -173,7 +197,12 @@ const Charts = (() => {
       node("path", {d: `M${at.toFixed(1)} ${top}V${bottom}`, class: "grid"}, svg);
       if (at - half < last + 6) continue;
       last = at + half;
-      node("text", {x: Math.min(at, right - half + 10).toFixed(1), y: bottom + 15, class: "tick", "text-anchor": "middle"}, svg, text);
+      node(
+        "text",
+        {x: Math.min(at, right - half + 10).toFixed(1), y: bottom + 15, class: "tick", "text-anchor": "middle"},
+        svg,
+        text,
+      );
     }
   }
 
@@ -196,7 +225,17 @@ const Charts = (() => {
     const wider = width > chart.width + 1;
     const holder = block("div", wider ? "plot wider" : "plot", chart.element);
     if (wider) holder.tabIndex = 0; // so that keys can scroll it
-    const svg = node("svg", {viewBox: `0 0 ${width} ${total}`, width, height: total, role: picked(figure) ? "group" : "img", "aria-label": figure.label || ""}, holder);
+    const svg = node(
+      "svg",
+      {
+        viewBox: `0 0 ${width} ${total}`,
+        width,
+        height: total,
+        role: picked(figure) ? "group" : "img",
+        "aria-label": figure.label || "",
+      },
+      holder,
+    );
     const count = figure.panels.length;
     const weights = figure.panels.map((panel) => panel.weight || 1);
     const sum = weights.reduce((a, b) => a + b, 0);
@@ -228,22 +267,29 @@ const Charts = (() => {
       const box = {...boxes[i], left, right};
       const group = node("g", {}, svg);
       if (i === count - 1) xTicks(xs, left, right, box.top, box.bottom, group);
-      else if (!xs.band) for (const t of xs.ticks) node("path", {d: `M${xs.at(t).toFixed(1)} ${box.top}V${box.bottom}`, class: "grid"}, group);
+      else if (!xs.band)
+        for (const t of xs.ticks)
+          node("path", {d: `M${xs.at(t).toFixed(1)} ${box.top}V${box.bottom}`, class: "grid"}, group);
       yTicks(scales[i], left, right, group);
-      if (panel.y.label) node("text", {x: Math.max(0, Math.min(left - 34, 6)), y: box.top - 7, class: "label"}, group, panel.y.label);
+      if (panel.y.label)
+        node("text", {x: Math.max(0, Math.min(left - 34, 6)), y: box.top - 7, class: "label"}, group, panel.y.label);
       const clip = `clip-${(number += 1)}`;
       const shape = node("clipPath", {id: clip}, svg);
       rectangle(left - 4, right + 4, box.top - 1, box.bottom + 1, "", shape); // dots at the ends stay whole
       const plot = node("g", {"clip-path": `url(#${clip})`}, svg);
       box.above = node("g", {}, svg); // texts are not cut
       const bars = panel.series.filter((one) => one.kind === "bars");
-      for (const one of panel.series) DRAW[one.kind](one, xs, scales[i], plot, box, {index: bars.indexOf(one), count: bars.length});
+      for (const one of panel.series)
+        DRAW[one.kind](one, xs, scales[i], plot, box, {index: bars.indexOf(one), count: bars.length});
       const axis = scales[i].band || !(scales[i].low < 0 && scales[i].high > 0) ? box.bottom : scales[i].at(0);
       node("path", {d: `M${left} ${axis.toFixed(1)}H${right}`, class: "axis"}, svg);
     });
     words.forEach((text, i) => {
       const half = (text.length * CHARACTER) / 2;
-      const place = {x: Math.max(half, Math.min((left + right) / 2, width - half)), y: total - 6 - 14 * (words.length - 1 - i)};
+      const place = {
+        x: Math.max(half, Math.min((left + right) / 2, width - half)),
+        y: total - 6 - 14 * (words.length - 1 - i),
+      };
       node("text", {...place, class: "label", "text-anchor": "middle"}, svg, text);
     });
     if (!xs.band) watch(chart, svg, holder, {xs, left, right, top: boxes[0].top, bottom, width});
@@ -260,7 +306,8 @@ const Charts = (() => {
     const told = new Map(); // a series that stands in two panels is told once
     for (const panel of chart.figure.panels) {
       for (const one of panel.series) {
-        if (one.name && !told.has(one.name) && ["line", "bins", "stems"].includes(one.kind)) told.set(one.name, [one, panel.y]);
+        if (one.name && !told.has(one.name) && ["line", "bins", "stems"].includes(one.kind))
+          told.set(one.name, [one, panel.y]);
       }
     }
     const readable = [...told.values()];
@@ -290,7 +337,8 @@ const Charts = (() => {
         }
         if (best < 0) return;
         if (k === 0) svg.dispatchEvent(new CustomEvent("cursor", {detail: valueAt(one.x, best), bubbles: true}));
-        if (k === 0) block("p", "", note, `at ${formatNumber(valueAt(one.x, best))} ${unitIn(chart.figure.x.label)}`.trim());
+        if (k === 0)
+          block("p", "", note, `at ${formatNumber(valueAt(one.x, best))} ${unitIn(chart.figure.x.label)}`.trim());
         const value = formatNumber(values[best] * (y.percent ? 100 : 1), 3);
         block("p", `key ${one.role}`, note, `${one.name} ${value} ${unitIn(y.label)}`.trim());
       });

@@ -69,7 +69,8 @@
     const inputs = [...part.querySelectorAll(".choices select, .choices fieldset")];
     const state = {figure, holder, charts: [], shown: false, printed: []};
     const chosen = () =>
-      inputs.filter((one) => one.tagName === "SELECT" || !one.querySelector("select"))
+      inputs
+        .filter((one) => one.tagName === "SELECT" || !one.querySelector("select"))
         .map((one) => (one.tagName === "SELECT" ? one.value : one.querySelector(":checked").value))
         .join("|");
     state.show = () => {

@@ -49,7 +49,8 @@ window.Runs = (() => {
     const table = block("table", "", scroll);
     table.setAttribute("aria-multiselectable", "true");
     const head = block("tr", "", block("thead", "", table));
-    for (const column of columns) block("th", column.labels.length ? "keep" : "right", head, column.header).scope = "col";
+    for (const column of columns)
+      block("th", column.labels.length ? "keep" : "right", head, column.header).scope = "col";
     if (failures) block("th", "words", head, "failed").scope = "col";
     const body = block("tbody", "", table);
     const commands = block("div", "command", holder);
@@ -91,7 +92,9 @@ window.Runs = (() => {
     }
 
     function show() {
-      const wanted = filters.filter(([, select]) => select.value !== ALL).map(([column, select]) => [column, Number(select.value)]);
+      const wanted = filters
+        .filter(([, select]) => select.value !== ALL)
+        .map(([column, select]) => [column, Number(select.value)]);
       const rows = [...numbers.keys()].filter((i) => wanted.every(([column, value]) => column.values[i] === value));
       if (order.value !== ALL) {
         const by = measured[Number(order.value)].values;

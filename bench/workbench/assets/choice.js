@@ -18,7 +18,9 @@ const WorkbenchChoice = (() => {
 
   function keysOf(places, names) {
     const wanted = new Set(names);
-    return new Set(places.filter((place) => wanted.has(place.key) || wanted.has(place.effect)).map((place) => place.key));
+    return new Set(
+      places.filter((place) => wanted.has(place.key) || wanted.has(place.effect)).map((place) => place.key),
+    );
   }
 
   function start(data, places) {
@@ -48,8 +50,14 @@ const WorkbenchChoice = (() => {
     }
     const state = start(data, places);
     if (given.has("with")) state.ticks = keysOf(places, given.get("with").split(","));
-    state.motor = Math.max(data.motors.findIndex((motor) => motor.joint === given.get("motor")), 0);
-    state.recording = Math.max(data.recordings.findIndex((one) => one.name === given.get("recording")), 0);
+    state.motor = Math.max(
+      data.motors.findIndex((motor) => motor.joint === given.get("motor")),
+      0,
+    );
+    state.recording = Math.max(
+      data.recordings.findIndex((one) => one.name === given.get("recording")),
+      0,
+    );
     return state;
   }
 

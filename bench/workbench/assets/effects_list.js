@@ -15,7 +15,8 @@ const WorkbenchList = (() => {
     name.replaceAll("_", " ").replace(/\b(coulomb|stribeck)\b/g, (person) => person[0].toUpperCase() + person.slice(1));
   const titled = (name) => spoken(name).replace(/^./, (first) => first.toUpperCase());
 
-  const unitOf = (unit) => (unit === "1" ? "" : unit.replaceAll("*", "·").replace(/\^([23])/g, (_, power) => "²³"[power - 2]));
+  const unitOf = (unit) =>
+    unit === "1" ? "" : unit.replaceAll("*", "·").replace(/\^([23])/g, (_, power) => "²³"[power - 2]);
 
   function tickOf(parent, kind, text, changed) {
     const label = make("label", kind, parent);
@@ -53,7 +54,10 @@ const WorkbenchList = (() => {
       details.hidden = !wanted;
       opener.setAttribute("aria-expanded", wanted);
       opener.textContent = wanted ? "▾" : "▸";
-      opener.setAttribute("aria-label", `${titled(effect.name)}: ${own.length > 1 ? "where it sits, and " : ""}what diagnose says`);
+      opener.setAttribute(
+        "aria-label",
+        `${titled(effect.name)}: ${own.length > 1 ? "where it sits, and " : ""}what diagnose says`,
+      );
     };
     open(false);
     opener.addEventListener("click", () => open(details.hidden));
@@ -72,8 +76,15 @@ const WorkbenchList = (() => {
         const line = make("li", "", values);
         if (own.length > 1) make("span", "bench-place", line, one.place.place);
         for (const value of one.values) {
-          const text = value.absorbed ? `${value.name} taken up by the model` : `${value.name} ${format(value.value)} ${unitOf(value.unit)}`.trim();
-          const shown = make("span", value.shape ? "bench-number bench-shape" : "bench-number", line, value.shape ? `${text}, as found` : text);
+          const text = value.absorbed
+            ? `${value.name} taken up by the model`
+            : `${value.name} ${format(value.value)} ${unitOf(value.unit)}`.trim();
+          const shown = make(
+            "span",
+            value.shape ? "bench-number bench-shape" : "bench-number",
+            line,
+            value.shape ? `${text}, as found` : text,
+          );
           Object.assign(shown.dataset, {key: one.key, parameter: value.name, value: value.value});
         }
       }

@@ -262,7 +262,9 @@ const WorkbenchEquations = (() => {
       const largest = Math.sqrt(Math.max(...squares.fitted.map((one) => one / data.rows)));
       const torqueWeights = (at) => {
         const scale = Math.max(...at.gains.map((g, j) => Math.sqrt(squares.fitted[j] / data.rows) * Math.abs(g)));
-        return torqueErrors(grams, K, at.d, at.gains).map((one) => 1 / Math.max(Math.sqrt(one / data.rows), 1e-9 * scale + TINY));
+        return torqueErrors(grams, K, at.d, at.gains).map(
+          (one) => 1 / Math.max(Math.sqrt(one / data.rows), 1e-9 * scale + TINY),
+        );
       };
       const currentWeights = (at) =>
         errors(grams, K, at.d, at.gains).map((one) => 1 / Math.max(Math.sqrt(one / data.rows), 1e-9 * largest + TINY));

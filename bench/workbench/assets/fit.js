@@ -5,7 +5,11 @@ const WorkbenchFit = (() => {
 
   function placesOf(data) {
     return data.effects.flatMap((effect) =>
-      effect.places.map((place) => ({...place, effect: effect.name, key: place.place ? `${effect.name}:${place.place}` : effect.name})),
+      effect.places.map((place) => ({
+        ...place,
+        effect: effect.name,
+        key: place.place ? `${effect.name}:${place.place}` : effect.name,
+      })),
     );
   }
 
@@ -49,7 +53,11 @@ const WorkbenchFit = (() => {
       return {
         fitted: share("fitted"),
         judged: share("judged"),
-        by: data.motors.map((_, j) => ({fitted: share("fitted", j), judged: share("judged", j), gain: solution.gains[j]})),
+        by: data.motors.map((_, j) => ({
+          fitted: share("fitted", j),
+          judged: share("judged", j),
+          gain: solution.gains[j],
+        })),
         theta: parametersOf(difference),
         effects,
         difference,

@@ -18,7 +18,8 @@ const WorkbenchNumbers = (() => {
 
   const floats = (text) => read(text, 4, (view, i) => view.getFloat32(i, true));
   const doubles = (text) => read(text, 8, (view, i) => view.getFloat64(i, true));
-  const counts = (text, size = 2) => read(text, size, (view, i) => (size === 1 ? view.getInt8(i) : view.getInt16(i, true)));
+  const counts = (text, size = 2) =>
+    read(text, size, (view, i) => (size === 1 ? view.getInt8(i) : view.getInt16(i, true)));
 
   /* A packed triangle: numbers as they are, or counts in steps (see bench/workbench/encode.py). */
   function triangleOf(given, size) {

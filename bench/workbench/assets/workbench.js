@@ -38,7 +38,9 @@
 
     function remember() {
       for (const {name} of data.effects) {
-        const ticked = ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key));
+        const ticked = ownOf(name)
+          .map((place) => place.key)
+          .filter((key) => state.ticks.has(key));
         if (ticked.length) chosenPlaces.set(name, ticked);
       }
     }
@@ -66,15 +68,20 @@
       .filter((effect) => effect.places.length)
       .sort((a, b) => a.rank - b.rank)
       .map((effect) => rowOf(parts.list, effect, ownOf(effect.name), (value) => formatNumber(value, 4), actions));
-    const named = (test) => data.effects.filter((effect) => !effect.places.length && test(effect)).map((effect) => spoken(effect.name));
+    const named = (test) =>
+      data.effects.filter((effect) => !effect.places.length && test(effect)).map((effect) => spoken(effect.name));
     const unseen = named((effect) => !effect.no_room);
     const crowded = named((effect) => effect.no_room);
     const unlisted = [];
     if (unseen.length) {
-      unlisted.push(`Not listed, since the model's own parameters take them up and no data of this robot can show them: ${unseen.join(", ")}.`);
+      unlisted.push(
+        `Not listed, since the model's own parameters take them up and no data of this robot can show them: ${unseen.join(", ")}.`,
+      );
     }
     if (crowded.length) {
-      unlisted.push(`Not listed, since the page would be too large, and diagnose gives them least: ${crowded.join(", ")}; bench identify fits them.`);
+      unlisted.push(
+        `Not listed, since the page would be too large, and diagnose gives them least: ${crowded.join(", ")}; bench identify fits them.`,
+      );
     }
     parts.hidden.textContent = unlisted.join(" ");
     parts.found.addEventListener("click", () => choose({ticks: new Set(foundTicks)}));
@@ -85,7 +92,12 @@
     });
     parts.copy.addEventListener("click", () => WorkbenchSkeleton.copied(parts.command, parts.copy));
     parts.download.addEventListener("click", () => WorkbenchSkeleton.saved(data.model, "model.json"));
-    const motor = segments(parts.choices, "Motor", data.motors.map((one) => one.joint), (i) => choose({motor: i}));
+    const motor = segments(
+      parts.choices,
+      "Motor",
+      data.motors.map((one) => one.joint),
+      (i) => choose({motor: i}),
+    );
     const titles = drawn.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
     const recording = segments(parts.choices, "Recording", titles, (i) => choose({recording: i}));
     const ladderChart = Charts.create(parts.ladder, ladderFigure([["no effect", null]]));
@@ -108,7 +120,9 @@
         label: "Error after each effect that is ticked",
         height: 260,
         x: {label: "", scale: "band", categories: steps.map(([name]) => name)},
-        panels: [{y: {label: "error of the current [%]", scale: "log", percent: true, room: true}, series: [floor, ...lines]}],
+        panels: [
+          {y: {label: "error of the current [%]", scale: "log", percent: true, room: true}, series: [floor, ...lines]},
+        ],
       };
     }
 
@@ -126,7 +140,15 @@
       parts.nothing.setAttribute("aria-pressed", state.ticks.size === 0);
       table(
         parts.gains,
-        ["motor", "drive gain", "deviation", "off nominal", "fitted", "not fitted", ...(pinned ? ["gain of A", "A, not fitted"] : [])],
+        [
+          "motor",
+          "drive gain",
+          "deviation",
+          "off nominal",
+          "fitted",
+          "not fitted",
+          ...(pinned ? ["gain of A", "A, not fitted"] : []),
+        ],
         data.motors.map((one, j) => {
           const {gain, fitted, judged} = fit.by[j];
           const off = 100 * (gain / one.nominal - 1);
@@ -137,7 +159,9 @@
             `${off > 0 ? "+" : ""}${formatNumber(off, 3)} %`,
             percent(fitted),
             percent(judged),
-            ...(pinned ? [`${formatNumber(pinned.fit.by[j].gain, 5)} ${unitOf(one.unit)}`, percent(pinned.fit.by[j].judged)] : []),
+            ...(pinned
+              ? [`${formatNumber(pinned.fit.by[j].gain, 5)} ${unitOf(one.unit)}`, percent(pinned.fit.by[j].judged)]
+              : []),
           ];
         }),
       );
@@ -149,35 +173,46 @@
       parts.command.textContent = WorkbenchSkeleton.command(data.command, requests);
       const found = same(foundTicks, state.ticks);
       parts.download.disabled = !found || !data.model;
-      parts.file.textContent = found ? "" : "Diagnose fitted the model of what it found; of another choice the command writes one.";
+      parts.file.textContent = found
+        ? ""
+        : "Diagnose fitted the model of what it found; of another choice the command writes one.";
       parts.pin.setAttribute("aria-pressed", pinned !== null);
       parts.pin.textContent = pinned ? "Let go of A" : "Keep as A";
-      parts.pinned.textContent = pinned ? `A: ${namesOf(pinned.ticks)}; not fitted ${percent(pinned.fit.judged, 4)}, fitted ${percent(pinned.fit.fitted, 4)}.` : "";
+      parts.pinned.textContent = pinned
+        ? `A: ${namesOf(pinned.ticks)}; not fitted ${percent(pinned.fit.judged, 4)}, fitted ${percent(pinned.fit.fitted, 4)}.`
+        : "";
       parts.said.textContent = notes(fit).join(" ");
     }
 
-    const namesOf = (ticks) => WorkbenchChoice.requests(data, places, ticks).map((one) => spoken(one).replace(":", " at ")).join(", ") || "no effect";
+    const namesOf = (ticks) =>
+      WorkbenchChoice.requests(data, places, ticks)
+        .map((one) => spoken(one).replace(":", " at "))
+        .join(", ") || "no effect";
 
     /* Of a gain: known of the models that diagnose fitted. */
-    function deviationOf(motor) {
+    function deviationOf(number) {
       const keyOf = ([effect, place]) => (place ? `${effect}:${place}` : effect);
       const one = data.deviations.find(({effects}) => same(new Set(effects.map(keyOf)), state.ticks));
-      const std = one ? one.gains[motor] : null;
-      return std === null ? "–" : {text: `± ${formatNumber(std, 2)}`, data: {deviation: data.motors[motor].joint, value: std}};
+      const std = one ? one.gains[number] : null;
+      return std === null
+        ? "–"
+        : {text: `± ${formatNumber(std, 2)}`, data: {deviation: data.motors[number].joint, value: std}};
     }
 
     /* What keeps the page from being bench identify to the last digit, for what is ticked. */
     function notes(fit) {
       const said = [];
       const names = (test) => [...new Set(fit.effects.filter(test).map((one) => spoken(one.place.effect)))];
-      const list = (words) => (words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}` : words[0]);
+      const list = (words) =>
+        words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}` : words[0];
       const curved = names((one) => one.place.curved);
       if (curved.length && !same(foundTicks, state.ticks)) {
         said.push(
           `${titled(list(curved))}: in the shape, and beside the model, in which diagnose judged ${curved.length > 1 ? "them" : "it"}; bench identify fits that anew, and may find other values and a smaller error.`,
         );
       }
-      if (data.short) said.push("So many effects are carried in few digits: bench identify may differ in the fourth one.");
+      if (data.short)
+        said.push("So many effects are carried in few digits: bench identify may differ in the fourth one.");
       if (data.whole) {
         said.push(
           `No recording is kept to judge on. Gains, parameters, curves and the fitted error come from a fit to all rows, as bench identify does it; the error not fitted, the ladder and the errors beside the effects from a fit without ${apart}.`,
@@ -192,7 +227,15 @@
       const seen = drawn.recordings[state.recording];
       const {time, low, high, modelled, error} = curves.of(fit, state.recording, state.motor);
       const ofA = pinned
-        ? [{kind: "line", role: "before", name: "error of A", x: time, y: curves.of(pinned.fit, state.recording, state.motor).error}]
+        ? [
+            {
+              kind: "line",
+              role: "before",
+              name: "error of A",
+              x: time,
+              y: curves.of(pinned.fit, state.recording, state.motor).error,
+            },
+          ]
         : [];
       const unit = data.motors[state.motor].unit.split("/")[1] || "A";
       parts.aid.textContent =
@@ -214,7 +257,10 @@
               {kind: "line", role: "modelled", name: "modelled", x: time, y: modelled},
             ],
           },
-          {y: {label: `error [${unit}]`}, series: [...ofA, {kind: "line", role: "error", name: "error", x: time, y: error}]},
+          {
+            y: {label: `error [${unit}]`},
+            series: [...ofA, {kind: "line", role: "error", name: "error", x: time, y: error}],
+          },
         ],
       };
       if (curveChart) curveChart.update(figure);
@@ -243,7 +289,12 @@
       while (left.length && steps.length <= MOST_STEPS) {
         let best = null;
         for (const name of left) {
-          const ticks = new Set([...taken, ...ownOf(name).map((place) => place.key).filter((key) => state.ticks.has(key))]);
+          const ticks = new Set([
+            ...taken,
+            ...ownOf(name)
+              .map((place) => place.key)
+              .filter((key) => state.ticks.has(key)),
+          ]);
           const fit = judging.fit(ticks);
           if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
           yield;
