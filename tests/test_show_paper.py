@@ -14,6 +14,7 @@ from bench.cli import main
 from bench.document.figures.diagnosis_panels import moved, rungs
 from bench.document.figures.paper import (
     PICTURE_DPI,
+    SCALE,
     WIDTHS,
     Panel,
     PaperFigure,
@@ -122,6 +123,33 @@ def test_ladder_and_gains_in_the_table_are_those_drawn(found):  # noqa: F811 - t
     before, after = (line.get_ydata() for line in panels[1].get_lines())
     np.testing.assert_array_equal(before, table["error of right before [A]"])
     np.testing.assert_array_equal(after, table["error of right after [A]"])
+
+
+def test_an_axis_that_is_not_even_says_so(found):  # noqa: F811 - the fixture
+    first, *others = found.ranking
+    for evidence, scale in ((4700.0, "symlog"), (4.0, "linear")):
+        ranking = (replace(first, evidence=evidence), *(replace(one, evidence=-1.3) for one in others))
+        (figure,) = [
+            one for one in diagnosis_figures(replace(found, ranking=ranking)) if one.name == "ranking"
+        ]
+        (axes,) = paper_figure(figure, min(WIDTHS.values())).axes
+        assert axes.get_xscale() == scale
+        assert ("logarithmic beyond ±10 nats" in axes.get_xlabel()) == (scale == "symlog")
+        places = axes.transData.transform([(value, 0.0) for value in (-1.3, 0.0, evidence)])[:, 0]
+        if scale == "symlog":
+            assert (places[1] - places[0]) < 0.1 * (places[2] - places[1])  # near nothing, and looks so
+
+
+def test_a_nominal_gain_stands_clear_of_the_intervals(found):  # noqa: F811 - the fixture
+    (figure,) = [one for one in diagnosis_figures(found) if one.name == "gains_before_after"]
+    drawn = paper_figure(figure, min(WIDTHS.values()))
+    drawn.draw_without_rendering()
+    (axes,) = drawn.axes
+    (diamonds,) = [line for line in axes.get_lines() if line.get_label() == "nominal"]
+    rows = axes.transData.transform([(0.0, y) for y in (*diamonds.get_ydata(), 0.28, -0.28)])[:, 1]
+    point = drawn.dpi / 72.0
+    room = abs(rows[0] - rows[-1]) - (diamonds.get_markersize() / 2.0 + 2.5 * SCALE) * point
+    assert room > 0.5 * point
 
 
 def test_where_nothing_is_missing_there_is_a_ranking_alone(nothing):  # noqa: F811 - the fixture

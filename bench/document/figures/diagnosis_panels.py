@@ -134,7 +134,7 @@ def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit
     axes.set_xscale("symlog", linthresh=even, linscale=0.5)
     axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=even))
     axes.xaxis.set_major_formatter(PLAIN)
-    return f", logarithmic beyond ±{even:g} {unit}"
+    return f",\nlogarithmic beyond ±{even:g} {unit}"
 
 
 def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:

@@ -24,7 +24,7 @@ from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, fil
 from bench.document.numbers import current_unit, judged_error, pretty_unit
 from bench.identification.result import CurrentSeries, DriveGain, Identification
 
-FOOT = 16.0  # mm that an axis with its label takes
+FOOT = 18.0  # mm that an axis with its label takes
 BAR, MOVED, WITH_NOMINAL = 3.8, 4.2, 5.6  # mm for each bar, each parameter, each gain
 ERRORS = 26.0  # mm
 SHOWN = 14  # effects of the ranking
