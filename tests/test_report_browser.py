@@ -6,6 +6,7 @@ from bench.page.browser import opened, scrolled
 from tests.report_kit import diagnosed_page, identified_page, write
 
 PHONE = 390
+PAPER = (688, 1017)  # px, of A4 within its margins
 
 
 @pytest.fixture(scope="module")
@@ -236,6 +237,12 @@ def test_on_paper_all_motors_are_drawn_in_light_colours(look):
     for section, count in (("currents", 2), ("where", 2)):
         assert page.locator(f"#{section} .printed:visible h4:first-child").count() >= count
     assert not page.locator("#theme").is_visible()
+    page.set_viewport_size({"width": PAPER[0], "height": PAPER[1]})
+    heights = page.evaluate(
+        "[...document.querySelectorAll('#currents .printed')].map((one) => one.getBoundingClientRect().height)"
+    )
+    assert len(heights) >= 2
+    assert max(heights) < PAPER[1] / 2  # two to a page: the next one never leaves the half of it empty
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("details[open]").count() == 0
 

@@ -4,7 +4,7 @@
   const THEMES = ["auto", "light", "dark"];
   const root = document.documentElement;
   const figures = JSON.parse(document.getElementById("figures").textContent);
-  const PRINTED = {wide: 690, grid: 300}; // px, of a chart on paper
+  const PRINTED = {wide: 900, grid: 300}; // px, at which a chart is drawn; paper shows it smaller
 
   function remembered() {
     try {
