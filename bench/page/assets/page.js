@@ -4,6 +4,7 @@
   const THEMES = ["auto", "light", "dark"];
   const root = document.documentElement;
   const figures = JSON.parse(document.getElementById("figures").textContent);
+  const LOWER = 0.8; // times its height on a screen, of a wide chart on paper
   const PRINTED = {wide: 900, grid: 300}; // px, at which a chart is drawn; paper shows it smaller
 
   function remembered() {
@@ -57,7 +58,8 @@
       const title = one.title ? element("figcaption", "", frame) : null;
       if (title) element("h4", "", title, one.title);
       if (title && one.aid) element("p", "aid", title, one.aid);
-      const chart = Charts.create(element("div", "chart", frame), one.spec);
+      const spec = width && figure.wide ? {...one.spec, height: LOWER * one.spec.height} : one.spec;
+      const chart = Charts.create(element("div", "chart", frame), spec);
       if (width) chart.draw(width);
       return chart;
     });
