@@ -103,7 +103,8 @@ def test_workers_give_the_same_rows_and_the_command_writes_them(
     effect = EFFECTS[0]
     options = ["--effects", effect, "--kinds", "one", "--seeds", "1", "--duration", str(DURATION)]
     assert main(["trial", "five_bar", *options, "--workers", "1", "-o", str(tmp_path)]) == 0
-    step = capsys.readouterr().out.splitlines()[-1]
+    told = capsys.readouterr().out
+    step = told.splitlines()[-1]
     assert step.startswith(
         f"next: bench trial five_bar --effects {effect} --kinds one --duration {DURATION:g} --seeds 2 -o "
     )
@@ -115,7 +116,7 @@ def test_workers_give_the_same_rows_and_the_command_writes_them(
     assert (tmp_path / "five_bar_confusion.png").is_file()
     kept = json.loads((tmp_path / "five_bar" / "one.json").read_text(encoding="utf-8"))
     assert kept["given"] == {"robot": "five_bar", "duration": DURATION}
-    assert spoken(effect)[:12] in capsys.readouterr().out
+    assert spoken(effect)[:12] in told
 
 
 def test_a_wrong_request_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
