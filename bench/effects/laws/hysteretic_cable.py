@@ -31,6 +31,7 @@ class HystereticCable(ActuatorEffect):
         "x0 = 0 Coulomb friction."
     )
     shown_by = "reverse slowly, in strokes of all sizes"
+    seen = ("opposes",)
     parameters = (EffectParameter("F", "{effort}", positive=True),)
     shape = (
         ShapeParameter("x0", "{angle}", (0.003, 0.01, 0.03, 0.1, 0.3, 1.0), scale="speed"),
