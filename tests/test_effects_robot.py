@@ -106,6 +106,14 @@ def test_the_motors_feed_the_work_of_a_force_at_the_platform(tmp_path: Path) -> 
     close(power, -((force - stiffness * way) * speed).sum(axis=1), 1e-3)
 
 
+def test_the_motors_feed_the_power_of_a_drag_at_the_tool(tmp_path: Path) -> None:
+    robot, *_ = moving_robot("delta", tmp_path)
+    position, _ = tool_motion(robot)
+    speed = np.linalg.norm(CubicSpline(robot.time, robot.refined(position))(robot.time, 1), axis=1)
+    power = np.einsum("kn,kn->k", columns_at(robot, "tool_drag")[:, :, 0], robot.velocity)
+    close(power, speed**3, 1e-3)
+
+
 @pytest.mark.parametrize(("robot_name", "place"), [("five_bar", "left_rod"), ("five_bar", "right_crank")])
 def test_a_length_changed_in_the_file_gives_the_same_torque(
     robot_name: str, place: str, tmp_path: Path

@@ -87,6 +87,7 @@ CASES = {
     "thermal_friction_drift": Case(
         {"T": 6.0, "Fv": 0.1, "Fc": 0.05}, {"T": 6.0, "Fv": 0.1, "Fc": 0.05}, share=0.03
     ),
+    "tool_drag": Case({"c": 0.5}, {"c": 0.5}, "robot"),
     "torque_ripple": Case(
         {"a": 0.03, "b": 0.02, "period": 0.2}, {"a": 0.03, "b": 0.02, "periods": 2 * np.pi / 0.2}
     ),

@@ -205,6 +205,30 @@ def test_platform_force_acts_at_the_tool_in_the_base_s_frame(robot):
     np.testing.assert_allclose(taken, given, atol=1e-4 * np.abs(given).max())
 
 
+@pytest.mark.parametrize("robot", ["five_bar", "delta"])
+def test_tool_drag_takes_the_power_of_its_speed_cubed(robot):
+    """c |v|^3, whatever the direction; the robot's other bodies feel nothing of the fluid."""
+    simulation = run(robot, {"effect": "tool_drag", "c": 2.0}, every_step=True, recordings=("free",))
+    machine, motion = simulation.machine, simulation.recordings[0].motion
+    model = bare_machine(robot).models[None]
+    data = mujoco.MjData(model)
+
+    def tool(qpos):
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(model, data)
+        return data.site("tool").xpos.copy()
+
+    samples = np.arange(1001, len(motion.time) - 1, 50)
+    place = np.array([[tool(motion.qpos[i + d]) for d in (-1, 1)] for i in samples])
+    speed = np.linalg.norm(place[:, 1] - place[:, 0], axis=1) / 0.0005
+    added = motion.torque[samples] - needed(model, motion, machine.dofs, samples)
+    angles = motion.qpos[:, machine.addresses]
+    rate = (angles[samples + 1] - angles[samples - 1]) / 0.0005
+    wanted = 2.0 * speed**3
+    assert wanted.max() > 0.1
+    np.testing.assert_allclose((added * rate).sum(axis=1), wanted, atol=5e-3 * wanted.max())
+
+
 def test_payload_mass_error_is_a_heavier_payload_of_the_same_shape():
     hidden = run("five_bar", {"effect": "payload_mass_error", "error": 0.1}, recordings=("held",))
     heavy = {"mass": 0.6, "center_of_mass": [0, 0, 0.02], "inertia": [1.2e-3, 1.2e-3, 2.4e-3, 0, 0, 0]}

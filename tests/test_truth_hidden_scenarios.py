@@ -47,6 +47,7 @@ EACH = {
     "speed_dependent_gain": {"v0": 50.0},
     "stribeck_friction": {"Fc": 0.1, "Fs": 0.1, "vs": 0.2},
     "thermal_friction_drift": {"T": 1.0, "Fv": 0.1},
+    "tool_drag": {"c": 1.0},
     "torque_drift": {"size": 0.2, "T": 0.3},
     "torque_ripple": {"a": 0.05, "b": 0.0, "period": 0.3},
     "transmission_error": {"a": 1e-3, "b": 1e-3, "period": 0.5},
@@ -243,6 +244,7 @@ def test_what_a_robot_or_scenario_lacks_is_named(tmp_path):
     for effect, told in (
         ("payload_mass_error", "the scenario has no payload"),
         ("platform_force", "the robot 'cart' has no \\[tool\\] site"),
+        ("tool_drag", "the robot 'cart' has no \\[tool\\] site"),
         ("passive_viscous_friction", "the robot has no passive hinge or slide joint"),
         ("current_crosstalk", "the robot 'cart' has one motor only"),
         ("geometric_error", "the link of joint .* has no length"),

@@ -27,6 +27,7 @@ from bench.effects.laws.quadratic_drag import QuadraticDrag
 from bench.effects.laws.rotor_inertia import RotorInertia
 from bench.effects.laws.stribeck_friction import StribeckFriction
 from bench.effects.laws.thermal_friction_drift import ThermalFrictionDrift
+from bench.effects.laws.tool_drag import ToolDrag
 from bench.effects.laws.torque_ripple import TorqueRipple
 from bench.effects.laws.transmission_error import TransmissionError
 from bench.effects.laws.viscous_friction import ViscousFriction
@@ -58,6 +59,7 @@ CATALOGUE: dict[str, Effect] = {
     "rotor_inertia": RotorInertia(),
     "stribeck_friction": StribeckFriction(),
     "thermal_friction_drift": ThermalFrictionDrift(),
+    "tool_drag": ToolDrag(),
     "torque_ripple": TorqueRipple(),
     "transmission_error": TransmissionError(),
     "viscous_friction": ViscousFriction(),

@@ -101,7 +101,7 @@ def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
         return False
     if effect == "payload_mass_error":
         return bool(setup.payloads)
-    if effect == "platform_force":
+    if effect in ("platform_force", "tool_drag"):
         return robot.tool_site is not None
     if effect == "current_crosstalk":
         return len(setup.motors) > 1

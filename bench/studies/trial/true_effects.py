@@ -61,6 +61,7 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
         "delta": _same("delta", 2.0),
     },
     "thermal_friction_drift": {"Fc": _same("Fc", 0.0), "Fv": _same("Fv", 0.0), "T": _same("T")},
+    "tool_drag": {"c": _same("c")},
     "torque_ripple": {
         "a": _same("a"),
         "b": _same("b"),

@@ -92,6 +92,7 @@ def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequen
         markdown(cases_table([row for row in rows if row["status"] == "ok"])),
     ]
     write_text_atomically(page, "\n\n".join(text) + "\n")
+    rows = [*rows, *_told(nothing)]
     names = list(dict.fromkeys(name for row in rows for name in row))
     with atomic_path(table) as partial:
         pq.write_table(

@@ -46,6 +46,7 @@ from bench.truth.hidden.signals import Clock, Law, Parameters, Signals
 from bench.truth.hidden.speed_dependent_gain import SpeedDependentGain
 from bench.truth.hidden.stribeck_friction import StribeckFriction
 from bench.truth.hidden.thermal_friction_drift import ThermalFrictionDrift
+from bench.truth.hidden.tool_drag import ToolDrag
 from bench.truth.hidden.torque_drift import TorqueDrift
 from bench.truth.hidden.torque_ripple import TorqueRipple
 from bench.truth.hidden.transmission_error import TransmissionError
@@ -101,6 +102,7 @@ HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "speed_dependent_gain": SpeedDependentGain,
     "stribeck_friction": StribeckFriction,
     "thermal_friction_drift": ThermalFrictionDrift,
+    "tool_drag": ToolDrag,
     "torque_drift": TorqueDrift,
     "torque_ripple": TorqueRipple,
     "transmission_error": TransmissionError,

@@ -56,6 +56,11 @@ def platform_force_size(reference: Reference, effect: str, _joint: str | None, s
     return _scaled(reference, effect, None, None, share, lambda x: {key: x}, 1.0)
 
 
+def tool_drag_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
+    """As all motors feel it."""
+    return _scaled(reference, effect, None, None, share, lambda x: {"c": x}, 1.0)
+
+
 def payload_mass_error_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
     """Too heavy, over all recordings with and without payload."""
     return _scaled(reference, effect, None, None, share, lambda x: {"error": x}, 0.01)
@@ -143,6 +148,7 @@ MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]
     "passive_viscous_friction": passive_size,
     "payload_mass_error": payload_mass_error_size,
     "platform_force": platform_force_size,
+    "tool_drag": tool_drag_size,
     "transmission_error": transmission_error_size,
 }
 """Rules by name of the effect: parameters for a share of the torque of `joint`, or of all motors."""

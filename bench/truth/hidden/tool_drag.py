@@ -1,0 +1,44 @@
+"""The drag of a fluid on the tool, by MuJoCo's own model of a small sphere in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.truth.hidden.base import Draft, HiddenEffect, free_name
+
+RADIUS = 0.01  # m
+THIN = 1e-9  # kg/m³: so little that nothing but the sphere feels it
+
+
+@dataclass(frozen=True)
+class ToolDrag(HiddenEffect):
+    """c |v| v at the tool site, against its velocity: ρ C A |v| v of a sphere without mass, whose ρ C A is c.
+
+    c: N·s²/m², at least 0.
+    """
+
+    name: ClassVar[str] = "tool_drag"
+    not_negative: ClassVar[tuple[str, ...]] = ("c",)
+    c: float
+
+    def change(self, draft: Draft) -> None:
+        tool = draft.robot.tool_site
+        if tool is None:
+            raise BenchError(
+                f"{self.name}: the robot {draft.robot.name!r} has no [tool] site for it to act on"
+            )
+        option, site = draft.spec.option, draft.spec.site(tool)
+        option.density = option.density or THIN
+        sphere = site.parent.add_geom(name=free_name(draft, self.name))
+        sphere.type = mujoco.mjtGeom.mjGEOM_SPHERE
+        sphere.size = [RADIUS, 0.0, 0.0]
+        sphere.pos = site.pos
+        sphere.mass = 0.0
+        sphere.contype = sphere.conaffinity = 0
+        sphere.fluid_ellipsoid = 1.0
+        sphere.fluid_coefs = [self.c / (option.density * np.pi * RADIUS**2), 0.0, 0.0, 0.0, 0.0]
