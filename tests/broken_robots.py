@@ -154,11 +154,6 @@ def home_of_too_few_numbers(folder: Path) -> None:
 # --- motors and degrees of freedom --------------------------------------------------------------------------
 
 
-@broken("redundant", "3 motors", "left_elbow")
-def one_motor_too_many(folder: Path) -> None:
-    add_motor(folder, "left_elbow")
-
-
 @broken("'left_elbow'", "'right_elbow'", "no motor")
 def one_motor_too_few(folder: Path) -> None:
     edit(folder / "robot.toml", (ACTUATOR.format(joint="right"), ""))

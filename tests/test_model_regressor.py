@@ -195,11 +195,11 @@ def test_payload_in_the_joints_frame():
 def test_names_follow_the_columns(robot):
     geometry = read_geometry(robot)
     names = parameter_names(geometry)
-    assert len(names) == 10 * len(geometry.joints) + len(geometry.active)
+    assert len(names) == 10 * len(geometry.joints) + len(geometry.robot.driven)
     for joint, body in geometry.bodies:
         assert [names[10 * joint + k][0] for k in range(10)] == [f"{symbol}({body})" for symbol in PARAMETERS]
     assert [names[column][0] for column in rotor_columns(geometry)] == [
-        f"Ia({joint})" for joint in geometry.robot.joints
+        f"Ia({joint})" for joint in geometry.robot.driven
     ]
     assert set(body_columns(geometry)) == {10 * joint + k for joint, _ in geometry.bodies for k in range(10)}
 
@@ -223,6 +223,7 @@ def test_rotors_are_parameters_where_no_body_can_stand_for_them(robot):
     ("name", "own"),
     [
         ("delta", []),
+        ("dualv", []),
         ("five_bar", []),
         (
             "orthoglide",

@@ -143,7 +143,7 @@ def test_a_broken_mjcf_is_refused_with_what_mujoco_says(
 def test_a_robot_that_is_nowhere_names_the_built_in_ones(tmp_path: Path) -> None:
     message = refusal("six_bar", relative_to=tmp_path)
     assert "'six_bar'" in message
-    assert "delta, emps, five_bar" in message
+    assert "delta, dualv, emps, five_bar" in message
     assert str(tmp_path) in message
     assert refusal("five_bra").endswith("did you mean 'five_bar'?")
 
@@ -190,11 +190,18 @@ def test_a_path_is_never_taken_for_a_built_in_name(tmp_path: Path) -> None:
 FIVE_BAR = built_in_robots()["five_bar"]
 
 
-def test_more_motors_than_degrees_of_freedom_are_refused_when_the_robot_is_read(tmp_path: Path) -> None:
+def test_of_more_motors_than_degrees_of_freedom_the_first_ones_are_independent(tmp_path: Path) -> None:
     (tmp_path / "five_bar.xml").write_bytes((FIVE_BAR / "five_bar.xml").read_bytes())
     text = (FIVE_BAR / "robot.toml").read_text(encoding="utf-8")
     third = '[[actuators]]\njoint = "left_elbow"\ngain = 1.0\ngain_unit = "N*m/A"\n\n[tool]'
     (tmp_path / "robot.toml").write_text(text.replace("[tool]", third), encoding="utf-8")
-    message = refusal(tmp_path)
-    assert "leave 2 degrees of freedom for 3 motors" in message
-    assert "'left' and 'right' and 'left_elbow' are not independent" in message
+    robot = load_robot(tmp_path)
+    assert (robot.joints, robot.driven) == (("left", "right"), ("left", "right", "left_elbow"))
+    first, second, third = re.split(
+        r"(?=\[\[actuators\]\])", (tmp_path / "robot.toml").read_text(encoding="utf-8")
+    )[1:]
+    third, tool = third.split("[tool]")
+    (tmp_path / "robot.toml").write_text(
+        f'name = "five_bar"\nmodel = "five_bar.xml"\n{third}{first}{second}[tool]{tool}', encoding="utf-8"
+    )
+    assert load_robot(tmp_path).driven == ("left_elbow", "left", "right")

@@ -13,6 +13,7 @@ from bench.dataset.robot import load_robot
 ROBOTS = tuple(built_in_robots())
 LOOPS = {
     "delta": 6,
+    "dualv": 3,
     "emps": 0,
     "five_bar": 1,
     "orthoglide": 6,
@@ -25,6 +26,7 @@ LOOPS = {
 COUPLINGS = {"wrist": 3}
 TREE_DOF = {
     "delta": 21,
+    "dualv": 9,
     "emps": 1,
     "five_bar": 4,
     "orthoglide": 21,
@@ -83,7 +85,7 @@ def test_home_is_assembled(name: str) -> None:
 def test_driven_joints_have_ranges_that_hold_home(name: str) -> None:
     model = compiled(name)
     data = at_home(model)
-    for joint in load_robot(name).joints:
+    for joint in load_robot(name).driven:
         assert model.joint(joint).limited[0]
         low, high = model.joint(joint).range
         assert low < data.joint(joint).qpos[0] < high
@@ -221,6 +223,22 @@ def test_three_rrr_has_the_dimensions_of_its_description() -> None:
     assert (data.xaxis == [0, 0, 1]).all(), "gravity acts along the hinges"
 
 
+def test_dualv_has_the_dimensions_of_its_description() -> None:
+    model = compiled("dualv")
+    data = at_home(model)
+    ends = data.site("left_end").xpos, data.site("right_end").xpos
+    assert np.linalg.norm(ends[0] - ends[1]) == pytest.approx(0.18, abs=1e-12)
+    assert (ends[0] + ends[1])[:2] == pytest.approx([0, 0], abs=1e-12)
+    for leg in range(1, 5):
+        assert np.abs(data.body(f"crank_{leg}").xpos) == pytest.approx([0.27, 0.27, 0], abs=1e-12)
+        assert distance(data, f"crank_{leg}", f"rod_{leg}") == pytest.approx(0.18, abs=1e-12)
+        reach = np.linalg.norm(ends[leg > 2] - data.body(f"rod_{leg}").xpos)
+        assert reach == pytest.approx(0.28, abs=1e-12)
+    robot = load_robot("dualv")
+    assert robot.driven == ("motor_1", "motor_2", "motor_3", "motor_4")
+    assert [one.joint for one in robot.redundant] == ["motor_4"]
+
+
 def test_emps_has_the_published_gain() -> None:
     robot = load_robot("emps")
     assert robot.nominal_gains.tolist() == [35.15065]
@@ -239,7 +257,7 @@ def test_the_table_of_the_readme_names_every_robot_in_order(project_root: Path) 
         (
             name,
             f"{name}/{name}.png",
-            str(len(load_robot(name).joints)),
+            str(len(load_robot(name).driven)),
             str(TREE_DOF[name]),
             str(LOOPS[name] or COUPLINGS.get(name) or "none"),
         )

@@ -16,7 +16,8 @@ class JointFacts:
 
     `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop` says whether the robot
     has closed loops, `geared` whether this is a motor's own position, which runs through many turns, and
-    `logs_effort` whether its logged currents are torques or forces.
+    `logs_effort` whether its logged currents are torques or forces; `redundant` whether its motor is one more than
+    the degrees of freedom.
     """
 
     name: str
@@ -27,17 +28,18 @@ class JointFacts:
     in_loop: bool
     geared: bool = False
     logs_effort: bool = False
+    redundant: bool = False
 
 
 def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
-    """The facts of each driven joint, in the order of the robot's actuators."""
+    """The facts of each driven joint, in the order of the robot's motors, redundant ones last."""
     model = robot.mjcf_model()
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     home = model.qpos0 if key < 0 else model.key_qpos[key]
     loops = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
     in_loop = any(int(kind) in map(int, loops) for kind in model.eq_type)
     facts = []
-    for actuator in robot.actuators:
+    for actuator in robot.motors:
         name = actuator.joint
         joint = model.joint(name)
         limited = bool(joint.limited[0])
@@ -51,6 +53,7 @@ def joint_facts(robot: Robot) -> tuple[JointFacts, ...]:
                 in_loop,
                 actuator.drives != "joint",
                 actuator.gain_unit in TORQUE_LOGS.values(),
+                actuator in robot.redundant,
             )
         )
     return tuple(facts)

@@ -32,6 +32,7 @@ class Recording:
     extra     other columns of numbers, each (N,), for plots
     part_of   the log that this is a part of, by name; empty: a log by itself
     started   when that log begins, s; None: with the first sample
+    redundant (N, r) current references of the robot's redundant motors, in their order; None: it has none
     """
 
     name: str
@@ -43,6 +44,7 @@ class Recording:
     extra: Mapping[str, Array] = field(default_factory=dict)
     part_of: str = ""
     started: float | None = None
+    redundant: Array | None = None
 
     def __repr__(self) -> str:
         carried = f", payload {self.payload}" if self.payload is not None else ""
@@ -58,6 +60,11 @@ class Recording:
     def began(self) -> float:
         """When the log begins, s: what warms up or wears does so from then on."""
         return float(self.time[0]) if self.started is None else self.started
+
+    @property
+    def redundant_current(self) -> Array:
+        """Current references of the redundant motors (N, r), with r = 0 where the robot has none."""
+        return np.zeros((len(self.time), 0)) if self.redundant is None else self.redundant
 
     @property
     def rate(self) -> float:

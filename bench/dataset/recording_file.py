@@ -60,6 +60,7 @@ def recording_from_table(
 ) -> Recording:
     """The columns of a table as a recording of the driven `joints`, on a uniform time grid.
 
+    The redundant motors' joints come last; their positions, which the others give, are kept among the extra columns.
     Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, but for the accepted ones.
 
     Errors: BenchError "FILE: column COLUMN, line N: ..." for the first fault, and how many more there are.
@@ -75,8 +76,13 @@ def recording_from_table(
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
     }
     n = len(joints)
-    gridded = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra)
-    return Recording(name, use, payload, *gridded)
+    time, position, current, extra = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra)
+    first = n - sum(joint.redundant for joint in joints)
+    if first == n:
+        return Recording(name, use, payload, time, position, current, extra)
+    extra |= {f"position.{joints[j].name}": position[:, j] for j in range(first, n)}
+    own, theirs = (np.ascontiguousarray(one[:, :first]) for one in (position, current))
+    return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
 
 
 def _check_columns(table: Table, needed: Sequence[str]) -> None:

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator, model_validator
 from bench.basics.errors import BenchError, meant
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot_mjcf import Transmission, robot_model, robot_spec
-from bench.dataset.robot_redundancy import redundant_motors
+from bench.dataset.robot_redundancy import independent_motors
 from bench.files.toml_input import UserTable, one_line, read_toml
 
 if TYPE_CHECKING:
@@ -48,21 +48,33 @@ class Robot:
     model_path: Path
     """The MJCF file."""
     actuators: tuple[Actuator, ...]
-    """Their order is the order of every per-actuator array and column."""
+    """One for each degree of freedom; their order is the order of every per-actuator array and column."""
     tool_site: str | None
     """The MJCF site at which a payload is fixed."""
+    redundant: tuple[Actuator, ...] = ()
+    """The motors beyond the degrees of freedom, whose joints move as those of `actuators` make them."""
 
     def mjcf_model(self) -> "mujoco.MjModel":
         """The compiled MJCF, with a joint for every motor."""
-        return robot_model(self.model_path, _transmissions(self.actuators))
+        return robot_model(self.model_path, _transmissions(self.motors))
 
     def mjcf_spec(self) -> "mujoco.MjSpec":
         """The same, to be changed before it is compiled."""
-        return robot_spec(self.model_path, _transmissions(self.actuators))
+        return robot_spec(self.model_path, _transmissions(self.motors))
+
+    @property
+    def motors(self) -> tuple[Actuator, ...]:
+        """All of them, the redundant ones last."""
+        return (*self.actuators, *self.redundant)
+
+    @property
+    def driven(self) -> tuple[str, ...]:
+        """Names of all joints with a motor, those of redundant motors last."""
+        return tuple(actuator.joint for actuator in self.motors)
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the driven joints, (n,)."""
+        """Names of the driven joints that move independently, (n,)."""
         return tuple(actuator.joint for actuator in self.actuators)
 
     @property
@@ -89,14 +101,25 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     actuators = tuple(
         Actuator(motor.name, motor.gain, motor.gain_unit, motor.drives) for motor in table.actuators
     )
-    actuators = _checked(description, actuators, table.tool, model_path)
+    actuators, independent = _checked(description, actuators, table.tool, model_path)
     return Robot(
         name=table.name,
         folder=description.parent,
         model_path=model_path,
-        actuators=actuators,
+        actuators=tuple(one for one in actuators if one.joint in independent),
         tool_site=table.tool.site if table.tool else None,
+        redundant=tuple(one for one in actuators if one.joint not in independent),
     )
+
+
+def refuse_redundant(robot: Robot, what: str) -> None:
+    """Raise BenchError where a robot has redundant motors, for what needs the torque of each motor to be known."""
+    if robot.redundant:
+        extra = ", ".join(one.joint for one in robot.redundant)
+        raise BenchError(
+            f"robot {robot.name}: {what} is not for redundant motors ({extra}): a motion does not tell what each of "
+            "them gives"
+        )
 
 
 class _ActuatorTable(UserTable):
@@ -178,8 +201,11 @@ def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
 
 def _checked(
     description: Path, actuators: Sequence[Actuator], tool: _ToolTable | None, model_path: Path
-) -> tuple[Actuator, ...]:
-    """The actuators, held against the MJCF; a gain of unit 1 has that of a torque for a torque, or force for force."""
+) -> tuple[tuple[Actuator, ...], frozenset[str]]:
+    """The actuators, held against the MJCF, and the joints of those that move independently.
+
+    A gain of unit 1 has that of a torque for a torque, or force for force.
+    """
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     try:
@@ -218,8 +244,10 @@ def _checked(
             raise BenchError(
                 f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
             )
-    if model.neq and (why := redundant_motors(model, list(seen))):
-        raise BenchError(f"{description}: actuators: {why}")
+    try:
+        independent = independent_motors(model, list(seen)) if model.neq else tuple(seen)
+    except BenchError as error:
+        raise BenchError(f"{description}: actuators: {error}") from None
     if tool and mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, tool.site) < 0:
         raise BenchError(f"{description}: tool.site: {model_path.name} has no site {tool.site!r}")
-    return tuple(checked)
+    return tuple(checked), frozenset(independent)

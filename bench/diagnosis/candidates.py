@@ -56,7 +56,7 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
     every = {
         name: [
             EffectInstance(effect, joint, f"{name}:{joint}" if joint else name)
-            for joint in places.of(effect.place)
+            for joint in places.where(effect)
             if (name, joint) not in present
         ]
         for name, effect in catalogue.items()

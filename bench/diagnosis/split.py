@@ -36,4 +36,5 @@ def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:
         extra={key: values[where] for key, values in recording.extra.items()},
         part_of=recording.log,
         started=recording.began,
+        redundant=None if recording.redundant is None else recording.redundant[where],
     )

@@ -197,8 +197,10 @@ def motor_torques(result: Identification) -> dict[str, float]:
     """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N."""
     fitted = [one for one in result.recordings if one.use == "identify"]
     squares = np.concatenate([one.measured**2 for one in fitted]).mean(axis=0)
-    gains = result.drive_gains.items()
-    return {joint: abs(gain.value) * float(np.sqrt(squares[j])) for j, (joint, gain) in enumerate(gains)}
+    gains = result.drive_gains
+    return {
+        joint: abs(gains[joint].value) * float(np.sqrt(squares[j])) for j, joint in enumerate(result.joints)
+    }
 
 
 def effort_unit(result: Identification, joint: str) -> str:

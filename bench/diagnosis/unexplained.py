@@ -37,6 +37,9 @@ def relative_noise_floor(
         recording = by_name[one.name]
         band = noise_bandwidth(settings.decimation) * recording.rate / 2
         variance = noise_floor(recording.current, recording.rate, band) ** 2
+        if one.sharing is not None:
+            given = noise_floor(recording.redundant_current, recording.rate, band)
+            variance = variance + one.sharing**2 @ given**2
         noise += float((variance * one.moving.sum(axis=0)).sum())
         measured += float(((one.measured * one.moving) ** 2).sum())
     return float(np.sqrt(noise / measured)) if measured else 0.0
@@ -65,7 +68,7 @@ def unexplained(
         return Unexplained(False, error, floor, (), why, shaken)
     found: dict[str, float] = {}
     random = np.random.default_rng(SEED)
-    joints = list(result.drive_gains)
+    joints = list(result.joints)
     for j in range(len(joints)):
         errors = np.concatenate([one.error[:, j][one.moving[:, j]] for one in judged])
         scale = errors.std() or 1.0

@@ -34,7 +34,8 @@ def columns_at_motors(instance: EffectInstance, robot: RobotSignals) -> tuple[np
     what = f"effect {instance.request!r}" if file is None else f"{file}: effect {instance.request!r}"
     motors = np.arange(len(robot.joints))
     try:
-        if isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns:
+        alone = isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns
+        if isinstance(effect, ActuatorEffect) and alone and instance.joint in robot.joints:
             motors = motors[[list(robot.joints).index(instance.joint)]]
             columns = np.asarray(effect.own_column(robot, instance.joint))[:, None]
         else:

@@ -160,7 +160,7 @@ class ActuatorEffect(Effect):
 
     def own_column(self, robot: RobotSignals, joint: str) -> np.ndarray:
         """`torque` (N, p) at a joint. Raises BenchError where it has another shape."""
-        torque = self.torque(robot.joints[joint])
+        torque = self.torque(robot.redundant[joint] if joint in robot.redundant else robot.joints[joint])
         shape = len(robot.time), len(self.parameters)
         if torque.shape != shape:
             raise BenchError(
@@ -170,8 +170,14 @@ class ActuatorEffect(Effect):
         return torque
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Columns (N, n, p) with `torque` in the joint's own row and zero elsewhere."""
+        """Columns (N, n, p) with `torque` in the joint's own row and zero elsewhere.
+
+        At a redundant motor, what the others have to supply for it through the loops.
+        """
         torque = self.own_column(robot, joint)
+        if joint in robot.redundant:
+            index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
+            return robot.tree.jacobian[:, index, :, None] * torque[:, None, :]
         columns = np.zeros((len(torque), len(robot.joints), torque.shape[1]))
         columns[:, list(robot.joints).index(joint)] = torque
         return columns

@@ -4,23 +4,33 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from bench.effects.body_length import lengths
-from bench.effects.effect import Place
+from bench.effects.effect import ActuatorEffect, Effect, Place
 from bench.model.geometry import Geometry
 
 
 @dataclass(frozen=True)
 class Places:
-    """Names of all that can have an effect: joints with and without a motor, bodies with a length, payloads."""
+    """Names of all that can have an effect: joints with and without a motor, bodies with a length, payloads.
+
+    redundant: joints with a motor that do not move independently.
+    """
 
     actuator: tuple[str, ...]
     passive: tuple[str, ...]
     body: tuple[str, ...]
     payload: tuple[str, ...]
+    redundant: tuple[str, ...] = ()
 
     @property
     def names(self) -> frozenset[str]:
         """All of them."""
-        return frozenset((*self.actuator, *self.passive, *self.body, *self.payload))
+        return frozenset((*self.actuator, *self.redundant, *self.passive, *self.body, *self.payload))
+
+    def where(self, effect: Effect) -> tuple[str, ...]:
+        """Where an effect can sit. At a redundant motor, what shows in its own motor's torque and needs no model."""
+        alone = isinstance(effect, ActuatorEffect) and type(effect).columns is ActuatorEffect.columns
+        more = self.redundant if alone and not effect.depends_on_model else ()
+        return (*self.of(effect.place), *more)
 
     def of(self, place: Place) -> tuple[str, ...]:
         """Where effects of that kind can sit; one empty name for the whole robot."""
@@ -41,12 +51,13 @@ def places_in(geometry: Geometry, payloads: Iterable[str]) -> Places:
         passive=passive_joints(geometry),
         body=tuple(lengths(geometry)),
         payload=tuple(payloads),
+        redundant=tuple(one.joint for one in geometry.robot.redundant),
     )
 
 
 def passive_joints(geometry: Geometry) -> tuple[str, ...]:
     """Hinges and slides without a motor, by name."""
-    active = {int(index) for index in geometry.active}
+    active = {int(index) for index in (*geometry.active, *geometry.redundant)}
     return tuple(
         joint.name
         for joint in geometry.joints

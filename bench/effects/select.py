@@ -69,7 +69,7 @@ def select_effects(
         if name not in catalogue:
             raise BenchError(f"unknown effect {name!r}; {meant(name, catalogue, 'known:')}")
         effect = catalogue[name]
-        possible = places.of(effect.place)
+        possible = places.where(effect)
         if joint and joint not in possible:
             near = meant(
                 joint, [one for one in possible if one] or ["only the robot as a whole"], "there are:"

@@ -101,14 +101,14 @@ class Coarse:
 class RobotSignals:
     """One recording of a whole robot before decimation: N samples, n motors.
 
-    joints: the actuated ones by name, in actuator order. `moved` computes `tree`. payload: the name of what it
-    carries, None without; payload_mass kg, as declared, zero where unknown; `carried` computes `payload_torque`.
-    torque: the rigid-body torque of the present model. An effect that depends on it is linearised about the present
-    model, and the fit repeats until it is settled. gaps: stretches of samples in which each joint stands still.
-    offsets: of the present model's encoders by joint, rad or m. log: the recording whose own values hold here, of
-    effects that have a value for each. lasting: rows of effects that do not depend on the
-    present model, kept as long as the recording; passing: those that do. noted: what else effects have computed of
-    the present model.
+    joints: the actuated ones that move independently by name, in actuator order; redundant: the others with a motor.
+    `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
+    where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
+    redundant motors give. An effect that depends on it is linearised about the present model, and the fit repeats until
+    it is settled. gaps: stretches of samples in which each joint stands still. offsets: of the present model's encoders
+    by joint, rad or m. log: the recording whose own values hold here, of effects that have a value for each. lasting:
+    rows of effects that do not depend on the present model, kept as long as the recording; passing: those that do.
+    noted: what else effects have computed of the present model.
     """
 
     expands: ClassVar[bool] = False
@@ -124,6 +124,7 @@ class RobotSignals:
     gaps: tuple[np.ndarray, ...]
     offsets: Mapping[str, float] = field(default_factory=dict)
     log: str = ""
+    redundant: Mapping[str, JointSignals] = field(default_factory=dict)
     lasting: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     passing: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     noted: dict[Hashable, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
@@ -142,6 +143,11 @@ class RobotSignals:
     def payload_torque(self) -> np.ndarray:
         """Torque or force (N, n) of the payload's declared parameters; zero without a payload."""
         return self.carried()
+
+    @cached_property
+    def redundant_torque(self) -> np.ndarray:
+        """Torque or force (N, r) of the redundant motors, without the noise above the fit's band."""
+        return np.column_stack([joint.motor_torque for joint in self.redundant.values()])
 
     @cached_property
     def time(self) -> np.ndarray:

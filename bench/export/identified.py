@@ -10,7 +10,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset import DATASET_FILE
 from bench.dataset.dataset_toml import DatasetSpec, PayloadSpec
 from bench.dataset.payload import Payload
-from bench.dataset.robot import Robot, load_robot
+from bench.dataset.robot import Robot, load_robot, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
 from bench.files.toml_input import read_toml
 from bench.identification.model_file import SavedModel, load_model, with_own_effects
@@ -141,6 +141,7 @@ def _together(
     payloads: Mapping[str, Payload],
     catalogue: Mapping[str, Effect],
 ) -> IdentifiedModel:
+    refuse_redundant(robot, "an export or replay")
     if set(robot.joints) != set(saved.model.drive_gains):
         raise BenchError(
             f"{path}: a model of {saved.model.robot} ({', '.join(saved.model.drive_gains)}), but robot {robot.name} "

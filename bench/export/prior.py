@@ -53,7 +53,7 @@ def cad_prior(geometry: Geometry) -> Prior:
         else:
             parameters[own] = _solid(parameters[own])
     armature = compiled.dof_armature
-    rotors = np.array([float(armature[compiled.joint(joint).dofadr[0]]) for joint in geometry.robot.joints])
+    rotors = np.array([float(armature[compiled.joint(joint).dofadr[0]]) for joint in geometry.robot.driven])
     return Prior(parameters, rotors, "masses of the MJCF", tuple(guessed))
 
 

@@ -1,7 +1,7 @@
 """What effects may know of a recording, and of the model as it is at present."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, partial
 
 import numpy as np
@@ -16,7 +16,7 @@ from bench.identification.perturbed_observation import perturbed_rows
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_of
-from bench.model.regressor import payload_transform, projected_regressor
+from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,9 @@ class PresentModel:
     """The model that effects are linearised about.
 
     gains (n,) N*m or N per drive unit; base (nb,) base parameters; payloads: all ten standard parameters of
-    each payload in the tool frame; declared: the known ones of them, the others zero; speeds (n,): RMS speed
-    of every active joint over the fitted recordings; effects: those of the model with their parameters (p,).
+    each payload in the tool frame; declared: the known ones of them, the others zero; speeds (n + r,): RMS speed
+    of every joint with a motor over the fitted recordings; effects: those of the model with their parameters (p,);
+    redundant_gains (r,): of the redundant motors.
     """
 
     gains: np.ndarray
@@ -34,6 +35,7 @@ class PresentModel:
     declared: Mapping[str, np.ndarray]
     speeds: np.ndarray
     effects: tuple[tuple[EffectInstance, np.ndarray], ...] = ()
+    redundant_gains: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 def declared_parameters(payloads: Mapping[str, Payload]) -> dict[str, np.ndarray]:
@@ -86,8 +88,10 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             columns = np.concatenate((columns, model.payload_columns))
             parameters = np.concatenate((parameters, payload_transform(tool) @ present.payloads[payload]))
         active = (position, velocity, acceleration)
+        columns = np.concatenate((columns, redundant_columns(model.geometry)))
         rows = perturbed_rows(model, measured, columns, active, gravity, geometry, every)
-        return np.asarray(rows @ parameters)
+        beside = signals.redundant_torque[::every] if len(model.geometry.redundant) else None
+        return combined_torque(rows, parameters, beside)
 
     def carried() -> np.ndarray:
         if payload is None:
@@ -126,8 +130,42 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         offsets=offsets,
         log=log,
         lasting=measured.kept,
+        redundant=_redundant_signals(model, measured, present),
     )
     return signals
+
+
+def combined_torque(rows: np.ndarray, parameters: np.ndarray, beside: np.ndarray | None) -> np.ndarray:
+    """Torque (K, n) of rows (K, n, p + r) by parameters (p,); the last by torques (K, r) of redundant motors."""
+    if beside is None:
+        return np.asarray(rows @ parameters)
+    own, extra = np.split(rows, [len(parameters)], axis=2)
+    return np.asarray(own @ parameters + np.einsum("knr,kr->kn", extra, beside))
+
+
+def _redundant_signals(
+    model: IdentificationModel, measured: Measured, present: PresentModel
+) -> dict[str, JointSignals]:
+    """What is known of the joints of redundant motors; they move as the loops make them."""
+    geometry, rate = model.geometry, measured.recording.rate
+    found: dict[str, JointSignals] = {}
+    for r, actuator in enumerate(geometry.robot.redundant):
+        joint = geometry.joints[geometry.joint_index(actuator.joint)]
+        gain, current = float(present.redundant_gains[r]), measured.redundant[:, r]
+        found[actuator.joint] = JointSignals(
+            time=measured.time - measured.recording.began,
+            position=measured.tree.q[:, joint.q.start] + joint.offset,
+            velocity=measured.tree.v[:, joint.v.start],
+            acceleration=measured.tree.a[:, joint.v.start],
+            current=current,
+            gain=gain,
+            speed=float(present.speeds[len(present.gains) + r]),
+            rate=rate,
+            band=measured.settings.band(rate),
+            rotates=joint.kind != "slide",
+            needs=partial(np.multiply, gain, current),
+        )
+    return found
 
 
 def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:

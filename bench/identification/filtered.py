@@ -38,6 +38,13 @@ class Measured:
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
+    @property
+    def redundant(self) -> np.ndarray:
+        """Current of the redundant motors (N, r), drive unit, as logged."""
+        if self.recording.redundant is None:
+            return np.zeros((len(self.time), 0))
+        return trim(self.recording.redundant, self.settings)
+
 
 def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:
     """Filter and differentiate the positions and close the loops.

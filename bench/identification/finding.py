@@ -18,6 +18,7 @@ class Code(StrEnum):
     NOT_FROM_GAIN = auto()
     PAYLOAD_NOT_DECLARED = auto()
     GAINS_NOMINAL = auto()
+    REDUNDANT = auto()
     RANK_DEFICIENT = auto()
     ILL_CONDITIONED = auto()
     TAKEN_UP = auto()

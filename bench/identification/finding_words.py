@@ -184,6 +184,10 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         f"Left aside: {', '.join(one.names)}. Their payload is not declared in full, and no fitted recording carries "
         "it."
     ),
+    Code.REDUNDANT: lambda one: (
+        f"The robot has more motors than degrees of freedom: the currents of {', '.join(one.names)} are taken as they "
+        "were logged, and errors are those of the other motors."
+    ),
     Code.GAINS_NOMINAL: lambda _: (
         "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, and every "
         "parameter is wrong by the same share as the gain that scales it."

@@ -37,6 +37,8 @@ def with_findings(
         found.append(Finding(Code.PAYLOAD_NOT_DECLARED, left_aside))
     if not result.gains_fitted:
         found.append(Finding(Code.GAINS_NOMINAL))
+    if result.redundant:
+        found.append(Finding(Code.REDUNDANT, result.redundant))
     if result.rank < result.unknowns:
         rank = {"rank": result.rank, "unknowns": result.unknowns}
         found.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
@@ -53,7 +55,7 @@ def with_findings(
     if taken_up:
         found.append(Finding(Code.TAKEN_UP, of=taken_up))
     found += _implausible(result)
-    for j, joint in enumerate(result.drive_gains):
+    for j, joint in enumerate(result.joints):
         reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
         if not reverses:
             found.append(Finding(Code.NEVER_REVERSES, (joint,)))
@@ -119,7 +121,7 @@ def _implausible(result: Identification) -> list[Finding]:
     negative = [joint for joint, gain in result.drive_gains.items() if gain.value < 0]
     if result.gains_fitted and len(negative) < len(ratios):
         for joint in negative:
-            reversed_sign = _error_turned(result, joint) < BETTER
+            reversed_sign = joint in result.joints and _error_turned(result, joint) < BETTER
             found.append(Finding(Code.SIGN_REVERSED if reversed_sign else Code.GAIN_NEGATIVE, (joint,)))
     for joint, gain in result.drive_gains.items():
         far = joint not in negative and abs(ratios[joint] - 1.0) > SUSPICIOUS_GAIN
@@ -133,7 +135,7 @@ def _implausible(result: Identification) -> list[Finding]:
 
 def _error_turned(result: Identification, joint: str) -> float:
     """Relative error of a joint's current with its sign reversed and the nominal drive gain."""
-    j, gain = list(result.drive_gains).index(joint), result.drive_gains[joint]
+    j, gain = result.joints.index(joint), result.drive_gains[joint]
     left = all_squares = 0.0
     for one in result.recordings:
         if one.use != "identify":

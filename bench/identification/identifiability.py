@@ -12,6 +12,7 @@ from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel
 
 DEPENDENT = 1e-9
+SEED = 20120604  # of the currents of redundant motors at the random states
 
 
 def check_gains_identifiable(
@@ -24,16 +25,23 @@ def check_gains_identifiable(
 
     `loaded` names the payload of every fitted recording. At random noise-free states of a robot with guessed
     masses the columns of equation 13 but the last must be independent; a null vector that holds a gain
-    means that this gain and parameters can grow together.
+    means that this gain and parameters can grow together. Redundant motors have random currents.
     """
     geometry, base = model.geometry, model.base
     rigid, loads = model.random_rows
     n = rigid.shape[1]
+    unit = (
+        model.random_redundant
+        * np.random.default_rng(SEED).normal(size=model.random_redundant.shape[::2])[:, None]
+    )
+    extra = model.geometry.robot.redundant
     blocks = []
     for name in dict.fromkeys(loaded):
         torque = rigid @ (base.grouping @ guessed_parameters(geometry))
+        torque = torque + unit @ np.array([one.gain for one in extra])
         block = np.zeros((len(rigid), n, layout.size - layout.effects + n))
         block[:, :, : layout.base] = rigid
+        block[:, :, block.shape[2] - n - len(extra) : block.shape[2] - n] = unit
         if name is not None:
             torque = torque + loads @ payload_columns(payloads[name]).known
             block[:, :, layout.payload_slice(name)] = loads[:, :, layout.payloads[name]]
@@ -43,8 +51,8 @@ def check_gains_identifiable(
     norms = np.linalg.norm(stacked, axis=0)
     norms[norms == 0.0] = 1.0
     singular, vectors = np.linalg.svd(np.linalg.qr(stacked / norms, mode="r"))[1:]
-    open_directions = vectors[singular < DEPENDENT * singular[0]][:, -n:]
-    joints = [actuator.joint for actuator in geometry.robot.actuators]
+    open_directions = vectors[singular < DEPENDENT * singular[0]][:, -n - len(extra) :]
+    joints = [actuator.joint for actuator in (*extra, *geometry.robot.actuators)]
     undetermined = [
         joint
         for joint, size in zip(joints, np.abs(open_directions).max(axis=0, initial=0.0), strict=True)

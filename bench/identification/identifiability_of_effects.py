@@ -12,17 +12,18 @@ NOTHING = 1e-9  # of the motors' torque: a smaller column is rounding
 def identifiable_columns(stack: Stack, layout: ParameterLayout, fit_gains: bool) -> np.ndarray:
     """Indices of the columns of phi without those of effects that depend on the columns before them.
 
-    With unknown gains the torque of the known payload, which gives their scale, counts among the columns
-    before: an effect that can imitate it, such as a wrong mass of the only payload, would leave none.
+    Those of redundant motors' gains are left out where gains are known. With unknown gains the torque of the known
+    payload, which gives their scale, counts among the columns before: an effect that can imitate it, such as a wrong
+    mass of the only payload, would leave none.
     """
     p, first = layout.size, layout.size - layout.effects
+    kept = list(range(first if fit_gains else first - layout.redundant))
     if not layout.effects:
-        return np.arange(p)
+        return np.array(kept, dtype=int)
     rows = stack.factors.reshape(-1, p + 2)
-    own = np.append(np.arange(first), [p] if fit_gains else [])
+    own = np.append(kept, [p] if fit_gains else [])
     basis = _orthonormal(rows[:, own.astype(int)])
     scale = np.linalg.norm(rows[:, :first], axis=0).max(initial=0.0)
-    kept = list(range(first))
     for index in range(first, p):
         column = rows[:, index]
         size = float(np.linalg.norm(column))

@@ -21,7 +21,7 @@ from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
 from bench.identification.identifiability import check_gains_identifiable
 from bench.identification.identifiability_of_effects import identifiable_columns
-from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.layout import known_rows, payload_rows, regressor_rows
 from bench.identification.newton import with_shape_columns
 from bench.identification.observation import observe
 from bench.identification.prepare import Prepared as Prepared
@@ -112,7 +112,7 @@ def gains_can_be_fitted(prepared: Prepared, wanted: bool | None) -> bool:
     Raises BenchError where they are wanted and cannot be had.
     """
     dataset = prepared.dataset
-    scaled = any(np.any(known_rows(one, dataset.payloads)) for one in prepared.fitted)
+    scaled = any(np.any(payload_rows(one, dataset.payloads)) for one in prepared.fitted)
     if wanted and not scaled:
         raise BenchError(
             f"{dataset.folder}: no fitted recording has a payload of known mass, which gives the gains' scale"

@@ -5,6 +5,7 @@ import numpy as np
 from bench.effects import EffectInstance, JointSamples
 from bench.identification.partial_regression import PartialRegression
 from bench.identification.prepare import Prepared
+from bench.signals.decimation import decimated_indices
 
 
 def joint_samples(
@@ -12,6 +13,8 @@ def joint_samples(
 ) -> tuple[JointSamples, ...]:
     """What an effect at an actuated joint may look at when it looks for its shape; nothing for the others."""
     names = list(prepared.dataset.robot.joints)
+    if instance.joint in prepared.signals[0].redundant:
+        return _at_redundant(prepared, instance.joint, partial)
     if instance.joint not in names:
         return ()
     j = names.index(instance.joint)
@@ -34,4 +37,36 @@ def joint_samples(
             )
         )
         start += len(one.time)
+    return tuple(found)
+
+
+def _at_redundant(prepared: Prepared, joint: str, partial: PartialRegression) -> tuple[JointSamples, ...]:
+    """The same at a redundant motor; its error is the torque there that comes nearest to the others' errors."""
+    index = prepared.model.geometry.redundant[list(prepared.signals[0].redundant).index(joint)]
+    found, start = [], 0
+    travel = np.ptp(np.concatenate([seen.redundant[joint].position for seen in prepared.signals]))
+    for seen, own, one in zip(prepared.signals, prepared.measured, prepared.observations, strict=True):
+        if one.use != "identify":
+            continue
+        at = decimated_indices(len(own.time), prepared.settings.decimation)
+        signals, follow = seen.redundant[joint], seen.tree.jacobian[at, index]
+        rows = slice(start, start + len(at))
+        error = -partial.remainder[rows] / partial.weights * one.moving
+        power = (follow**2).sum(axis=1)
+        found.append(
+            JointSamples(
+                position=signals.position[at],
+                velocity=signals.velocity[at],
+                motor_torque=signals.motor_torque[at],
+                error=np.divide(
+                    (follow * error).sum(axis=1), power, out=np.zeros_like(power), where=power > 0.0
+                ),
+                duration=float(own.time[-1] - own.time[0]),
+                speed=signals.speed,
+                travel=float(travel),
+                band=prepared.settings.band(own.recording.rate),
+                rotates=signals.rotates,
+            )
+        )
+        start += len(at)
     return tuple(found)

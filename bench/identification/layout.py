@@ -1,4 +1,4 @@
-"""Which parameters are estimated, in which order: base, then unknown payload parameters, then effects."""
+"""Which parameters are estimated, in which order: base, unknown payload parameters, redundant motors, effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,19 +16,27 @@ from bench.model.regressor import PARAMETERS
 
 @dataclass(frozen=True)
 class ParameterLayout:
-    """The order of the estimated parameters: base, then unknown payload parameters, then effects.
+    """The order of the estimated parameters: base, unknown payload parameters, redundant motors, effects.
 
-    payloads: for each payload, the indices of its parameters that the recordings can tell apart.
+    payloads: for each payload, the indices of its parameters that the recordings can tell apart. redundant: for each
+    redundant motor, what its drive gain differs by from its nominal value; none where the gains stay nominal.
     """
 
     base: int
     payloads: Mapping[str, np.ndarray]
     effects: int
+    redundant: int = 0
 
     @property
     def size(self) -> int:
         """Number of parameters beside the drive gains."""
-        return self.base + sum(len(index) for index in self.payloads.values()) + self.effects
+        return self.base + sum(len(index) for index in self.payloads.values()) + self.redundant + self.effects
+
+    @property
+    def redundant_slice(self) -> slice:
+        """Where the redundant motors stand."""
+        stop = self.size - self.effects
+        return slice(stop - self.redundant, stop)
 
     def payload_slice(self, name: str) -> slice:
         """Where the unknown parameters of a payload stand; BenchError if there is none of that name."""
@@ -53,11 +61,23 @@ def regressor_rows(observation: Observation, layout: ParameterLayout) -> np.ndar
     if observation.payload_name is not None and observation.payload is not None:
         index = layout.payloads[observation.payload_name]
         rows[:, :, layout.payload_slice(observation.payload_name)] = observation.payload[:, :, index]
+    if layout.redundant:
+        rows[:, :, layout.redundant_slice] = observation.redundant
     rows[:, :, layout.size - layout.effects :] = observation.effects
     return rows
 
 
 def known_rows(observation: Observation, payloads: Mapping[str, Payload]) -> np.ndarray:
+    """What is known of the torque (M, n), N*m or N: the known payload's, and the redundant motors' nominal one.
+
+    Redundant motors take J_r' diag(i_r) g_r off the others, J_r being their velocities for unit velocities of these: of
+    all torques the motion tells the powers J' tau alone. Source: Briot, Gautier and Krut, "Dynamic parameter
+    identification of actuation redundant parallel robots: application to the DualV", AIM 2013.
+    """
+    return payload_rows(observation, payloads) + observation.redundant @ observation.nominal
+
+
+def payload_rows(observation: Observation, payloads: Mapping[str, Payload]) -> np.ndarray:
     """Torque of the known payload parameters, phi_kL chi_kL of equation 11: (M, n), N*m or N."""
     if observation.payload_name is None or observation.payload is None:
         return np.zeros(observation.current.shape)

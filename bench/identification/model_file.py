@@ -155,12 +155,12 @@ def applied(
     dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
 ) -> tuple[Prepared, Solution]:
     """The equations of every recording of a dataset, and a saved model as their solution; see `apply_model`."""
-    joints = [actuator.joint for actuator in dataset.robot.actuators]
+    joints = list(dataset.robot.joints)
     model = saved.model
-    if model.robot != dataset.robot.name or set(joints) != set(model.drive_gains):
+    if model.robot != dataset.robot.name or set(dataset.robot.driven) != set(model.drive_gains):
         raise BenchError(
             f"{saved.path}: a model of {model.robot} ({', '.join(model.drive_gains)}), but {dataset.folder} is of "
-            f"{dataset.robot.name} ({', '.join(joints)})"
+            f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
     if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
         strangers = tuple(replace(one, part_of=str(dataset.folder / one.log)) for one in dataset.recordings)
@@ -212,6 +212,8 @@ def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
                     f"parameters of payload {payload!r}"
                 )
             values.append(known[name])
+    extra = prepared.dataset.robot.redundant[: prepared.layout.redundant]
+    values += [saved.model.drive_gains[one.joint].value - one.gain for one in extra]
     for instance in prepared.effects:
         values += [_effect_value(instance, parameter.name, saved) for parameter in instance.effect.parameters]
     return np.array(values)

@@ -24,6 +24,7 @@ def to_json(result: Identification) -> dict[str, Any]:
         "format": FORMAT,
         "robot": result.robot,
         "method": result.method,
+        "redundant": list(result.redundant),
         "effects": list(result.effects),
         "gains_fitted": result.gains_fitted,
         "drive_gains": {
@@ -98,6 +99,7 @@ def from_json(content: dict[str, Any]) -> Identification:
         left_out=tuple(content["left_out"]),
         findings=_findings(content),
         std_from=content.get("std_from", "noise"),
+        redundant=tuple(content.get("redundant", ())),
     )
 
 

@@ -30,13 +30,21 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
             values[layout.payloads[name]] = solution.theta[layout.payload_slice(name)]
         payloads[name] = values
     base = solution.theta[: layout.base]
+    extra = np.array([one.gain for one in prepared.dataset.robot.redundant])
+    if layout.redundant:
+        extra = extra + solution.theta[layout.redundant_slice]
     effects, at = [], layout.size - layout.effects
     for one in prepared.effects:
         count = len(one.effect.parameters)
         effects.append((one, solution.theta[at : at + count]))
         at += count
     return replace(
-        prepared.present, gains=solution.gains, base=base, payloads=payloads, effects=tuple(effects)
+        prepared.present,
+        gains=solution.gains,
+        base=base,
+        payloads=payloads,
+        effects=tuple(effects),
+        redundant_gains=extra,
     )
 
 

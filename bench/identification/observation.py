@@ -9,7 +9,7 @@ from bench.identification.filtered import Measured
 from bench.identification.standstill import around, bridged_part, moving_rows
 from bench.model.model import IdentificationModel
 from bench.model.motion import blocks_of
-from bench.model.regressor import projected_regressor
+from bench.model.regressor import projected_regressor, redundant_columns
 from bench.signals.decimation import Decimation, decimated_indices
 
 PART = 5120  # samples worked on together, at most: their columns stay in the processor's cache
@@ -21,7 +21,8 @@ class Observation:
 
     time (M,) s; current (M, n) drive unit; rigid (M, n, nb), payload (M, n, 10) or None, effects (M, n, ne):
     torque or force for each unit of the base parameters, of the payload's standard parameters in the tool
-    frame, and of the effects' parameters. position, velocity, acceleration (M, n) of the active joints.
+    frame, and of the effects' parameters. redundant (M, n, r): for each unit of the redundant motors' drive gains,
+    whose nominal values are nominal (r,). position, velocity, acceleration (M, n) of the active joints.
     moving (M, n): False where the joint stands still; such rows are neither fitted nor judged.
     """
 
@@ -33,6 +34,8 @@ class Observation:
     rigid: np.ndarray
     payload: np.ndarray | None
     effects: np.ndarray
+    redundant: np.ndarray
+    nominal: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
@@ -46,6 +49,9 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     loaded = recording.payload is not None
     if loaded:
         columns = np.concatenate((columns, model.payload_columns))
+    robot = model.geometry.robot
+    nb, r = len(columns), len(robot.redundant)
+    columns = np.concatenate((columns, redundant_columns(model.geometry)))
     samples, n, p = len(measured.time), measured.current.shape[1], len(columns)
     decimation = Decimation(samples, settings.decimation)
     for part in blocks_of(samples, PART):
@@ -54,7 +60,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     sizes = np.cumsum([n * p, n, n, n])
     filtered, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
     filtered = filtered.reshape(len(kept), n, p)
-    nb = len(model.base.columns)
+    load, nb = slice(len(model.base.columns), nb), len(model.base.columns)
     return Observation(
         name=recording.name,
         use=recording.use,
@@ -62,8 +68,10 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         time=measured.time[decimated_indices(samples, settings.decimation)],
         current=np.ascontiguousarray(current),
         rigid=np.ascontiguousarray(filtered[:, :, :nb]),
-        payload=filtered[:, :, nb:] @ model.payload if loaded and model.payload is not None else None,
+        payload=filtered[:, :, load] @ model.payload if loaded and model.payload is not None else None,
         effects=np.zeros((len(kept), n, 0)),
+        redundant=np.ascontiguousarray(filtered[:, :, p - r :]),
+        nominal=np.array([one.gain for one in robot.redundant]),
         position=np.ascontiguousarray(position),
         velocity=np.ascontiguousarray(velocity),
         acceleration=np.ascontiguousarray(acceleration),
@@ -77,6 +85,8 @@ def _stacked(model: IdentificationModel, measured: Measured, columns: np.ndarray
     seen = around(part, measured.gaps, length)
     samples = part if len(seen) == part.stop - part.start else seen
     rows = projected_regressor(model.geometry, measured.tree.at(samples), columns)
+    if r := measured.redundant.shape[1]:
+        rows[:, :, -r:] *= measured.redundant[samples][:, None, :]
     stacked = np.empty((len(seen), n, len(columns) + 1))
     stacked[:, :, :-1], stacked[:, :, -1] = rows, measured.current[samples]
     stacked = bridged_part(stacked, seen, part, measured.gaps, length)

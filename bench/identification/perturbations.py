@@ -18,13 +18,13 @@ from bench.effects import RobotSignals
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows
 from bench.effects.signals import OVERSAMPLING
-from bench.identification.effect_columns import PresentModel
+from bench.identification.effect_columns import PresentModel, combined_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_beside
-from bench.model.regressor import payload_transform, projected_regressor
+from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
 TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
@@ -39,8 +39,9 @@ KEPT = np.float32  # small changes need no more digits
 class Nearby:
     """The observation matrices of motions and geometries beside those of all recordings, at few samples.
 
-    few: of every recording, the samples taken; part: where they stand among all (K,). Matrices (K, n, nb + 10) have the
-    base parameters' columns, then those of a payload in the tool frame, zero without a tool.
+    few: of every recording, the samples taken; part: where they stand among all (K,). Matrices (K, n, nb + 10 + r) have
+    the base parameters' columns, then those of a payload in the tool frame, zero without a tool, and of a unit torque
+    of each redundant motor.
     """
 
     def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
@@ -94,9 +95,10 @@ class Nearby:
     def _nearby(self, present: PresentModel, index: int, seen: RobotSignals) -> RobotSignals:
         given = {one.name: getattr(seen, one.name) for one in fields(RobotSignals) if one.name not in OWN}
         load = np.zeros(10) if seen.payload is None else present.payloads[seen.payload]
-        return NearbySignals(
-            **given, nearby=self, index=index, parameters=np.concatenate((present.base, load))
-        )
+        parameters = np.concatenate((present.base, load))
+        few = self.few[index]
+        beside = seen.redundant_torque[few] if seen.redundant else None
+        return NearbySignals(**given, nearby=self, index=index, parameters=parameters, beside=beside)
 
     def turned(self, axis: int) -> np.ndarray:
         """What one m/s2 more of gravity along an axis of the world adds to the matrix."""
@@ -145,14 +147,14 @@ class Nearby:
         return self._rows(geometry, motion_beside(geometry, self._tree, *moved))
 
     def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
-        own = self._model.base.columns
-        rows = np.zeros((len(tree.time), len(geometry.active), len(own) + 10))
-        if geometry.tool is None:
-            rows[:, :, :-10] = projected_regressor(geometry, tree, own)
-            return rows
-        found = projected_regressor(geometry, tree, np.concatenate((own, self._model.payload_columns)))
-        rows[:, :, :-10] = found[:, :, :-10]
-        rows[:, :, -10:] = found[:, :, -10:] @ payload_transform(geometry.tool)
+        own, beside = self._model.base.columns, redundant_columns(geometry)
+        nb, r = len(own), len(beside)
+        rows = np.zeros((len(tree.time), len(geometry.active), nb + 10 + r))
+        load = np.zeros(0, dtype=int) if geometry.tool is None else self._model.payload_columns
+        found = projected_regressor(geometry, tree, np.concatenate((own, load, beside)))
+        rows[:, :, :nb], rows[:, :, nb + 10 :] = found[:, :, :nb], found[:, :, found.shape[2] - r :]
+        if geometry.tool is not None:
+            rows[:, :, nb : nb + 10] = found[:, :, nb : nb + 10] @ payload_transform(geometry.tool)
         return rows
 
 
@@ -161,7 +163,7 @@ class NearbySignals(RobotSignals):
     """A recording as effects see it that are searched for: changes of the torque are small and smooth.
 
     nearby: of all recordings, of which this is the one with this index; parameters (nb + 10,): of the present model and
-    of what this recording carries.
+    of what this recording carries; beside (K, r): what redundant motors give at the few samples, None without any.
     """
 
     expands = True
@@ -169,6 +171,7 @@ class NearbySignals(RobotSignals):
     nearby: Nearby
     index: int
     parameters: np.ndarray
+    beside: np.ndarray | None
 
     def coarse_change(
         self,
@@ -208,9 +211,11 @@ class NearbySignals(RobotSignals):
             more = np.zeros(3) if gravity is None else gravity - self.geometry.gravity
             rows = sum(
                 (by * nearby.turned(axis) for axis, by in enumerate(more) if by),
-                np.zeros((nearby.part[-1].stop, len(self.joints), len(self.parameters))),
+                np.zeros(
+                    (nearby.part[-1].stop, len(self.joints), len(self.parameters) + len(self.redundant))
+                ),
             )
-        return np.asarray(rows[nearby.part[self.index]] @ self.parameters)
+        return self._torque(rows)
 
     def _slopes(self, order: int, motor: int) -> tuple[np.ndarray, np.ndarray | float]:
         """First and second derivatives (K, n) of the torque by a shift, at the coarse samples.
@@ -225,7 +230,11 @@ class NearbySignals(RobotSignals):
         return self.noted[keys[0]], self.noted.get(keys[1], 0.0)
 
     def _noted(self, rows: np.ndarray) -> np.ndarray:
-        return self._smooth(rows[self.nearby.part[self.index]] @ self.parameters, self.coarse.time)
+        return self._smooth(self._torque(rows), self.coarse.time)
+
+    def _torque(self, rows: np.ndarray) -> np.ndarray:
+        """What the rows of all recordings mean for this one at the few samples, (K, n)."""
+        return combined_torque(rows[self.nearby.part[self.index]], self.parameters, self.beside)
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
         few = self.nearby.few[self.index]

@@ -95,6 +95,8 @@ def prepare(
     carried = [one.payload for one in fitted]
     declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]
     layout = parameter_layout(model, dataset.payloads, [*carried, *declared], 0)
+    if any(name in weighed for name in carried):
+        layout = replace(layout, redundant=len(dataset.robot.redundant))
     usable = [one for one in dataset.recordings if one.payload is None or one.payload in layout.payloads]
     measured = tuple(measure(model, recording, settings) for recording in usable)
     present = _first_model(dataset, model, measured)
@@ -151,6 +153,12 @@ def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
     return replace(prepared, signals=signals, nearby=nearby, settled=False)
 
 
+def _speeds(model: IdentificationModel, measured: Measured) -> np.ndarray:
+    """Velocities (N, n + r) of all joints with a motor."""
+    extra = model.geometry.redundant
+    return np.hstack((measured.velocity, measured.tree.v[:, extra])) if len(extra) else measured.velocity
+
+
 def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:
     """Nominal gains and guessed masses, until a fit has better ones."""
     fitted = [one for one in measured if one.recording.use == "identify"] or list(measured)
@@ -160,5 +168,6 @@ def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequenc
         base=model.base.grouping @ guessed_parameters(model.geometry),
         payloads=declared,
         declared=declared,
-        speeds=np.sqrt(np.concatenate([one.velocity**2 for one in fitted]).mean(axis=0)),
+        speeds=np.sqrt(np.concatenate([_speeds(model, one) ** 2 for one in fitted]).mean(axis=0)),
+        redundant_gains=np.array([one.gain for one in dataset.robot.redundant]),
     )

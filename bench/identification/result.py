@@ -64,7 +64,8 @@ class CurrentSeries:
 
     moving: False where a joint stands still; errors are not judged there. by_effect: the torque or force (M, n) that
     the motors supply for each effect of the model, N*m or N, filtered like the currents; NaN where a joint stands
-    still, since such rows are bridged, not modelled.
+    still, since such rows are bridged, not modelled. sharing (n, r): RMS of by how much a current of a redundant motor
+    takes off the others' modelled currents.
     """
 
     name: str
@@ -78,6 +79,7 @@ class CurrentSeries:
     acceleration: np.ndarray
     moving: np.ndarray
     by_effect: Mapping[str, np.ndarray] = field(default_factory=dict)
+    sharing: np.ndarray | None = None
 
     @property
     def error(self) -> np.ndarray:
@@ -94,7 +96,8 @@ class Identification:
     joint@recording for the value of one recording. covariance (P, P), its rows named by covariance_rows; those of given
     values and of parameters that were left out are zero. left_out: names of the base parameters without which the fit
     is as good, when only essential ones were asked for. findings: what limits the answer.
-    std_from: what standard deviations stand for.
+    std_from: what standard deviations stand for. redundant: the motors, last of the drive gains, whose currents are
+    given and not modelled, since the motion tells the sum of the powers alone.
     """
 
     robot: str
@@ -118,6 +121,12 @@ class Identification:
     left_out: tuple[str, ...]
     findings: tuple[Finding, ...]
     std_from: StdFrom = "noise"
+    redundant: tuple[str, ...] = ()
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints whose currents are modelled, in the order of every array of a recording."""
+        return tuple(joint for joint in self.drive_gains if joint not in self.redundant)
 
     @property
     def notes(self) -> tuple[str, ...]:

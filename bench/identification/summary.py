@@ -47,6 +47,8 @@ def summarise(
         )
         for j, actuator in enumerate(robot.actuators)
     }
+    if robot.redundant:
+        gains |= redundant_gains(prepared, solution, std)
     names = list(zip(base.names, base.units, base.descriptions, strict=True))
     for payload, index in layout.payloads.items():
         for i, name in zip(index, payload_parameter_names(payload, index), strict=True):
@@ -80,11 +82,24 @@ def summarise(
             left_out=tuple(name for i, (name, _, _) in enumerate(names) if i not in kept),
             findings=(),
             std_from=spread.std_from,
+            redundant=tuple(one.joint for one in robot.redundant),
         ),
         prepared.left_aside,
         outside,
         without_own_values(prepared),
     )
+
+
+def redundant_gains(prepared: Prepared, solution: Solution, std: np.ndarray) -> dict[str, DriveGain]:
+    """Drive gains of the redundant motors; std: of [theta, ...]."""
+    layout, actuators = prepared.layout, prepared.dataset.robot.redundant
+    changes, spreads = np.zeros(len(actuators)), np.zeros(len(actuators))
+    if layout.redundant:
+        changes, spreads = solution.theta[layout.redundant_slice], std[layout.redundant_slice]
+    return {
+        one.joint: DriveGain(one.gain + float(change), float(spread), one.gain_unit, one.gain)
+        for one, change, spread in zip(actuators, changes, spreads, strict=True)
+    }
 
 
 def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
@@ -103,7 +118,18 @@ def modelled_series(prepared: Prepared, observation: Observation, solution: Solu
         acceleration=observation.acceleration,
         moving=observation.moving,
         by_effect=_effect_torques(prepared, observation, solution),
+        sharing=_sharing(prepared, observation.name, solution),
     )
+
+
+def _sharing(prepared: Prepared, name: str, solution: Solution) -> np.ndarray | None:
+    """See CurrentSeries."""
+    extra = prepared.model.geometry.redundant
+    if not len(extra):
+        return None
+    follow = next(one for one in prepared.measured if one.recording.name == name).tree.jacobian[:, extra]
+    gains = [one.value for one in redundant_gains(prepared, solution, np.zeros(len(solution.theta))).values()]
+    return np.asarray(np.sqrt((follow**2).mean(axis=0)).T * gains / solution.gains[:, None])
 
 
 def _rows(prepared: Prepared, parameters: Sequence[str]) -> tuple[Unknown, ...]:
@@ -119,8 +145,10 @@ def _rows(prepared: Prepared, parameters: Sequence[str]) -> tuple[Unknown, ...]:
         for one in instance.effect.shape
         if not one.discrete
     ]
-    gains = [Unknown("gain", "gain", joint) for joint in prepared.dataset.robot.joints]
-    return (*(Unknown("parameter", name) for name in parameters), *linear, *gains, *shapes)
+    robot = prepared.dataset.robot
+    gains = [Unknown("gain", "gain", joint) for joint in robot.joints]
+    extra = [Unknown("gain", "gain", one.joint) for one in robot.redundant[: prepared.layout.redundant]]
+    return (*(Unknown("parameter", name) for name in parameters), *extra, *linear, *gains, *shapes)
 
 
 def _effect_torques(

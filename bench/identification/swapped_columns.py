@@ -35,7 +35,7 @@ def swapped_columns(
     prepared: the dataset's equations with these filters, where they are at hand.
     """
     error = result.error.identify
-    joints = list(result.drive_gains)
+    joints = list(result.joints)
     if error is None or error < LARGE or len(joints) < 2:
         return []
     if prepared is None:

@@ -35,7 +35,7 @@ def columns_of(log: Log, robot: Robot) -> dict[str, Any]:
     """
     names = [*log.vectors, *log.texts]
     columns = [{"name": name, **_seen(log.vectors.get(name, np.empty(0)))} for name in names]
-    needs = ["time", *(f"{kind}.{joint}" for kind in GROUPS for joint in robot.joints)]
+    needs = ["time", *(f"{kind}.{joint}" for kind in GROUPS for joint in robot.driven)]
     return {
         "robot": robot.name,
         "needs": needs,
@@ -64,10 +64,11 @@ def guesses(names: Sequence[str], robot: Robot) -> dict[str, dict[str, str]]:
         found["time"] = time, "name"
     for kind, spoken in (("position", POSITION), ("current", CURRENT)):
         free = [name for name in names if name != time and spoken & set(_words(name))]
-        named, why = _by_name(free, robot.joints), "name"
-        numbered = [name for name in free if re.search(r"\d", _stem(name)) or len(robot.joints) == 1]
-        if not named and len(numbered) == len(robot.joints):
-            named, why = dict(zip(robot.joints, sorted(numbered, key=_number), strict=True)), "order"
+        named, why = _by_name(free, robot.driven), "name"
+        numbered = [name for name in free if re.search(r"\d", _stem(name)) or len(robot.driven) == 1]
+        in_order = not robot.redundant and len(numbered) == len(robot.driven)
+        if not named and in_order:
+            named, why = dict(zip(robot.driven, sorted(numbered, key=_number), strict=True)), "order"
         found |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
     return {
         target: {"column": name, "unit": unit_in(name, units_of(target, robot)), "why": why}

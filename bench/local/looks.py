@@ -101,7 +101,7 @@ def _effects(data: Dataset) -> list[dict[str, Any]]:
     return [
         {"name": name, "words": begun(name), "spoken": spoken(name), "places": [one for one in at if one]}
         for name, effect in catalogue_for(data.effect_files).items()
-        if (at := places.of(effect.place))
+        if (at := places.where(effect))
     ]
 
 

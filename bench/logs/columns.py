@@ -81,7 +81,7 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
         if isinstance(given, str) and given not in UNITS:
             raise BenchError(f"{file}: the scale of {target}: no unit {given!r}; {meant(given, UNITS)}")
         factor = UNITS[given].factor if isinstance(given, str) else given
-        columns = [f"{target}.{joint}" for joint in robot.joints] if target in GROUPS else [target]
+        columns = [f"{target}.{joint}" for joint in robot.driven] if target in GROUPS else [target]
         if isinstance(given, str):
             columns = [column for column in columns if _fits(given, column, robot)]
             if not columns:
@@ -114,7 +114,7 @@ def _sources(
     file: Path, log: Log, robot: Robot, log_map: LogMap, given: Mapping[str, float]
 ) -> dict[str, str]:
     """Column -> its name in the log, for all that the recording gets."""
-    needed = [f"{kind}.{joint}" for kind in GROUPS for joint in robot.joints]
+    needed = [f"{kind}.{joint}" for kind in GROUPS for joint in robot.driven]
     if log_map.rate is None:
         needed.insert(0, "time")
     elif "time" in log_map.columns:
@@ -123,7 +123,7 @@ def _sources(
         raise BenchError(f"{file}: the rate must be positive, not {log_map.rate:g} Hz")
     _check_targets(file, log_map, given, needed, robot)
     there = [*log.vectors, *log.texts]
-    kept = [*needed, *(f"velocity.{joint}" for joint in robot.joints)]
+    kept = [*needed, *(f"velocity.{joint}" for joint in robot.driven)]
     sources = {target: target for target in kept if target in there} | dict(log_map.columns)
     missing = [target for target in needed if target not in sources]
     if missing:
@@ -139,7 +139,7 @@ def _check_targets(
 ) -> None:
     for target in (*log_map.columns, *given):
         if target not in needed and target.startswith(("position.", "current.")):
-            joints = ", ".join(robot.joints)
+            joints = ", ".join(robot.driven)
             raise BenchError(f"{file}: {target!r}: the robot {robot.name!r} drives {joints}")
     for target in given:
         if target not in needed and target not in log_map.columns:

@@ -108,7 +108,8 @@ class Geometry:
     """All that identification knows of a robot beside its measurements.
 
     `home` is the assembled pose (nq,) in Pinocchio's coordinates (quaternions x y z w); `active` are the
-    velocity indices of the actuated joints in actuator order; `tool` is where a payload is fixed;
+    velocity indices (n,) of the actuated joints that move independently, in actuator order, `redundant` those (r,) of
+    the other joints with a motor, which count as passive; `tool` is where a payload is fixed;
     `body_frames` has for every body of the file the joint that moves it (-1: none) and its frame in that joint's.
     """
 
@@ -119,6 +120,7 @@ class Geometry:
     gravity: np.ndarray
     home: np.ndarray
     active: np.ndarray
+    redundant: np.ndarray
     tool: Anchor | None
     body_frames: Mapping[str, tuple[int, Placement]]
 
@@ -184,7 +186,7 @@ def read_geometry(robot: Robot) -> Geometry:
         raise BenchError(f"{robot.model_path}: the model has no joint")
     loops = _loops(compiled, frames)
     names = {joint.name: joint for joint in joints}
-    for actuator in robot.actuators:
+    for actuator in robot.motors:
         if actuator.joint not in names:
             raise BenchError(f"{robot.model_path}: no joint {actuator.joint!r}, which robot.toml actuates")
     geometry = Geometry(
@@ -195,6 +197,7 @@ def read_geometry(robot: Robot) -> Geometry:
         gravity=compiled.opt.gravity.copy(),
         home=_home(compiled, joints),
         active=np.array([names[actuator.joint].v.start for actuator in robot.actuators]),
+        redundant=np.array([names[actuator.joint].v.start for actuator in robot.redundant], dtype=int),
         tool=_tool(robot, compiled, frames),
         body_frames={
             _name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}"): frame

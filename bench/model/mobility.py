@@ -68,7 +68,7 @@ def check_mobility(geometry: Geometry) -> None:
         raise BenchError(
             f"robot {name}: the loop closures leave {left} degrees of freedom for {len(geometry.active)} "
             f"motors; those of joint {_quoted(_bound_motors(geometry, jacobian))} are not independent "
-            "(redundant actuation is not supported)"
+            "beside the home pose, although they are at home"
         )
 
 

@@ -10,7 +10,7 @@ from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters, base_parameters
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled, check_mobility
-from bench.model.regressor import payload_transform, projected_regressor
+from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.model.states import random_motion
 
 SEED = 20120602  # of the states at which it is decided what recordings can tell at all
@@ -40,11 +40,18 @@ class IdentificationModel:
         Noise-free, and always the same ones: what is decided there never depends on data. Raises BenchError
         without a tool.
         """
-        motion = random_motion(self.geometry, STATES, SEED)
         columns = np.concatenate((self.base.columns, self.payload_columns))
-        rows = projected_regressor(self.geometry, motion, columns)
+        rows = self._at_random(columns)
         nb = len(self.base.columns)
         return rows[:, :, :nb], rows[:, :, nb:] @ self.payload
+
+    @cached_property
+    def random_redundant(self) -> np.ndarray:
+        """What a unit torque of each redundant motor takes off the others (s, n, r), at the same states."""
+        return self._at_random(redundant_columns(self.geometry))
+
+    def _at_random(self, columns: np.ndarray) -> np.ndarray:
+        return projected_regressor(self.geometry, random_motion(self.geometry, STATES, SEED), columns)
 
 
 def build_model(robot: Robot) -> IdentificationModel:

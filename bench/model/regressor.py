@@ -35,19 +35,20 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
     """phi_st of equation 6 at every sample: (N, n, p), in N*m or N for each standard parameter.
 
     `columns` picks from the 10 parameters of every joint of the geometry (a joint without a body has columns
-    too, see `body_columns`), which are the default, and from the rotors behind them, see `rotor_columns`. A
+    too, see `body_columns`), which are the default, from the rotors behind them, see `rotor_columns`, and from the
+    torques of redundant motors behind these, see `redundant_columns`. A
     parameter's column is the power of its inertial force and moment on the velocities that unit speed of each
     motor gives its body.
     """
     bodies = 10 * len(geometry.joints)
     chosen = np.arange(bodies) if columns is None else np.asarray(columns)
     wanted: dict[int, list[tuple[int, int]]] = {}
-    rotors: list[tuple[int, int]] = []
+    others: list[tuple[int, int]] = []
     for place, column in enumerate(chosen.tolist()):
         if column < bodies:
             wanted.setdefault(column // 10, []).append((place, column % 10))
         else:
-            rotors.append((place, column - bodies))
+            others.append((place, column - bodies))
     moving = sorted({index for joint in wanted for index in ancestors(geometry, joint)})
     links = [link_of(index, geometry.joints[index]) for index in moving]
     gravity = constant_vector(geometry.gravity)
@@ -60,9 +61,11 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
         rates = body_rates(links, gravity, q, v, a, motors)
         for joint, entries in wanted.items():
             _fill(rates[joint], entries, rows[:, :, block])
-    for place, motor in rotors:
-        rows[:, place] = 0.0
-        rows[motor, place] = motion.a[:, geometry.active[motor]]
+    joints = np.concatenate((geometry.active, geometry.redundant))
+    for place, motor in others:
+        joint = joints[motor if motor < len(joints) else motor - len(geometry.redundant)]
+        turned = motion.jacobian[:, joint, :].T
+        rows[:, place] = turned * motion.a[:, joint] if motor < len(joints) else -turned
     return rows.transpose(2, 0, 1)
 
 
@@ -117,20 +120,25 @@ def body_columns(geometry: Geometry) -> np.ndarray:
 
 
 def rotor_columns(geometry: Geometry) -> np.ndarray:
-    """The columns (n,) of the motors' rotors: Ia, inertia of rotor and gear seen at the joint, times q''.
+    """The columns (n + r,) of all motors' rotors: Ia, inertia of rotor and gear seen at the joint, times q''.
 
     A rotor turns with its motor and moves with no body; its weight belongs to the body that carries it.
     """
-    return 10 * len(geometry.joints) + np.arange(len(geometry.active))
+    return 10 * len(geometry.joints) + np.arange(len(geometry.active) + len(geometry.redundant))
+
+
+def redundant_columns(geometry: Geometry) -> np.ndarray:
+    """The columns (r,) of the redundant motors: what a torque or force of one there takes off the others."""
+    return rotor_columns(geometry)[-1] + 1 + np.arange(len(geometry.redundant))
 
 
 def parameter_names(geometry: Geometry) -> list[tuple[str, str]]:
-    """Name and unit of every column of `projected_regressor`, those of the rotors last."""
+    """Name and unit of every column of `projected_regressor` that is a parameter, those of the rotors last."""
     names = []
     for joint in geometry.joints:
         owner = joint.body or f"({joint.name})"
         names += [(f"{symbol}({owner})", unit) for symbol, unit in zip(PARAMETERS, UNITS, strict=True)]
-    for actuator in geometry.robot.actuators:
+    for actuator in geometry.robot.motors:
         slides = geometry.joints[geometry.joint_index(actuator.joint)].kind == "slide"
         names.append((f"Ia({actuator.joint})", "kg" if slides else "kg*m^2"))
     return names

@@ -64,7 +64,7 @@ def _row(*texts: str) -> Row:
 
 
 def _charts(one: Discovered, after: Identification) -> tuple[Chart, ...]:
-    joints = list(after.drive_gains)
+    joints = list(after.joints)
     effort, angle = ("N·m", "rad") if after.drive_gains[one.place].unit.startswith("N*m") else ("N", "m")
     looks = dict.fromkeys(
         LooksAt(look.what, look.motor, "size")

@@ -124,7 +124,8 @@ def _motion_table(result: Identification) -> Table:
         Column("moves", "right"),
     )
     rows = []
-    for j, (joint, gain) in enumerate(result.drive_gains.items()):
+    for j, joint in enumerate(result.joints):
+        gain = result.drive_gains[joint]
         position, velocity, acceleration, measured, moving = (
             np.concatenate([getattr(one, name)[:, j] for one in fitted])
             for name in ("position", "velocity", "acceleration", "measured", "moving")
@@ -160,7 +161,7 @@ def _rms(values: np.ndarray) -> float:
 def _not_excited(result: Identification) -> list[str]:
     said = []
     fitted = _fitted(result)
-    for j, joint in enumerate(result.drive_gains):
+    for j, joint in enumerate(result.joints):
         count = sum(_reversals(one, j) for one in fitted)
         if count < REVERSALS:
             said.append(

@@ -92,18 +92,26 @@ def compared(
         units[actuator.joint] = (current, "rad" if effort == "N*m" else "m")
     found = []
     for one in series:
-        noise, band = current_noise(logged[one.name], settings), settings.band(logged[one.name].rate)
+        noise, band = (
+            current_noise(logged[one.name], settings, one.sharing),
+            settings.band(logged[one.name].rate),
+        )
         found += [_motor(one, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
     return Compared(robot.name, tuple(robot.joints), units, tuple(found))
 
 
-def current_noise(recording: Recording, settings: FilterSettings) -> np.ndarray:
-    """RMS of the noise of the currents after the fit's filters (n,), drive unit.
+def current_noise(
+    recording: Recording, settings: FilterSettings, sharing: np.ndarray | None = None
+) -> np.ndarray:
+    """RMS of the noise of the currents after the fit's filters (n,), drive unit; sharing: see `CurrentSeries`.
 
     It is read off the spectra above the band of the motion and taken as white.
     """
     band = noise_bandwidth(settings.decimation) * recording.rate / 2
-    return noise_floor(recording.current, recording.rate, band)
+    own = noise_floor(recording.current, recording.rate, band)
+    if sharing is None:
+        return own
+    return np.sqrt(own**2 + sharing**2 @ noise_floor(recording.redundant_current, recording.rate, band) ** 2)
 
 
 def relative_noise(series: Sequence[MotorSeries]) -> float:

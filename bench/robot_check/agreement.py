@@ -156,10 +156,12 @@ def check_motor_forces(machine: Machine, motion: Motion) -> Check:
     This is the whole identification model; MuJoCo's forces are projected by its own constraint Jacobian.
     """
     geometry, armature = machine.geometry, machine.compiled.dof_armature
+    driven = np.concatenate((geometry.active, geometry.redundant))
+    unknown = np.setdiff1d(geometry.passive, driven)  # rotors of which a note tells
     parameters = np.concatenate(
         [
             *(inertia.toDynamicParameters() for inertia in list(machine.model.inertias)[1:]),
-            armature[geometry.active],
+            armature[driven],
         ]
     )
     ours = projected_regressor(geometry, motion, np.arange(len(parameters))) @ parameters
@@ -169,7 +171,7 @@ def check_motor_forces(machine: Machine, motion: Motion) -> Check:
         turn = set_pose(machine, q, v)
         mujoco.mj_fullM(machine.compiled, machine.state, full)
         inertia = full.copy()
-        inertia[geometry.passive, geometry.passive] -= armature[geometry.passive]  # which a note tells of
+        inertia[unknown, unknown] -= armature[unknown]
         acceleration = turn.T @ (a - _model_acceleration(machine, v))
         theirs[k] = _motor_motions(machine).T @ (inertia @ acceleration + machine.state.qfrc_bias)
     worst = np.abs(ours - theirs).max(axis=0) / max(1.0, float(np.abs(theirs).max()))

@@ -41,13 +41,13 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
         named = _joints_with(compiled, fields)
         if not named:
             continue
-        driven = [f"{at_motor}:{name}" for name in named if name in robot.joints]
-        passive = [f"{elsewhere}:{name}" for name in named if name not in robot.joints]
+        driven = [f"{at_motor}:{name}" for name in named if name in robot.driven]
+        passive = [f"{elsewhere}:{name}" for name in named if name not in robot.driven]
         yield (
             f"{what} on {', '.join(named)}: the simulator will add it, the model does not know it; fit it with "
             f"--with {' --with '.join(driven + passive)}"
         )
-    rotors = [name for name in _joints_with(compiled, ("dof_armature",)) if name not in robot.joints]
+    rotors = [name for name in _joints_with(compiled, ("dof_armature",)) if name not in robot.driven]
     if rotors:
         yield f"rotor inertia (armature) on the passive {', '.join(rotors)}: the model does not know it"
     if (size := _furthest(compiled)) > LARGE:

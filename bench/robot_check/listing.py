@@ -28,7 +28,7 @@ def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, str]:
 def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]:
     """Every joint of the MJCF, in its order."""
     home, _ = home_of(compiled, robot)
-    gains = {actuator.joint: f"{actuator.gain:g} {actuator.gain_unit}" for actuator in robot.actuators}
+    gains = {actuator.joint: f"{actuator.gain:g} {actuator.gain_unit}" for actuator in robot.motors}
     lines = []
     for index in range(compiled.njnt):
         name = label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, index)

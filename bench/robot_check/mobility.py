@@ -46,10 +46,12 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
             f"{mobility.tree} of the tree less {mobility.rank} of rank and {count(mobility.spins, 'idle spin')} "
             f"leave {mobility.remaining}"
         )
+    extra = [one.joint for one in geometry.robot.redundant]
+    beside = f" and a redundant one at {', '.join(extra)}" if extra else ""
     return Check(
         name,
         "ok" if mobility.remaining == mobility.motors else "failed",
-        f"{told}, for {count(mobility.motors, 'motor')}",
+        f"{told}, for {count(mobility.motors, 'motor')}{beside}",
     )
 
 

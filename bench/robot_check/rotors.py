@@ -11,7 +11,7 @@ def check_rotors(geometry: Geometry, base: BaseParameters) -> Check:
     kept = set(base.columns.tolist())
     own: list[str] = []
     others: list[str] = []
-    for joint, column in zip(geometry.robot.joints, rotor_columns(geometry).tolist(), strict=True):
+    for joint, column in zip(geometry.robot.driven, rotor_columns(geometry).tolist(), strict=True):
         (own if column in kept else others).append(joint)
     told = []
     if own:

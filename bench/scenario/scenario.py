@@ -239,13 +239,14 @@ def _joint_faults(settings: ScenarioTable, robot: Robot) -> Iterator[str]:
         if recording.design is not None
     ]
     for prefix, table in tables:
+        joints = robot.joints if prefix.startswith("recordings") else robot.driven
         for key, value in table:
             for joint in value if isinstance(value, Mapping) else ():
-                if joint not in robot.joints:
-                    yield f"{prefix}.{key}: no actuated joint {joint!r}; there are {', '.join(robot.joints)}"
-            for joint in robot.joints if isinstance(value, Mapping) else ():
+                if joint not in joints:
+                    yield f"{prefix}.{key}: no actuated joint {joint!r}; there are {', '.join(joints)}"
+            for joint in joints if isinstance(value, Mapping) else ():
                 if joint not in value:
                     yield f"{prefix}.{key}: joint {joint!r} is missing"
-    for actuator in robot.actuators:
+    for actuator in robot.motors:
         if settings.sensors.encoder_bits and actuator.gain_unit.startswith("N/"):
             yield f"sensors.encoder_bits: {actuator.joint!r} is a slide joint: give encoder_resolution in m"

@@ -71,6 +71,22 @@ def reduced_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
     return follow.T @ full @ follow
 
 
+def felt_inertia(model: mujoco.MjModel, qpos: Array, dofs: Indices, leading: int) -> Array:
+    """The inertia (n,) that each actuated joint feels at qpos (nq,), loops closed; kg·m² or kg.
+
+    Of the first `leading` joints, which move independently, while the others of them stand; of a redundant motor's,
+    while nothing else drives the machine.
+    """
+    reduced = reduced_inertia(model, qpos, dofs[:leading])
+    if leading == len(dofs):
+        return np.diag(reduced)
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    follow = following(model, data, dofs[:leading])[dofs[leading:]]
+    mobility = (follow * np.linalg.solve(reduced, follow.T).T).sum(axis=1)
+    return np.append(np.diag(reduced), 1.0 / mobility)
+
+
 def holding_torque(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
     """What the actuated joints (n,) have to supply to hold the weight of the machine at qpos (nq,)."""
     data = mujoco.MjData(model)

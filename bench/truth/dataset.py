@@ -15,7 +15,8 @@ from bench.truth.simulate import Simulation
 
 def as_dataset(simulation: Simulation) -> Dataset:
     """What an identification may know of a simulation: its log and what is declared, nothing true."""
-    scenario = simulation.scenario
+    scenario, m = simulation.scenario, len(simulation.robot.joints)
+    redundant = simulation.robot.redundant
     return Dataset(
         folder=Path(),
         robot=scenario.robot,
@@ -26,8 +27,9 @@ def as_dataset(simulation: Simulation) -> Dataset:
                 r.table.use,
                 r.table.payload,
                 r.log.time,
-                r.log.position,
-                r.log.current,
+                r.log.position[:, :m],
+                r.log.current[:, :m],
+                redundant=r.log.current[:, m:] if redundant else None,
             )
             for r in simulation.recordings
         ),
@@ -64,14 +66,9 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
 def _write_folder(simulation: Simulation, folder: Path) -> None:
     scenario = simulation.scenario
     dataset = as_dataset(simulation)
-    for recording in dataset.recordings:
-        write_recording(
-            folder / recording.name,
-            recording.time,
-            recording.position,
-            recording.current,
-            scenario.robot.joints,
-        )
+    for one in simulation.recordings:
+        file = folder / _file_name(simulation, one.name)
+        write_recording(file, one.log.time, one.log.position, one.log.current, scenario.robot.driven)
     entries = [RecordingEntry(r.name, r.use, r.payload) for r in dataset.recordings]
     used = {entry.payload for entry in entries}
     payloads = [payload for name, payload in dataset.payloads.items() if name in used]

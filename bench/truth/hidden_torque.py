@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.truth.inverse import motor_torque
+from bench.truth.inverse import motor_torque, powers
 from bench.truth.loops import loop_gaps
 from bench.truth.machine import Machine, build_machine
 from bench.truth.simulate import SimulatedRecording, Simulation
@@ -22,7 +22,7 @@ class HiddenTorque:
 
     time (S,) s; torque (S, n) N·m or N: what the motors supply beyond the same movement of the rigid robot;
     loop_gap (S, loops) m: how far the loops really open; reference (S, n) rad or m: what the controller was asked
-    to follow.
+    to follow. What redundant motors give counts by its power at the others.
     """
 
     time: Array
@@ -46,19 +46,22 @@ def hidden_torque(simulation: Simulation, recording: SimulatedRecording, plain: 
     machine, motion = simulation.machine, recording.motion
     rate = (len(motion.time) - 1) / (motion.time[-1] - motion.time[0])
     shown = slice(0, None, max(1, round(rate / RATE)))
-    payload = recording.table.payload
+    payload, m = recording.table.payload, machine.leading
     poses = motion.qpos[shown]
     rigid = motor_torque(
         plain,
         payload,
         poses[:, : len(plain.home)],  # the rotors of drives with a spring or play come last
-        recording.position[shown],
-        motion.qvel[shown][:, machine.motor_dofs],
-        motion.qacc[shown][:, machine.motor_dofs],
+        recording.position[shown, :m],
+        motion.qvel[shown][:, machine.motor_dofs[:m]],
+        motion.qacc[shown][:, machine.motor_dofs[:m]],
+    )
+    given = powers(
+        plain, payload, poses[:, : len(plain.home)], machine.drive.true_gains * recording.current[shown]
     )
     return HiddenTorque(
         time=motion.time[shown],
-        torque=machine.drive.true_gains * recording.current[shown] - rigid,
+        torque=given - rigid,
         loop_gap=loop_gaps(machine.models[payload], poses),
-        reference=motion.reference[shown],
+        reference=motion.reference[shown, :m],
     )

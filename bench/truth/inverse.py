@@ -16,7 +16,7 @@ NUDGE = 1e-5  # s: the loops' Jacobian is differentiated over this much of the m
 def motor_torque(
     machine: Machine, payload: str | None, poses: Array, q: Array, qd: Array, qdd: Array
 ) -> Array:
-    """Torque (S, n) for positions, velocities and accelerations (S, n) of the actuated joints.
+    """Torque (S, n) for positions, velocities and accelerations (S, n) of the actuated joints that move independently.
 
     poses: (S, nq) from which the loops are closed, each near its own, so that the assembly mode is kept.
     Counted are inertia, weight, and of what MuJoCo has
@@ -26,7 +26,7 @@ def motor_torque(
     """
     model = machine.models[payload]
     data = mujoco.MjData(model)
-    dofs, addresses = machine.dofs, machine.addresses
+    dofs, addresses = machine.dofs[: machine.leading], machine.addresses[: machine.leading]
     passive = np.setdiff1d(np.arange(model.nv), dofs)
     mass = np.zeros((model.nv, model.nv))
     torque = np.empty_like(q)
@@ -44,11 +44,27 @@ def motor_torque(
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fullM(model, data, mass)
         given = data.qfrc_actuator.copy()
-        given[machine.motor_dofs] -= data.actuator_force[: len(dofs)]
+        given[machine.motor_dofs] -= data.actuator_force[: len(machine.dofs)]
         force = mass @ acceleration + data.qfrc_bias - data.qfrc_passive - given
         force += model.dof_frictionloss * np.sign(velocity)
         torque[k] = follow.T @ force
     return torque
+
+
+def powers(machine: Machine, payload: str | None, poses: Array, torque: Array) -> Array:
+    """Torques (S, n) of the joints that move independently which have the same powers as those of all motors (S, N).
+
+    poses: (S, nq). Without redundant motors these are the torques themselves.
+    """
+    m = machine.leading
+    if torque.shape[1] == m:
+        return torque
+    model, found = machine.models[payload], torque[:, :m].copy()
+    data = mujoco.MjData(model)
+    for k, pose in enumerate(poses):
+        data.qpos[:] = pose
+        found[k] += following(model, data, machine.dofs[:m])[machine.dofs[m:]].T @ torque[k, m:]
+    return found
 
 
 def _bent(

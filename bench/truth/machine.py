@@ -15,7 +15,7 @@ from bench.dataset.robot import Robot
 from bench.files.toml_input import one_line
 from bench.scenario.scenario import Scenario, payload_truth, per_joint
 from bench.scenario.tables import Controller, PayloadTable
-from bench.truth.assembly import reduced_inertia
+from bench.truth.assembly import felt_inertia
 from bench.truth.hidden import (
     LAWS,
     PAYLOAD_BODY,
@@ -88,7 +88,7 @@ class Machine:
     inertia: Array
     """kg·m² or kg (n,) that the actuated joints feel there, loops closed, nothing hidden."""
     addresses: Indices
-    """Indices into qpos of the actuated joints (n,)."""
+    """Indices into qpos of the actuated joints (n,), those of redundant motors last."""
     dofs: Indices
     """Indices into qvel of the actuated joints (n,)."""
     motor_addresses: Indices
@@ -96,6 +96,11 @@ class Machine:
     that has a spring or play in its drive, the joint itself without."""
     motor_dofs: Indices
     """The same in qvel."""
+
+    @property
+    def leading(self) -> int:
+        """How many of the actuated joints, the first ones, move independently."""
+        return len(self.robot.joints)
 
 
 def build_machine(scenario: Scenario) -> Machine:
@@ -112,10 +117,10 @@ def build_machine(scenario: Scenario) -> Machine:
 def _built(scenario: Scenario) -> Machine:
     robot, settings = scenario.robot, scenario.settings
     plain = _compiled(_rigid_spec(robot, settings.step), robot)
-    dofs = np.array([plain.joint(joint).dofadr[0] for joint in robot.joints])
+    dofs = np.array([plain.joint(joint).dofadr[0] for joint in robot.driven])
     home = home_pose(robot)
-    inertia = np.diag(reduced_inertia(plain, home, dofs))
-    hidden = hidden_effects(settings.hidden, robot.joints, plain)
+    inertia = felt_inertia(plain, home, dofs, len(robot.joints))
+    hidden = hidden_effects(settings.hidden, robot.driven, plain)
     laws = any(has_law(effect, law) for effect in hidden for law in LAWS)
     drive = _drive(robot, settings.controller, true_gains(scenario), inertia, _encoder_offset(hidden, robot))
     payloads = {name: _true_payload(name, table, hidden) for name, table in settings.payloads.items()}
@@ -126,7 +131,7 @@ def _built(scenario: Scenario) -> Machine:
             robot,
             plain,
             home,
-            dict(zip(robot.joints, inertia.tolist(), strict=True)),
+            dict(zip(robot.driven, inertia.tolist(), strict=True)),
             tuple(payloads),
         )
         for effect in hidden:
@@ -142,9 +147,9 @@ def _built(scenario: Scenario) -> Machine:
         for effect in hidden:
             effect.adjust(models[name], draft)
     model = models[None]
-    ends = [draft.motor_side(joint).name for joint in robot.joints]
+    ends = [draft.motor_side(joint).name for joint in robot.driven]
     addresses, motor_addresses = (
-        np.array([model.joint(joint).qposadr[0] for joint in side]) for side in (robot.joints, ends)
+        np.array([model.joint(joint).qposadr[0] for joint in side]) for side in (robot.driven, ends)
     )
     motor_dofs = np.array([model.joint(joint).dofadr[0] for joint in ends])
     return Machine(
@@ -173,12 +178,18 @@ def home_pose(robot: Robot) -> Array:
 def true_gains(scenario: Scenario) -> Array:
     """The true drive gains (n,) of a scenario, in the units of the robot's gains."""
     robot, gains = scenario.robot, scenario.settings.gains
+    nominal = nominal_gains(robot)
     if gains.true is not None:
-        return per_joint(gains.true, robot.joints)
+        return per_joint(gains.true, robot.driven)
     if gains.error_within is not None:
-        draws = [stream(scenario.settings.seed, "gain", joint).uniform(-1, 1) for joint in robot.joints]
-        return robot.nominal_gains * (1 + gains.error_within * np.array(draws))
-    return robot.nominal_gains * (1 + per_joint(gains.error or 0.0, robot.joints))
+        draws = [stream(scenario.settings.seed, "gain", joint).uniform(-1, 1) for joint in robot.driven]
+        return nominal * (1 + gains.error_within * np.array(draws))
+    return nominal * (1 + per_joint(gains.error or 0.0, robot.driven))
+
+
+def nominal_gains(robot: Robot) -> Array:
+    """Nominal drive gains of all motors (n,), redundant ones last."""
+    return np.array([motor.gain for motor in robot.motors])
 
 
 def _rigid_spec(robot: Robot, step: float) -> mujoco.MjSpec:
@@ -219,10 +230,10 @@ def _compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
 
 def _encoder_offset(hidden: Sequence[HiddenEffect], robot: Robot) -> Array:
     """What the encoders (n,) read too much."""
-    offset = np.zeros(len(robot.joints))
+    offset = np.zeros(len(robot.driven))
     for effect in hidden:
         if isinstance(effect, EncoderOffset):
-            offset[robot.joints.index(effect.joint)] += effect.offset
+            offset[robot.driven.index(effect.joint)] += effect.offset
     return offset
 
 
@@ -235,7 +246,7 @@ def _true_payload(name: str, table: PayloadTable, hidden: Sequence[HiddenEffect]
 
 def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array, offset: Array) -> Drive:
     """inertia: (n,) what each actuated joint feels in the home pose."""
-    joints = robot.joints
+    joints = robot.driven
     if controller.kp is not None and controller.kv is not None:
         kp, kv = per_joint(controller.kp, joints), per_joint(controller.kv, joints)
     else:
@@ -243,7 +254,7 @@ def _drive(robot: Robot, controller: Controller, gains: Array, inertia: Array, o
         kp = inertia * omega**2
         kv = 2 * per_joint(controller.damping, joints) * inertia * omega
     feedforward = inertia if controller.feedforward == "acceleration" else np.zeros(len(joints))
-    return Drive(robot.nominal_gains, gains, kp, kv, feedforward, offset)
+    return Drive(nominal_gains(robot), gains, kp, kv, feedforward, offset)
 
 
 def _add_motors(draft: Draft, drive: Drive, laws: bool) -> None:
@@ -252,7 +263,7 @@ def _add_motors(draft: Draft, drive: Drive, laws: bool) -> None:
     If there are laws, they set its control, which is its force. Without, its force is the controller's,
     ratio · (control − kp q − kv q̇), with `Drive.command` as control.
     """
-    for i, joint in enumerate(draft.robot.joints):
+    for i, joint in enumerate(draft.robot.driven):
         motor = draft.spec.add_actuator(name=f"motor:{joint}", target=draft.motor_side(joint).name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
         motor.gaintype = mujoco.mjtGain.mjGAIN_FIXED

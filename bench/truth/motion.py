@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
+from bench.dataset.robot import Robot
 from bench.files.toml_input import one_line
 from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.assembly import assembled, holding_torque
 from bench.truth.hidden import MOTOR_SIDE
 from bench.truth.loops import POINTS, batch_gaps
 from bench.truth.machine import Machine
+from bench.truth.redundant import references
 from bench.truth.stepping import States, Stepper
 
 Array = NDArray[np.float64]
@@ -100,8 +102,8 @@ def simulate_motion(
     for first in range(0, total, size):
         last = min(first + size, total)
         time = _times(timing, first, last)
-        references = [_reference(run.trajectory, timing, first, last) for run in runs]
-        command = np.stack([machine.drive.command(*one) for one in references])
+        asked = [_reference(machine.robot, run.trajectory, timing, first, last) for run in runs]
+        command = np.stack([machine.drive.command(*one) for one in asked])
         try:
             if stepper is None:
                 states = _roll_out(batch, machine, models, command, timing.log_every)
@@ -117,7 +119,7 @@ def simulate_motion(
                 )
         chunks.append(states)
         progress.advance()
-    return tuple(_motion(i, run, timing, chunks) for i, run in enumerate(runs))
+    return tuple(_motion(machine.robot, i, run, timing, chunks) for i, run in enumerate(runs))
 
 
 def _times(timing: Timing, first: int, last: int) -> Array:
@@ -127,9 +129,11 @@ def _times(timing: Timing, first: int, last: int) -> Array:
 
 
 @lru_cache(maxsize=KEPT)
-def _reference(trajectory: FourierTrajectory, timing: Timing, first: int, last: int) -> tuple[Array, ...]:
+def _reference(
+    robot: Robot, trajectory: FourierTrajectory, timing: Timing, first: int, last: int
+) -> tuple[Array, ...]:
     """Positions, velocities and accelerations at these instants; other machines of a sweep have the same ones."""
-    evaluated = trajectory.evaluate(_times(timing, first, last))
+    evaluated = references(robot, trajectory)(_times(timing, first, last))
     for array in evaluated:
         array.setflags(write=False)
     return evaluated
@@ -139,13 +143,14 @@ def _first_pose(machine: Machine, run: Run) -> Array:
     """Loops closed; where a spring or play stands between motor and joint, it carries the weight."""
     model = machine.models[run.payload]
     home = np.concatenate([machine.home, np.zeros(model.nq - len(machine.home))])
-    target = run.trajectory.center - machine.drive.offset
+    m = machine.leading
+    target = run.trajectory.center - machine.drive.offset[:m]
     try:
-        pose = assembled(model, home, machine.dofs, target)
+        pose = assembled(model, home, machine.dofs[:m], target)
         if (machine.motor_addresses != machine.addresses).any():
-            wound = _winding(machine, model, holding_torque(model, pose, machine.dofs))
-            pose = assembled(model, home, machine.dofs, target - wound)
-            pose[machine.motor_addresses] = target
+            wound = _winding(machine, model, holding_torque(model, pose, machine.dofs[:m]))
+            pose = assembled(model, home, machine.dofs[:m], target - wound)
+            pose[machine.motor_addresses] = np.append(target, pose[machine.addresses[m:]])
     except BenchError as error:
         raise BenchError(f"recording {run.name!r}: {error}") from error
     return pose
@@ -183,12 +188,12 @@ def _roll_out(
     return States(qpos, qvel, acceleration, torque, current, np.zeros_like(current), gaps)
 
 
-def _motion(index: int, run: Run, timing: Timing, chunks: Sequence[States]) -> Motion:
+def _motion(robot: Robot, index: int, run: Run, timing: Timing, chunks: Sequence[States]) -> Motion:
     own = slice(timing.settle, timing.settle + run.samples)
     qpos, qvel, qacc, torque, current, misread, gaps = (
         np.concatenate([getattr(states, name)[index] for states in chunks])[own]
         for name in ("qpos", "qvel", "qacc", "torque", "current", "misread", "gaps")
     )
     time = timing.step * timing.log_every * np.arange(run.samples, dtype=np.float64)
-    reference = run.trajectory.evaluate(time)[0]
+    reference = references(robot, run.trajectory)(time)[0]
     return Motion(time, qpos, qvel, qacc, torque, current, misread, reference, gaps)

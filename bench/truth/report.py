@@ -41,7 +41,7 @@ def truth(simulation: Simulation) -> dict[str, Any]:
         "hidden": [{"effect": effect.name, **asdict(effect)} for effect in machine.hidden],
         "loop_gap": simulation.loop_gap,
         "recordings": {
-            f"{recording.name}.{suffix}": _recording(recording, machine.robot.joints)
+            f"{recording.name}.{suffix}": _recording(recording, machine.robot.driven)
             for recording in simulation.recordings
         },
         "settings": settings.model_dump(mode="json", exclude_none=True),
@@ -59,7 +59,7 @@ def _drive_gains(machine: Machine) -> dict[str, Any]:
             "kp": float(drive.kp[i]),
             "kv": float(drive.kv[i]),
         }
-        for i, actuator in enumerate(machine.robot.actuators)
+        for i, actuator in enumerate(machine.robot.motors)
     }
 
 

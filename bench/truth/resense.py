@@ -20,7 +20,7 @@ def sense_again(simulation: Simulation, scenario: Scenario) -> Simulation:
             one,
             log=sense(
                 settings.sensors,
-                scenario.robot.joints,
+                scenario.robot.driven,
                 settings.seed,
                 one.name,
                 one.motion.time,

@@ -122,7 +122,7 @@ def _recorded(
             raise BenchError(f"scenario {scenario.name}: recording {table.name!r}: {fault}")
     log = sense(
         scenario.settings.sensors,
-        scenario.robot.joints,
+        scenario.robot.driven,
         scenario.settings.seed,
         table.name,
         motion.time,
@@ -135,16 +135,16 @@ def _recorded(
 def _tracking_fault(scenario: Scenario, motion: Motion, position: Array) -> str | None:
     robot, limit = scenario.robot, scenario.settings.controller.tracking_limit
     if limit is None:
-        largest = np.array([LARGEST_TRACKING_ERROR[a.gain_unit.split("/")[0]] for a in robot.actuators])
+        largest = np.array([LARGEST_TRACKING_ERROR[a.gain_unit.split("/")[0]] for a in robot.motors])
     else:
-        largest = per_joint(limit, robot.joints)
+        largest = per_joint(limit, robot.driven)
     excess = np.abs(motion.reference - position) - largest
     late = np.argmax((excess > 0).any(axis=1))
     joint = int(np.argmax(excess[late]))
     if not excess[late, joint] > 0:
         return None
     return (
-        f"the controller lost joint {robot.joints[joint]} at {motion.time[late]:.3f} s: it is"
+        f"the controller lost joint {robot.driven[joint]} at {motion.time[late]:.3f} s: it is"
         f" {abs(motion.reference[late, joint] - position[late, joint]):.3g} away from its reference"
         " (controller.tracking_limit allows more)"
     )

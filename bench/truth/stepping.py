@@ -66,7 +66,7 @@ class Stepper:
         self._signals = Signals(
             step=float(machine.models[None].opt.timestep),
             recordings=self._names,
-            joints=machine.robot.joints,
+            joints=machine.robot.driven,
             clock=self._clock,
             position=self._position,
             velocity=self._velocity,
@@ -172,7 +172,7 @@ class Stepper:
             run, joint = np.unravel_index(int(size.argmin()), size.shape)
             raise BenchError(
                 f"recording {self._names[run]!r}: the dry friction of joint"
-                f" {self._machine.robot.joints[joint]} would be {size.min():.3g} at {self._clock.time:.3f} s:"
+                f" {self._machine.robot.driven[joint]} would be {size.min():.3g} at {self._clock.time:.3f} s:"
                 " it needs a coulomb_friction of at least this size as well"
             )
         for model, values in zip(self._models, size, strict=True):

@@ -220,12 +220,12 @@ def _motors(result: Identification, geometry: Geometry) -> list[Motor]:
         Motor(
             name=joint,
             entity=rr.escape_entity_path_part(joint),
-            current_unit=current_unit(gain.unit),
+            current_unit=current_unit(result.drive_gains[joint].unit),
             position_unit="m" if kinds[joint] == "slide" else "rad",
             effort_unit="N" if kinds[joint] == "slide" else "N·m",
-            gain=gain.value,
+            gain=result.drive_gains[joint].value,
         )
-        for joint, gain in result.drive_gains.items()
+        for joint in result.joints
     ]
 
 

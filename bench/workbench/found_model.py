@@ -128,6 +128,8 @@ def _as_found(result: Identification, instance: EffectInstance) -> EffectInstanc
 
 def _present(plain: Prepared, result: Identification) -> PresentModel:
     """The found model as effects see it."""
-    gains = np.array([gain.value for gain in result.drive_gains.values()])
-    theta = np.array([one.value for one in result.parameters])
+    gains = np.array([result.drive_gains[joint].value for joint in result.joints])
+    extra = plain.dataset.robot.redundant[: plain.layout.redundant]
+    changes = [result.drive_gains[one.joint].value - one.gain for one in extra]
+    theta = np.array([*(one.value for one in result.parameters), *changes])
     return present_model(plain, Solution(theta, gains, np.ones(len(gains)), "current", result.gains_fitted))

@@ -150,7 +150,10 @@ def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]
     """Standard deviations of the gains of the two models that the diagnosis fitted, with the effects that each has."""
 
     def of(result: Identification, effects: Sequence[tuple[str, str]]) -> dict[str, Any]:
-        stds = [one.std if np.isfinite(one.std) else None for one in result.drive_gains.values()]
+        stds = [
+            one.std if np.isfinite(one.std) else None
+            for one in (result.drive_gains[joint] for joint in result.joints)
+        ]
         return {"effects": [list(one) for one in effects], "gains": stds}
 
     found = [(one.effect.name, one.joint) for one in model.effects]

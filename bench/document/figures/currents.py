@@ -48,7 +48,7 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
     for a recording that the result does not have.
     """
     chosen = _chosen(result, recordings)
-    joints = list(result.drive_gains)
+    joints = list(result.joints)
     spread = error_deviation(result)
     with mpl.rc_context(STYLE):
         blocks = currents_page([one.name for one in chosen], joints)
@@ -58,7 +58,7 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
             for j, (upper, lower) in enumerate(block):
                 _draw_currents(upper, series, j)
                 _draw_error(lower, series, j, float(spread[j]))
-        units = [current_unit(gain.unit) for gain in result.drive_gains.values()]
+        units = [current_unit(result.drive_gains[joint].unit) for joint in joints]
         blocks.label(joints, units, [f"m{unit}" for unit in units])
     return blocks.figure
 

@@ -54,7 +54,7 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
     chosen = [one for one in diagnosis.after.recordings if one.use == "validate"]
     chosen = chosen or list(diagnosis.after.recordings)
     before = {one.name: one for one in diagnosis.before.recordings} if diagnosis.added else {}
-    gains = diagnosis.after.drive_gains
+    gains = {joint: diagnosis.after.drive_gains[joint] for joint in diagnosis.after.joints}
     columns = min(BESIDE, len(chosen))
     rows = -(-len(chosen) // columns)
     with mpl.rc_context(STYLE):

@@ -140,7 +140,7 @@ def _draw_moved(rows: Sequence[Moved], axes: Axes) -> None:
 
 
 def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSeries) -> PaperFigure:
-    gains = diagnosis.after.drive_gains
+    gains = {joint: diagnosis.after.drive_gains[joint] for joint in diagnosis.after.joints}
     time = after.time - after.time[0]
     numbers: dict[str, list[float | str | None]] = {"time [s]": time.tolist()}
     panels = []

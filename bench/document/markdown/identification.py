@@ -14,7 +14,7 @@ def summary_markdown(result: Identification, truth: Truth | None = None) -> str:
     parts += [f"### Drive gains{kept}", markdown(gains_table(result, truth))]
     if result.effect_parameters:
         parts += ["### Effects", markdown(effects_table(result, truth))]
-    errors = errors_table(result.recordings, list(result.drive_gains))
+    errors = errors_table(result.recordings, result.joints)
     parts += ["### Error of the modelled current", markdown(errors)]
     if result.notes:
         parts += ["### Notes", "\n".join(f"- {note}" for note in result.notes)]

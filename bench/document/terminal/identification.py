@@ -50,7 +50,7 @@ def identification_report(
         console.print(Text(f"left out, as the data do not need them: {', '.join(result.left_out)}", "dim"))
     if result.effect_parameters:
         section(console, "Effects", printed(effects_table(result, truth), width))
-    _errors_section(console, result.recordings, tuple(result.drive_gains))
+    _errors_section(console, result.recordings, result.joints)
     if verbose:
         section(console, "What the parameters stand for", _groupings(result))
     console.print()

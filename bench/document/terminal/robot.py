@@ -22,7 +22,7 @@ def robot_report(report: RobotReport, console: Console | None = None, *, verbose
     """
     console = console or Console()
     loops = count(len(report.loops), "loop") if report.loops else "no loops"
-    facts = f"{count(len(report.joints), 'joint')} · {count(len(report.robot.joints), 'motor')} · {loops}"
+    facts = f"{count(len(report.joints), 'joint')} · {count(len(report.robot.driven), 'motor')} · {loops}"
     console.print()
     console.print(Text.assemble((report.robot.name, "bold"), "  ", (facts, "dim")))
     section(console, "Joints", printed(joints_table(report), console.width))

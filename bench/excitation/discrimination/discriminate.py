@@ -11,6 +11,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.dataset.payload import Payload
+from bench.dataset.robot import refuse_redundant
 from bench.diagnosis.search import NEEDED
 from bench.diagnosis.split import JUDGED
 from bench.effects import Effect, catalogue_for
@@ -62,6 +63,7 @@ def discriminate(
         raise BenchError(f"the duration of a motion must be positive, not {duration:g} s")
     if not widen > 0.0:
         raise BenchError(f"the factor on the limits must be positive, not {widen:g}")
+    refuse_redundant(dataset.robot, "a motion that tells two effects apart")
     known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
     progress.phase("fitting both models")
     rivals = fit_rivals(_with_second_payload(dataset), requests, effects, filters, known)

@@ -11,7 +11,7 @@ from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
-from bench.dataset.robot import Robot
+from bench.dataset.robot import Robot, refuse_redundant
 from bench.effects import CATALOGUE, Effect, EffectInstance, places_in, select_effects
 from bench.excitation.experiment.covariance import volume, worst
 from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, reference_sizes, seen
@@ -94,6 +94,7 @@ def nominal_machine(
     robot: Robot, table: ExperimentTable, requests: Sequence[str], catalogue: Mapping[str, Effect]
 ) -> Nominal:
     """The machine that is expected: masses of the MJCF, nominal gains, the payload that is asked for."""
+    refuse_redundant(robot, "a planned experiment")
     model = build_model(robot)
     payload = asked_payload(robot, table.payload)
     payloads: dict[str, Payload] = {} if payload is None else {PAYLOAD: payload}

@@ -54,7 +54,10 @@ def noise_floor(
         if name not in by_name:
             continue
         moving = by_name[name].moving
-        noise += float((_current_noise(recording, settings)[moving] ** 2).sum())
+        every, n = _current_noise(recording, settings), moving.shape[1]
+        noise += float((every[:, :n][moving] ** 2).sum())
+        if (sharing := by_name[name].sharing) is not None:
+            noise += float(moving.sum(axis=0) @ (sharing**2 @ (every[:, n:] ** 2).mean(axis=0)))
         measured += float((by_name[name].measured[moving] ** 2).sum())
     return float(np.sqrt(noise / measured)) if measured else 0.0
 

@@ -20,7 +20,7 @@ from bench.studies.sweep.hidden_share import without_share
 from bench.studies.sweep.plan import Plan, Run, digest
 from bench.studies.sweep.requested_metrics import check_asked
 from bench.studies.sweep.sweep_file import IdentifyTable
-from bench.truth.machine import build_machine, true_gains
+from bench.truth.machine import build_machine, nominal_gains, true_gains
 
 MOST_CHECKED = 3000
 MOST_BUILT = 8
@@ -50,7 +50,7 @@ def check_plan(plan: Plan) -> None:
         scenarios.setdefault(
             digest([run.content.get(key) for key in ("robot", "hidden", "payloads")]), (run, scenario)
         )
-    check_asked(plan, {joint for robot in seen.robots.values() for joint in robot.joints})
+    check_asked(plan, {joint for robot in seen.robots.values() for joint in robot.driven})
     _check_payloads(plan, seen.payloads)
     found = list(scenarios.values())
     for i in _spread(len(found), MOST_BUILT):
@@ -87,9 +87,9 @@ def _checked(run: Run, seen: _Seen) -> Scenario:
 def _check_joints(run: Run, scenario: Scenario) -> None:
     """Joints that are named exist, and gains keep their sign: an error of 20 % is 0.2."""
     robot, joint = scenario.robot, run.content.get("hidden_joint")
-    if joint is not None and joint not in robot.joints:
-        raise BenchError(f"hidden_joint: no actuated joint {joint!r}; there are {', '.join(robot.joints)}")
-    for name, true, nominal in zip(robot.joints, true_gains(scenario), robot.nominal_gains, strict=True):
+    if joint is not None and joint not in robot.driven:
+        raise BenchError(f"hidden_joint: no actuated joint {joint!r}; there are {', '.join(robot.driven)}")
+    for name, true, nominal in zip(robot.driven, true_gains(scenario), nominal_gains(robot), strict=True):
         if true * nominal <= 0:
             raise BenchError(
                 f"gains: {name} would have {true:g}, nominal {nominal:g}: an error of 20 % is 0.2"

@@ -22,7 +22,7 @@ class CurrentCrosstalk(JointEffect):
     c: float
 
     def change(self, draft: Draft) -> None:
-        if len(draft.robot.joints) < 2:
+        if len(draft.robot.driven) < 2:
             raise BenchError(f"{self.name}: the robot {draft.robot.name!r} has one motor only")
 
     @staticmethod

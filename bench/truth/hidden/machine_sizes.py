@@ -109,7 +109,7 @@ def backlash_size(reference: Reference, effect: str, joint: str | None, share: f
     step = reference.simulation.scenario.settings.step
     rotor = 0.0 if j.armature > 0 else ROTOR * j.inertia
     without = _again(reference, "rotor_inertia", joint, {"Ia": rotor}) if rotor else reference.simulation
-    i = without.robot.joints.index(j.joint)
+    i = without.robot.driven.index(j.joint)
 
     def sizes(play: float) -> Sizes:
         stiffness = min(10 * rms(j.torque) / play, 0.2 * (rotor + j.armature) / step**2)
@@ -171,6 +171,7 @@ class _Samples:
 
 def _samples(reference: Reference) -> list[_Samples]:
     machine = reference.simulation.machine
+    m = machine.leading
     found, first = [], 0
     for recording in reference.simulation.recordings:
         motion = recording.motion
@@ -182,9 +183,9 @@ def _samples(reference: Reference) -> list[_Samples]:
                 rows,
                 first,
                 pose,
-                pose[:, machine.addresses],
-                motion.qvel[rows][:, machine.dofs],
-                motion.qacc[rows][:, machine.dofs],
+                pose[:, machine.addresses[:m]],
+                motion.qvel[rows][:, machine.dofs[:m]],
+                motion.qacc[rows][:, machine.dofs[:m]],
             )
         )
         first += len(motion.time)
@@ -221,6 +222,10 @@ def _again(reference: Reference, effect: str, joint: str | None, parameters: Siz
 def _shifted(reference: Reference, j: JointMovement, shifts: list[Array]) -> float:
     """Share of its torque that changes if the joint's position, velocity, acceleration shift (N,) each."""
     machine = reference.simulation.machine
+    if j.joint not in machine.robot.joints:
+        raise BenchError(
+            f"the motor of joint {j.joint} is redundant: its torque does not follow from the movement"
+        )
     i = machine.robot.joints.index(j.joint)
     changes, torques = [], []
     for s in _samples(reference):
@@ -271,7 +276,7 @@ def _solved(felt: Callable[[float], float], start: float, share: float, exponent
 
 def _movement(reference: Reference, joint: str | None) -> JointMovement:
     if joint is None:
-        raise BenchError(f"name a joint: one of {', '.join(reference.simulation.robot.joints)}")
+        raise BenchError(f"name a joint: one of {', '.join(reference.simulation.robot.driven)}")
     return reference.movement(joint)
 
 

@@ -32,9 +32,9 @@ class Reference:
     def movement(self, joint: str) -> JointMovement:
         """What an actuated joint and its motor do; BenchError for any other joint."""
         machine = self.simulation.machine
-        if joint not in machine.robot.joints:
-            raise BenchError(f"no actuated joint {joint!r}; there are {', '.join(machine.robot.joints)}")
-        i = machine.robot.joints.index(joint)
+        if joint not in machine.robot.driven:
+            raise BenchError(f"no actuated joint {joint!r}; there are {', '.join(machine.robot.driven)}")
+        i = machine.robot.driven.index(joint)
         model, dof = machine.models[None], machine.dofs[i]
         recordings = self.simulation.recordings
 

@@ -31,7 +31,7 @@ def typical(effect: str, reference: Reference, share: float, joint: str | None =
         raise BenchError(f"the share of an effect should be greater than 0, not {share!r}")
     if effect in LAW_SIZES:
         if joint is None:
-            raise BenchError(f"{effect}: name a joint: one of {', '.join(reference.simulation.robot.joints)}")
+            raise BenchError(f"{effect}: name a joint: one of {', '.join(reference.simulation.robot.driven)}")
         sizes = LAW_SIZES[effect](reference.movement(joint), share)
     elif effect in MACHINE_SIZES:
         try:

@@ -1,0 +1,127 @@
+"""More motors than degrees of freedom: of all their torques the motion tells the powers, and that is enough."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.robot import load_robot
+from bench.identification.identify import identify
+from bench.identification.model_file import apply_model, load_model, save_model
+from bench.identification.model_json import from_json, to_json
+from bench.identification.result import Identification
+from bench.scenario.scenario import load_scenario
+from bench.truth.dataset import as_dataset, write_simulation
+from bench.truth.machine import true_gains
+from bench.truth.simulate import Simulation, simulate
+from tests.redundant_kit import TRUE, by_hand, with_third_motor
+
+SHORT = {"optimise": False, "duration": 6.0, "span": 0.2}
+NOISE = 0.01
+
+
+@pytest.fixture(scope="module")
+def third_motor(project_root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return with_third_motor(project_root, tmp_path_factory.mktemp("robots"))
+
+
+@pytest.fixture(scope="module")
+def found_by_hand(third_motor: Path) -> Identification:
+    return identify(by_hand(third_motor, NOISE))
+
+
+@pytest.fixture(scope="module")
+def simulated() -> Simulation:
+    return simulate(load_scenario("dualv", {"design": SHORT}))
+
+
+def test_the_motors_that_the_others_determine_are_redundant(third_motor: Path) -> None:
+    robot = load_robot(third_motor)
+    assert robot.joints == ("left", "right")
+    assert [one.joint for one in robot.redundant] == ["left_elbow"]
+    assert robot.driven == tuple(TRUE)
+
+
+def test_all_gains_follow_from_the_motors_powers_whatever_the_internal_force(third_motor: Path) -> None:
+    """The third motor's current has nothing to do with the motion; nothing of the robot is known but its geometry."""
+    found = identify(by_hand(third_motor))
+    for joint, true in TRUE.items():
+        assert found.drive_gains[joint].value == pytest.approx(true, rel=3e-4), joint
+    assert float(found.error.validate or 1.0) < 3e-4
+
+
+def test_with_noise_gains_are_within_their_deviations(found_by_hand: Identification) -> None:
+    for joint, true in TRUE.items():
+        gain = found_by_hand.drive_gains[joint]
+        assert abs(gain.value - true) < 4 * gain.std, joint
+        assert gain.std < 0.003 * true, joint
+    gains = [one.place for one in found_by_hand.covariance_rows if one.kind == "gain"]
+    assert sorted(gains) == sorted(TRUE)
+
+
+def test_without_a_weighed_payload_all_gains_stay_nominal(third_motor: Path) -> None:
+    found = identify(by_hand(third_motor), fit_gains=False)
+    assert {joint: gain.value for joint, gain in found.drive_gains.items()} == {
+        "left": 3.0,
+        "right": 3.0,
+        "left_elbow": 1.0,
+    }
+
+
+def test_the_model_is_written_and_applied_with_all_gains(
+    third_motor: Path, found_by_hand: Identification, tmp_path: Path
+) -> None:
+    answer = json.loads(json.dumps(to_json(found_by_hand)))
+    assert list(answer["drive_gains"]) == list(TRUE)
+    assert answer["redundant"] == ["left_elbow"]
+    assert list(answer["error"]["by_actuator"]) == ["left", "right"]
+    assert from_json(answer).joints == ("left", "right")
+    data = by_hand(third_motor, NOISE)
+    save_model(found_by_hand, tmp_path / "model.json", data.folder)
+    again = apply_model(data, load_model(tmp_path / "model.json"))
+    assert again.error.validate == pytest.approx(found_by_hand.error.validate, rel=1e-9)
+
+
+def test_a_simulated_log_holds_every_motor(simulated: Simulation, tmp_path: Path) -> None:
+    write_simulation(simulated, tmp_path / "data")
+    given, read = as_dataset(simulated), load_dataset(tmp_path / "data")
+    for one, other in zip(given.recordings, read.recordings, strict=True):
+        assert one.position.shape == (len(one.time), 3)
+        np.testing.assert_array_equal(one.current, other.current)
+        np.testing.assert_array_equal(one.redundant_current, other.redundant_current)
+        assert other.redundant_current.shape == (len(one.time), 1)
+    table = (tmp_path / "data" / "unloaded.csv").read_text().replace("current.motor_4", "current.unknown")
+    (tmp_path / "data" / "unloaded.csv").write_text(table)
+    with pytest.raises(BenchError, match=r"unloaded\.csv: no column current\.motor_4"):
+        load_dataset(tmp_path / "data")
+
+
+def test_redundant_motors_follow_their_references_and_share_the_load(simulated: Simulation) -> None:
+    for one in simulated.recordings:
+        assert np.abs(one.motion.reference - one.position).max() < 0.02
+        assert (np.sqrt((one.motion.torque**2).mean(axis=0)) > 0.01).all(), "every motor works"
+
+
+def test_gains_of_a_simulated_dualv(simulated: Simulation) -> None:
+    found = identify(as_dataset(simulated))
+    for true, (joint, gain) in zip(true_gains(simulated.scenario), found.drive_gains.items(), strict=True):
+        assert abs(gain.value - true) < 5 * gain.std, joint
+        assert gain.value == pytest.approx(true, rel=0.02), joint
+
+
+def friction_at(joint: str) -> Dataset:
+    hidden = [{"effect": "viscous_friction", "joint": joint, "Fv": 0.05}]
+    return as_dataset(simulate(load_scenario("dualv", {"design": SHORT, "hidden": hidden})))
+
+
+@pytest.mark.parametrize("joint", ["motor_2", "motor_4"])
+def test_friction_is_found_at_any_motor(joint: str) -> None:
+    found = identify(friction_at(joint), ["viscous_friction"]).effect_parameters["viscous_friction"]
+    assert list(found) == ["motor_1", "motor_2", "motor_3", "motor_4"]
+    for place, values in found.items():
+        true = 0.05 if place == joint else 0.0
+        assert abs(values["Fv"].value - true) < 5 * values["Fv"].std, place
+        assert values["Fv"].std < 0.005
