@@ -31,6 +31,10 @@ LAWS: dict[str, tuple[dict[str, float], Law]] = {
     ),
     "quadratic_drag": ({}, lambda j: [j.velocity**2 * np.sign(j.velocity)]),
     "rotor_inertia": ({}, lambda j: [j.acceleration]),
+    "shear_thinning_friction": (
+        {"va": 0.2},
+        lambda j: [np.log(j.velocity / 0.2 + np.sqrt((j.velocity / 0.2) ** 2 + 1.0))],
+    ),
     "stribeck_friction": (
         {"vs": 0.2},
         lambda j: [np.sign(j.velocity), np.sign(j.velocity) * np.exp(-((j.velocity / 0.2) ** 2))],
@@ -57,6 +61,7 @@ MOTIONLESS = {  # no torque at rest, whatever the load
         "presliding_hysteresis",
         "quadratic_drag",
         "rotor_inertia",
+        "shear_thinning_friction",
         "stribeck_friction",
         "thermal_friction_drift",
     ),

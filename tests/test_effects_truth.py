@@ -81,6 +81,7 @@ CASES = {
     ),
     "presliding_hysteresis": Case({"Fc": 0.1, "stiffness": 5.0}, {"Fc": 0.1, "x0": 0.02}),
     "quadratic_drag": Case({"c": 0.05}, {"c": 0.05}),
+    "shear_thinning_friction": Case({"Fa": 0.05, "va": 0.3}, {"Fa": 0.05, "va": 0.3}, share=0.03),
     "stribeck_friction": Case(
         {"Fc": 0.1, "Fs": 0.1, "vs": 0.2}, {"Fc": 0.1, "Fs": 0.1, "vs": 0.2}, share=0.1, floor=1.2
     ),

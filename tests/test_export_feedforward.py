@@ -31,6 +31,7 @@ FRICTION = [
     ("position_dependent_friction", "shoulder", {"a": 0.1, "b": 0.05}),
     ("quadratic_drag", "elbow", {"c": 0.03}),
     ("rotor_inertia", "elbow", {"Ia": 0.004}),
+    ("shear_thinning_friction", "elbow", {"Fa": 0.08}),
     ("stribeck_friction", "elbow", {"Fc": 0.05, "Fs": 0.1}),
     ("torque_ripple", "shoulder", {"a": 0.05, "b": 0.02}),
     ("viscous_friction", "elbow", {"Fv": 0.08}),

@@ -34,6 +34,7 @@ SIMULATED = {
     "position_dependent_friction",
     "presliding_hysteresis",
     "quadratic_drag",
+    "shear_thinning_friction",
     "stribeck_friction",
     "thermal_friction_drift",
     "viscous_friction",

@@ -23,6 +23,7 @@ TORQUES = {
         {"Fv_plus": 0.1, "Fv_minus": 0.25},
         lambda s: np.where(s.v > 0, 0.1 * s.v, 0.25 * s.v),
     ),
+    "shear_thinning_friction": ({"Fa": 0.2, "va": 0.3}, lambda s: 0.2 * np.arcsinh(s.v / 0.3)),
     "constant_offset": ({"c": -0.2}, lambda s: -0.2 + 0 * s.v),
     "joint_spring": ({"k": 1.5, "q0": -2.0}, lambda s: 1.5 * (s.q + 2.0)),
     "cogging_torque": (

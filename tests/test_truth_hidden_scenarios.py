@@ -44,6 +44,7 @@ EACH = {
     "product_law": {"c": 0.1, "direction": 1.0, "v": 1.5},
     "quadratic_drag": {"c": 0.05},
     "rotor_inertia": {"Ia": 0.01},
+    "shear_thinning_friction": {"Fa": 0.1, "va": 0.3},
     "speed_dependent_gain": {"v0": 50.0},
     "stribeck_friction": {"Fc": 0.1, "Fs": 0.1, "vs": 0.2},
     "thermal_friction_drift": {"T": 1.0, "Fv": 0.1},

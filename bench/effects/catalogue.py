@@ -25,6 +25,7 @@ from bench.effects.laws.position_dependent_friction import PositionDependentFric
 from bench.effects.laws.presliding_hysteresis import PreslidingHysteresis
 from bench.effects.laws.quadratic_drag import QuadraticDrag
 from bench.effects.laws.rotor_inertia import RotorInertia
+from bench.effects.laws.shear_thinning_friction import ShearThinningFriction
 from bench.effects.laws.stribeck_friction import StribeckFriction
 from bench.effects.laws.thermal_friction_drift import ThermalFrictionDrift
 from bench.effects.laws.tool_drag import ToolDrag
@@ -57,6 +58,7 @@ CATALOGUE: dict[str, Effect] = {
     "presliding_hysteresis": PreslidingHysteresis(),
     "quadratic_drag": QuadraticDrag(),
     "rotor_inertia": RotorInertia(),
+    "shear_thinning_friction": ShearThinningFriction(),
     "stribeck_friction": StribeckFriction(),
     "thermal_friction_drift": ThermalFrictionDrift(),
     "tool_drag": ToolDrag(),

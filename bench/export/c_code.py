@@ -115,6 +115,7 @@ LAWS: dict[str, Law] = {
     "position_dependent_friction": lambda v: f"sign(s) * {_wave(v, v['harmonic'])}",
     "quadratic_drag": lambda v: f"{v['c']} * s * fabs(s)",
     "rotor_inertia": lambda v: f"{v['Ia']} * b",
+    "shear_thinning_friction": lambda v: f"{v['Fa']} * asinh(s / {v['va']})",
     "stribeck_friction": lambda v: (
         f"({v['Fc']} + {v['Fs']} * exp(-pow(fabs(s / {v['vs']}), {v['delta']}))) * sign(s)"
     ),

@@ -15,7 +15,7 @@ EXCLUSIVE: tuple[frozenset[str], ...] = (
             "stribeck_friction",
         }
     ),
-    frozenset({"asymmetric_viscous_friction", "viscous_friction"}),
+    frozenset({"asymmetric_viscous_friction", "shear_thinning_friction", "viscous_friction"}),
     frozenset({"passive_coulomb_friction", "passive_viscous_friction"}),
     frozenset({"current_delay", "current_loop_lag"}),
     frozenset({"backlash", "drive_flexibility", "rotor_inertia"}),

@@ -54,6 +54,7 @@ MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
     "presliding_hysteresis": {"Fc": _same("Fc"), "x0": lambda p: p["Fc"] / p["stiffness"]},
     "quadratic_drag": {"c": _same("c")},
     "rotor_inertia": {"Ia": _same("Ia")},
+    "shear_thinning_friction": {"Fa": _same("Fa"), "va": _same("va")},
     "stribeck_friction": {
         "Fc": _same("Fc"),
         "Fs": _same("Fs"),

@@ -42,6 +42,7 @@ from bench.truth.hidden.presliding_hysteresis import PreslidingHysteresis
 from bench.truth.hidden.product_law import ProductLaw
 from bench.truth.hidden.quadratic_drag import QuadraticDrag
 from bench.truth.hidden.rotor_inertia import RotorInertia
+from bench.truth.hidden.shear_thinning_friction import ShearThinningFriction
 from bench.truth.hidden.signals import Clock, Law, Parameters, Signals
 from bench.truth.hidden.speed_dependent_gain import SpeedDependentGain
 from bench.truth.hidden.stribeck_friction import StribeckFriction
@@ -99,6 +100,7 @@ HIDDEN_EFFECTS: Mapping[str, type[HiddenEffect]] = {
     "product_law": ProductLaw,
     "quadratic_drag": QuadraticDrag,
     "rotor_inertia": RotorInertia,
+    "shear_thinning_friction": ShearThinningFriction,
     "speed_dependent_gain": SpeedDependentGain,
     "stribeck_friction": StribeckFriction,
     "thermal_friction_drift": ThermalFrictionDrift,

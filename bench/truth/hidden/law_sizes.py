@@ -38,6 +38,12 @@ def _stribeck(j: JointMovement, share: float) -> Sizes:
     return {"Fc": size, "Fs": size, "vs": vs}
 
 
+def _shear_thinning(j: JointMovement, share: float) -> Sizes:
+    """Bent from a fifth of the RMS speed on."""
+    va = 0.2 * rms(j.velocity)
+    return {"Fa": share * rms(j.torque) / rms(np.arcsinh(j.velocity / va)), "va": va}
+
+
 def _wave(j: JointMovement, factor: np.ndarray, share: float) -> Sizes:
     """a, b and harmonic of a wave times a factor (N,); it falls towards the greatest position, positive all along.
 
@@ -155,6 +161,7 @@ LAW_SIZES: Mapping[str, Rule] = {
     },
     "quadratic_drag": lambda j, share: {"c": share * rms(j.torque) / rms(j.velocity**2)},
     "rotor_inertia": lambda j, share: {"Ia": share * rms(j.torque) / rms(j.acceleration)},
+    "shear_thinning_friction": _shear_thinning,
     "speed_dependent_gain": lambda j, share: {"v0": rms(j.torque * j.velocity) / (share * rms(j.torque))},
     "stribeck_friction": _stribeck,
     "thermal_friction_drift": _thermal,

@@ -1,0 +1,33 @@
+"""Friction of a grease that thins under shear, as a torque law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.signals import Law, Parameters, Signals
+
+
+@dataclass(frozen=True)
+class ShearThinningFriction(JointEffect):
+    """Fa · ln(x + √(x² + 1)) · sign(q̇) with x = |q̇|/va, as Eyring has it.
+
+    Fa: N·m or N, at least 0.  va: rad/s or m/s.
+    """
+
+    name: ClassVar[str] = "shear_thinning_friction"
+    positive: ClassVar[tuple[str, ...]] = ("va",)
+    not_negative: ClassVar[tuple[str, ...]] = ("Fa",)
+    Fa: float
+    va: float
+
+    @staticmethod
+    def torque(p: Parameters, s: Signals) -> Law:
+        def friction() -> np.ndarray:
+            x = np.abs(s.velocity) / p["va"]
+            return np.asarray(np.sign(s.velocity) * p["Fa"] * np.log(x + np.sqrt(x**2 + 1.0)))
+
+        return friction
