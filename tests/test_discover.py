@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -14,6 +15,7 @@ from bench.diagnosis.diagnose import diagnose
 from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
+from bench.discovery import find
 from bench.discovery.find import diagnose_and_discover, find_missing_effects
 from bench.discovery.written import write_laws
 from bench.effects import catalogue_for
@@ -53,6 +55,14 @@ def test_a_law_is_found_with_its_formula_its_value_and_its_place(found: Diagnosi
     assert [one.effects for one in found.ladder] == [(), ("law_left",)]
     assert left_over_floor(found) < FLOOR
     assert not found.unexplained.significant
+
+
+def test_a_law_is_told_where_it_stays(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(find, "_discovered", lambda _finding, law, i: (law.name, law.places[i].name))
+    places = (SimpleNamespace(name="left"), SimpleNamespace(name="right"))
+    finding = SimpleNamespace(after=SimpleNamespace(effect_parameters={"law": {"right": {}}}))
+    told = find._told(finding, [SimpleNamespace(name="law", places=places)], found)
+    assert told.discovered == (("law", "right"),)
 
 
 def test_a_law_is_told_in_words(found: Diagnosis) -> None:

@@ -161,8 +161,18 @@ def _told(finding: Finding, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagno
         diagnosis,
         missing=tuple(name for name in diagnosis.missing if name not in names),
         ranking=ranking,
-        discovered=tuple(_discovered(finding, law, i) for law in laws for i in range(len(law.places))),
+        discovered=tuple(
+            _discovered(finding, law, i)
+            for law in laws
+            for i, place in enumerate(law.places)
+            if _stays_at(finding, law, place)
+        ),
     )
+
+
+def _stays_at(finding: Finding, law: Law, place: Place) -> bool:
+    """Whether a law that stays has stayed at a place: it goes from those where it is nothing."""
+    return place.name in finding.after.effect_parameters[law.name]
 
 
 def _without(one: EffectVerdict, laws: set[str]) -> EffectVerdict:
