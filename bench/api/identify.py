@@ -8,7 +8,7 @@ from typing import Any
 from bench.api.sources import Data, as_dataset, effects_of
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.identification.estimators import DEFAULT_METHOD
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import believed, prepare
 from bench.identification.result import Identification
 from bench.identification.shortness import short_recordings
 from bench.identification.standard_errors import Deviations
@@ -38,7 +38,7 @@ def identify(
     """
     dataset = as_dataset(data)
     prepared = prepare(dataset, effects, filters, catalogue=effects_of(dataset, effect_files))
-    result = fit(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
+    result = believed(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
     swapped = swapped_columns(dataset, result, prepared)
     mounted = mounted_otherwise(prepared, fit_gains=result.gains_fitted)
     short = short_recordings(dataset.recordings, result.settings)

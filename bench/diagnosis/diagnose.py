@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ from bench.diagnosis.unexplained import unexplained
 from bench.diagnosis.verdicts import checked_error, verdicts
 from bench.effects import CATALOGUE, Effect, EffectInstance
 from bench.identification.identify import fit, gains_can_be_fitted
+from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.result import Identification, relative_error
@@ -154,7 +155,8 @@ def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagn
     """What a search found, with a verdict on every effect."""
     progress.phase("judging every effect")
     dataset, start, fit_gains = case.dataset, case.start, case.before.gains_fitted
-    model, after = finding.model, finding.after
+    model = finding.model
+    after = with_possible_payloads(model, finding.after, partial(fit, fit_gains=fit_gains))
     proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
     places: dict[str, tuple[str, ...]] = {}
     for one in finding.new:

@@ -33,6 +33,8 @@ class Code(StrEnum):
     CHECKED_UNLIKE_FITTED = auto()
     CHECKED_HAS_OTHER_VALUES = auto()
     MOUNTED_OTHERWISE = auto()
+    PAYLOAD_IMPOSSIBLE = auto()
+    PAYLOAD_TAKEN_AS_POINT = auto()
     # what to record or leave out
     NEVER_REVERSES = auto()
     POORLY_DETERMINED = auto()

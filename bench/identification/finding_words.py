@@ -174,6 +174,21 @@ def _mounted_otherwise(one: Finding) -> str:
     )
 
 
+def _impossible_inertia(one: Finding) -> str:
+    unit, n = one.unit.replace("*", "·").replace("^2", "²"), one.numbers
+    return (
+        f"The inertia of the payload {one.names[0]} came out such as no body has: a second moment of its mass of "
+        f"{n['least']:.2g} ± {n['std']:.1g} {unit}. What the model lacks is in it, or its centre is not as declared."
+    )
+
+
+def _taken_as_point(one: Finding) -> str:
+    return (
+        f"{_impossible_inertia(one)} The payload is taken as a point there, with which the error is as small; the "
+        "gains' deviations hold the answer without that. Declare its inertia in dataset.toml."
+    )
+
+
 WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_RUNAWAY: _gain_runaway,
     Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
@@ -222,6 +237,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.POORLY_DETERMINED: _poorly,
     Code.SHORT: _short,
     Code.NO_VALUE_OF_ITS_OWN: _no_value,
+    Code.PAYLOAD_IMPOSSIBLE: _impossible_inertia,
+    Code.PAYLOAD_TAKEN_AS_POINT: _taken_as_point,
     Code.MOUNTED_OTHERWISE: _mounted_otherwise,
     Code.TOLD: lambda one: one.names[0],
 }

@@ -21,6 +21,7 @@ from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
 from bench.identification.identifiability import check_gains_identifiable
 from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.layout import known_rows, payload_rows, regressor_rows
 from bench.identification.newton import with_shape_columns
 from bench.identification.observation import observe
@@ -56,7 +57,23 @@ def identify(
     naming what in the data or the robot cannot be used.
     """
     prepared = prepare(dataset, effects, filters, catalogue=catalogue)
-    return fit(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
+    return believed(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
+
+
+def believed(
+    prepared: Prepared,
+    method: str = DEFAULT_METHOD,
+    *,
+    deviations: Deviations = "autocorrelated",
+    fit_gains: bool | None = None,
+    essential: bool = False,
+) -> Identification:
+    """Estimate from prepared equations, see `identify`, with payloads that can be."""
+
+    def fitted(one: Prepared) -> Identification:
+        return fit(one, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
+
+    return with_possible_payloads(prepared, fitted(prepared), fitted)
 
 
 @on_one_thread

@@ -1,0 +1,160 @@
+"""Payloads whose estimated inertia no body has: what a model lacks has gone into it, and from there into the gains."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from bench.dataset.payload import Payload, inertia_matrix
+from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.layout import payload_parameter_names
+from bench.identification.payload_parameters import payload_columns
+from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.result import DriveGain, Identification, Parameter, Quantity
+from bench.identification.widened import gains_widened
+from bench.model.regressor import UNITS
+
+SHOWS = 3.0  # deviations by which the least spread must be negative
+MATERIAL = 0.03  # share of the error that the payload's own inertia must take away, to be needed all the same
+INERTIA = np.arange(4, 10)
+
+Fit = Callable[[Prepared], Identification]
+Q = TypeVar("Q", DriveGain, Parameter, Quantity)
+
+
+@dataclass(frozen=True)
+class _Spread:
+    """The least second moment of a payload's mass about its centre, kg*m^2, and its deviation: none is below 0."""
+
+    value: float
+    std: float
+
+    @property
+    def impossible(self) -> bool:
+        return self.value < -SHOWS * self.std
+
+
+def with_possible_payloads(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
+    """The answer `result` of `prepared`; where a payload's inertia came out such as no body has, the one with that
+    payload as a point at its declared centre, if its error is as small.
+
+    Nobody has told that it is a point: deviations are those of the answer in which its inertia is free, and hold what
+    the two differ by. The second moments of a body's mass about its centre are not negative (Traversaro, Brossette,
+    Escande and Nori, "Identification of fully physical consistent inertial parameters using optimization on
+    manifolds", IROS 2016). fitted: makes an answer of prepared equations.
+    """
+    if not result.gains_fitted:
+        return result
+    spreads = {name: _least_spread(prepared, result, name) for name in prepared.layout.payloads}
+    found = {name: one for name, one in spreads.items() if one is not None and one.impossible}
+    if not found:
+        return result
+    payloads = {name: replace(prepared.dataset.payloads[name], inertia=np.zeros(6)) for name in found}
+    other = fitted(_with_payloads(prepared, payloads))
+    known = {
+        name: float(value)
+        for payload in payloads.values()
+        for name, value in zip(
+            payload_parameter_names(payload.name, INERTIA),
+            payload_columns(payload).known[INERTIA],
+            strict=True,
+        )
+    }
+    as_small = (other.error.identify or 0.0) <= (1.0 + MATERIAL) * (result.error.identify or 0.0)
+    taken = as_small and {one.name for one in other.parameters} | set(known) == {
+        one.name for one in result.parameters
+    }
+    told = tuple(
+        Finding(
+            Code.PAYLOAD_TAKEN_AS_POINT if taken else Code.PAYLOAD_IMPOSSIBLE,
+            (name,),
+            numbers={"least": one.value, "std": one.std},
+            unit=UNITS[INERTIA[0]],
+        )
+        for name, one in found.items()
+    )
+    answer = _with_values(result, other, known) if taken else gains_widened(result, [other])
+    return replace(answer, findings=(*told, *result.findings))
+
+
+def _with_values(result: Identification, other: Identification, known: Mapping[str, float]) -> Identification:
+    """An answer with the values of another one, of which it has further parameters, known there.
+
+    Its own deviations stay, or grow to what the values differ by; covariances grow with them.
+    """
+    values = {one.name: one.value for one in other.parameters} | known
+    parameters = tuple(_moved(one, values[one.name]) for one in result.parameters)
+    gains = {joint: _moved(one, other.drive_gains[joint].value) for joint, one in result.drive_gains.items()}
+    effects = {
+        effect: {
+            place: {
+                name: _moved(one, other.effect_parameters[effect][place][name].value)
+                for name, one in each.items()
+            }
+            for place, each in places.items()
+        }
+        for effect, places in result.effect_parameters.items()
+    }
+    moved = replace(result, parameters=parameters, drive_gains=gains, effect_parameters=effects)
+    old, new = _deviations(result), _deviations(moved)
+    times = np.array(
+        [new[one] / old[one] if 0.0 < old.get(one, 0.0) < np.inf else 1.0 for one in result.covariance_rows]
+    )
+    return replace(
+        moved,
+        covariance=result.covariance * np.outer(times, times),
+        error=other.error,
+        recordings=other.recordings,
+        std_from="models",
+    )
+
+
+def _moved(quantity: Q, value: float) -> Q:
+    return replace(quantity, value=value, std=max(quantity.std, abs(value - quantity.value)))
+
+
+def _deviations(result: Identification) -> dict[Unknown, float]:
+    found = {Unknown("parameter", one.name): one.std for one in result.parameters}
+    found |= {Unknown("gain", "gain", joint): one.std for joint, one in result.drive_gains.items()}
+    return found | {
+        Unknown("effect", name, place, effect): one.std
+        for effect, places in result.effect_parameters.items()
+        for place, each in places.items()
+        for name, one in each.items()
+    }
+
+
+def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:
+    """The same recordings and effects with some payloads declared otherwise."""
+    dataset = replace(prepared.dataset, payloads={**prepared.dataset.payloads, **payloads})
+    fitted_only = any(one.use == "identify" for one in dataset.recordings)
+    plain = prepare(dataset, (), prepared.settings, fitted_only=fitted_only)
+    return with_effects(plain, prepared.effects)
+
+
+def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spread | None:
+    """Of a payload of which mass and centre are declared and all six moments were estimated; None for others."""
+    payload, index = prepared.dataset.payloads[name], prepared.layout.payloads[name]
+    if payload.mass is None or payload.center_of_mass is None or not np.array_equal(index, INERTIA):
+        return None
+    rows = {one.name: i for i, one in enumerate(result.covariance_rows) if one.kind == "parameter"}
+    names = payload_parameter_names(name, index)
+    values = {one.name: one.value for one in result.parameters}
+    if any(one not in values for one in names):
+        return None
+    at = [rows[one] for one in names]
+    covariance = result.covariance[np.ix_(at, at)]
+    c = np.asarray(payload.center_of_mass)
+    own = _tensor(np.array([values[one] for one in names]))
+    own -= payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
+    moments, axes = np.linalg.eigh(0.5 * np.trace(own) * np.eye(3) - own)
+    axis = axes[:, 0]
+    towards = np.array([0.5 * np.trace(one) - axis @ one @ axis for one in map(_tensor, np.eye(6))])
+    return _Spread(float(moments[0]), float(np.sqrt(towards @ covariance @ towards)))
+
+
+def _tensor(standard: np.ndarray) -> np.ndarray:
+    """The (3, 3) matrix of (6,) Ixx Ixy Iyy Ixz Iyz Izz, the order of standard parameters."""
+    xx, xy, yy, xz, yz, zz = standard
+    return inertia_matrix(np.array([xx, yy, zz, xy, xz, yz]))

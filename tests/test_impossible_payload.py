@@ -1,0 +1,95 @@
+"""A payload whose estimated inertia no body has: said, and not believed."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.excitation.scenario import designer
+from bench.identification import impossible_payload
+from bench.identification.finding import Code
+from bench.identification.identify import believed, fit, prepare
+from bench.identification.result import Identification
+from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+
+TRUE = np.array([0.02, 0.03, 0.06])
+
+
+@pytest.fixture(scope="module")
+def wrist() -> Dataset:
+    """Two short recordings of a wrist, its payload's inertia not declared."""
+    short = {"optimise": False, "duration": 6.0, "base_frequency": 0.5}
+    recordings = [
+        {"name": "unloaded", "use": "identify", "design": {"seed": 1}},
+        {"name": "loaded", "use": "identify", "payload": "tool", "design": {"seed": 2}},
+    ]
+    scenario = load_scenario("wrist", {"recordings": recordings, "design": short})
+    return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
+
+
+def carrying(dataset: Dataset, center: np.ndarray) -> Dataset:
+    payload = replace(dataset.payloads["tool"], center_of_mass=center, inertia=None)
+    return replace(dataset, payloads={"tool": payload})
+
+
+def codes(result: Identification) -> set[Code]:
+    return {one.code for one in result.findings}
+
+
+def test_a_payload_as_declared_is_believed(wrist: Dataset) -> None:
+    prepared = prepare(carrying(wrist, TRUE))
+    result = believed(prepared)
+    assert not codes(result) & {Code.PAYLOAD_IMPOSSIBLE, Code.PAYLOAD_TAKEN_AS_POINT}
+    assert result.drive_gains == fit(prepared).drive_gains
+
+
+def test_a_centre_too_far_away_makes_an_inertia_that_no_body_has(wrist: Dataset) -> None:
+    prepared = prepare(carrying(wrist, 1.5 * TRUE))
+    free, result = fit(prepared), believed(prepared)
+    (found,) = [one for one in result.findings if one.code == Code.PAYLOAD_IMPOSSIBLE]
+    assert found.names == ("tool",)
+    assert found.numbers["least"] < -3.0 * found.numbers["std"]
+    assert "such as no body has" in result.notes[0]
+    for joint, gain in result.drive_gains.items():  # the inertia is needed: the gains stay, less certain
+        assert gain.value == free.drive_gains[joint].value
+        assert gain.std >= free.drive_gains[joint].std
+
+
+def test_where_a_point_is_as_good_the_payload_is_one(wrist: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(impossible_payload, "MATERIAL", np.inf)
+    center = 1.5 * TRUE
+    dataset = carrying(wrist, center)
+    prepared = prepare(dataset)
+    free, result = fit(prepared), believed(prepared)
+    point = fit(
+        prepare(replace(dataset, payloads={"tool": replace(dataset.payloads["tool"], inertia=np.zeros(6))}))
+    )
+    assert Code.PAYLOAD_TAKEN_AS_POINT in codes(result)
+    assert result.error == point.error
+    for joint, gain in result.drive_gains.items():
+        assert gain.value == pytest.approx(point.drive_gains[joint].value, rel=1e-9)
+        assert gain.std >= abs(gain.value - free.drive_gains[joint].value)
+        assert gain.std >= free.drive_gains[joint].std
+    values = {one.name: one for one in result.parameters}
+    assert values["Izz(tool)"].value == pytest.approx(1.2 * (center[0] ** 2 + center[1] ** 2))
+    assert [one.name for one in result.parameters] == [one.name for one in free.parameters]
+    at = {one.place: i for i, one in enumerate(result.covariance_rows) if one.kind == "gain"}
+    for joint, i in at.items():
+        assert np.sqrt(result.covariance[i, i]) == pytest.approx(result.drive_gains[joint].std)
+
+
+def test_the_surgical_arm_s_gains(measured_data: Path) -> None:
+    folder = measured_data / "psm"
+    if not folder.is_dir():
+        pytest.skip("no measured logs of the surgical arm")
+    result = believed(
+        prepare(load_dataset(folder), ["viscous_friction", "coulomb_friction", "constant_offset"])
+    )
+    assert Code.PAYLOAD_TAKEN_AS_POINT in codes(result)
+    for joint in ("j1", "j2"):
+        gain = result.drive_gains[joint]
+        assert abs(gain.value - 1.0) < min(0.05, 2.0 * gain.std)
