@@ -83,7 +83,7 @@ def _with_values(result: Identification, other: Identification, known: Mapping[s
 
     Its own deviations stay, or grow to what the values differ by; covariances grow with them.
     """
-    values = {one.name: one.value for one in other.parameters} | known
+    values = {**{one.name: one.value for one in other.parameters}, **known}
     parameters = tuple(_moved(one, values[one.name]) for one in result.parameters)
     gains = {joint: _moved(one, other.drive_gains[joint].value) for joint, one in result.drive_gains.items()}
     effects = {
