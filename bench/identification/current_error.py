@@ -23,10 +23,11 @@ def current_error(stack: Stack, start: Solution) -> Solution:
     False) the gains stay as they are and the problem is linear.
     """
     theta, gains, rows = start.theta, start.gains, len(stack.current)
-    weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
+    floor = current_floor(stack)
+    weights = 1.0 / np.maximum(np.sqrt(squared_errors(stack.factors, theta, gains) / rows), floor)
     for converged in (NEARLY,) * (REWEIGHTINGS - 1) + (CONVERGED,):
         theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged)
-        weights = 1.0 / _floor(stack, np.sqrt(squared_errors(stack.factors, theta, gains) / rows))
+        weights = 1.0 / np.maximum(np.sqrt(squared_errors(stack.factors, theta, gains) / rows), floor)
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 
 
@@ -77,7 +78,6 @@ def minimised(
     return theta, gains
 
 
-def _floor(stack: Stack, rms: np.ndarray) -> np.ndarray:
-    """No weight grows beyond what a perfect fit in double precision gives."""
-    largest = np.sqrt((stack.current**2).mean(axis=0).max())
-    return np.asarray(np.maximum(rms, 1e-9 * largest + np.finfo(float).tiny))
+def current_floor(stack: Stack) -> float:
+    """The smallest error that a fit in double precision can have, in drive units: no weight grows beyond it."""
+    return float(1e-9 * np.sqrt((stack.current**2).mean(axis=0).max()) + np.finfo(float).tiny)

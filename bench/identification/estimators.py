@@ -8,7 +8,9 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.identification.compressed import Stack
 from bench.identification.current_error import current_error
+from bench.identification.instrumental import instrumental_variables
 from bench.identification.least_squares import least_squares, weighted_least_squares
+from bench.identification.robust import robust_error
 from bench.identification.solution import Solution
 from bench.identification.total_least_squares import total_least_squares, weighted_total_least_squares
 
@@ -17,14 +19,19 @@ DEFAULT_METHOD = "current"
 
 @dataclass(frozen=True)
 class Request:
-    """What an estimator may use: the equations, nominal gains (n,), whether to fit the gains, and the errors
-    of the columns, computed only when asked for.
+    """What an estimator may use: the equations, nominal gains (n,), whether to fit the gains; computed only when asked
+    for, the errors of the columns, and [phi, kappa] (M, n, p + 1) at the motion of a twin.
     """
 
     stack: Stack
     nominal: np.ndarray
     fit_gains: bool
     column_errors: Callable[[], np.ndarray]
+    simulated: Callable[[], np.ndarray]
+
+
+def _iv(request: Request) -> Solution:
+    return instrumental_variables(request.stack, _wls(request), request.nominal, request.simulated())
 
 
 def _ls(request: Request) -> Solution:
@@ -47,9 +54,15 @@ def _current(request: Request) -> Solution:
     return current_error(request.stack, _wls(request))
 
 
+def _robust(request: Request) -> Solution:
+    return robust_error(request.stack, _wls(request), request.nominal)
+
+
 ESTIMATORS: dict[str, Callable[[Request], Solution]] = {
     "current": _current,
+    "iv": _iv,
     "ls": _ls,
+    "robust": _robust,
     "tls": _tls,
     "wls": _wls,
     "wtls": _wtls,
@@ -63,6 +76,6 @@ def solve(method: str, request: Request) -> Solution:
         raise BenchError(f"unknown method {method!r}; known: {', '.join(ESTIMATORS)}")
     if method in NEED_SCALE and not request.fit_gains:
         raise BenchError(
-            f"method {method!r} needs a fitted recording with a payload of known mass; use ls or wls"
+            f"method {method!r} needs a fitted recording with a payload of known mass; use current, robust, ls or wls"
         )
     return ESTIMATORS[method](request)

@@ -1,7 +1,6 @@
 """From a dataset to drive gains, base parameters and effect parameters."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,20 +13,18 @@ from bench.effects import Effect
 from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
-from bench.identification.effect_columns import robot_signals
-from bench.identification.effect_rows import effect_rows
 from bench.identification.essential_parameters import essential_columns, expanded, reduced
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
 from bench.identification.identifiability import check_gains_identifiable
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.impossible_payload import with_possible_payloads
-from bench.identification.layout import known_rows, payload_rows, regressor_rows
+from bench.identification.layout import payload_rows
 from bench.identification.newton import with_shape_columns
-from bench.identification.observation import observe
 from bench.identification.prepare import Prepared as Prepared
 from bench.identification.prepare import prepare as prepare
 from bench.identification.result import Identification
+from bench.identification.simulated import columns_at, simulated_columns
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, uncertainty
 from bench.identification.summary import summarise
@@ -48,13 +45,13 @@ def identify(
 ) -> Identification:
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
-    effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model; with @recording behind, an effect has a
-    value for each fitted recording. method: current, ls, wls, tls or
-    wtls. filters: settings, or some of them by name; the others are chosen from the spectra. deviations: how
-    standard deviations are computed. fit_gains: by default, where a fitted recording carries a payload of
-    known mass; without one the gains stay nominal. essential: leave out base parameters that the data do not
-    need. catalogue: the effects by name, by default the built-in ones and the dataset's own. Raises BenchError
-    naming what in the data or the robot cannot be used.
+     effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model; with @recording behind, an effect has a
+     value for each fitted recording. method: one of bench.identification.estimators
+    . filters: settings, or some of them by name; the others are chosen from the spectra. deviations: how
+     standard deviations are computed. fit_gains: by default, where a fitted recording carries a payload of
+     known mass; without one the gains stay nominal. essential: leave out base parameters that the data do not
+     need. catalogue: the effects by name, by default the built-in ones and the dataset's own. Raises BenchError
+     naming what in the data or the robot cannot be used.
     """
     prepared = prepare(dataset, effects, filters, catalogue=catalogue)
     return believed(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
@@ -102,12 +99,14 @@ def fit(
 
     def solved(system: Stack, columns: np.ndarray) -> Solution:
         errors = np.append(columns, [layout.size, layout.size + 1])
-        return solve(
-            method,
-            Request(
-                system, nominal, fit_gains, lambda: _column_errors(prepared)[np.ix_(motors, errors, errors)]
-            ),
+        request = Request(
+            stack=system,
+            nominal=nominal,
+            fit_gains=fit_gains,
+            column_errors=lambda: _column_errors(prepared)[np.ix_(motors, errors, errors)],
+            simulated=lambda: simulated_columns(prepared)[:, :, errors[:-1]],
         )
+        return solve(method, request)
 
     if len(kept) < layout.size:
         stack = reduced(stack, kept)
@@ -143,14 +142,10 @@ def gains_can_be_fitted(prepared: Prepared, wanted: bool | None) -> bool:
 
 def _column_errors(prepared: Prepared) -> np.ndarray:
     """See bench.identification.column_errors."""
-    model, layout, payloads = prepared.model, prepared.layout, prepared.dataset.payloads
 
     def columns(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-        measured = measure(model, recording, prepared.settings)
-        signals = robot_signals(model, measured, prepared.present)
-        effects = effect_rows(signals, prepared.settings.decimation, prepared.effects)
-        rows = replace(observe(model, measured), effects=effects)
-        return regressor_rows(rows, layout), known_rows(rows, payloads)
+        found = columns_at(prepared, measure(prepared.model, recording, prepared.settings))
+        return found[:, :, :-1], found[:, :, -1]
 
     recordings = [one.recording for one in prepared.measured if one.recording.use == "identify"]
     return column_errors(recordings, prepared.settings, columns)

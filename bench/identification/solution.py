@@ -1,5 +1,6 @@
 """What every estimator returns, and the torque equations that they share."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,11 @@ class Solution:
 
     weights (n,): what a motor's equation was multiplied by; 1 / (unit of its residual). domain: the
     residual's unit, "torque" (diag(v) g - Phi theta - kappa) or "current" (that divided by -g).
+
+    made: how the estimator made its equations from those that it was given, where it did not take them as they are.
+    stretch (n,): by what a motor's error in them counts for more in what moves the estimate than in its derivatives
+    (1 for least squares). instruments: what stands in these equations' place where the estimate's derivatives are
+    taken, for instrumental variables.
     """
 
     theta: np.ndarray
@@ -21,6 +27,9 @@ class Solution:
     weights: np.ndarray
     domain: str
     gains_fitted: bool
+    made: Callable[[Stack], Stack] | None = None
+    stretch: np.ndarray | None = None
+    instruments: Callable[[Stack], Stack] | None = None
 
 
 def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:

@@ -73,6 +73,13 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     Where the estimate scatters more between parts of the recordings than an autocorrelated noise makes it, the model's
     own error is at work, and the deviations are those of that scatter, wherever they are larger.
     """
+    if solution.made is not None:
+        stack = solution.made(stack)
+    residual = residual_series(stack, solution) * solution.weights
+    if solution.stretch is not None:
+        residual = residual * solution.stretch
+    if solution.instruments is not None:
+        stack = solution.instruments(stack)
     triangle = np.concatenate(
         [
             weight * _by_unknowns(factor, solution, j)
@@ -86,7 +93,6 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     singular = np.linalg.svd(np.linalg.qr(unit, mode="r"), compute_uv=False)
     rank = int((singular > 1e-10 * singular[0]).sum())
     inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-18, hermitian=True)
-    residual = residual_series(stack, solution) * solution.weights
     std_from: StdFrom = "noise"
     if deviations == "independent":
         middle = inverse * float(residual[stack.moving].var(ddof=1))

@@ -1,0 +1,60 @@
+"""Instrumental variables: what noise has put into the observation matrix no longer biases the estimate.
+
+IDIM-IV (Janot, Vandanjon and Gautier, "A generic instrumental variable approach for industrial robot identification",
+2014): the equations W x = y are solved as Z' W x = Z' y, with an observation matrix Z of the simulated model, which has
+the motion in it and not the noise of the measurements. A robot under control follows its reference whatever its
+parameters, so that a twin that is made to follow the measured motion, all its harmonics and no more, is the simulation.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.identification.compressed import Stack, compress
+from bench.identification.least_squares import row_weights
+from bench.identification.solution import Solution, scaled_lstsq, torque_system, weighted
+
+REWEIGHTINGS = 3
+DEPENDENT = 1e-9  # of the largest singular value of a motor's instruments, columns of unit length
+
+
+def instrumental_variables(
+    stack: Stack, start: Solution, nominal: np.ndarray, simulated: np.ndarray
+) -> Solution:
+    """Gains and parameters by two-stage least squares: the columns of equation 12, projected on the instruments.
+
+    simulated (M, n, p + 1): [Phi, kappa] at the motion of the twin, row by row as in the stack. Its columns are each
+    motor's instruments; the simulated currents, combinations of them, are so too. start: for the first weights;
+    where it has nominal gains (n,), they stay.
+    """
+    bases = [_orthonormal(simulated[:, j] * stack.moving[:, j, None]) for j in range(len(nominal))]
+    hat = projected(stack, bases)
+    solution = start
+    for _ in range(REWEIGHTINGS):
+        weights = row_weights(stack, solution)
+        rows, right = torque_system(weighted(hat.factors, weights), None if start.gains_fitted else nominal)
+        x = scaled_lstsq(rows, right)
+        p = stack.phi.shape[2]
+        gains = x[p:] if start.gains_fitted else nominal
+        solution = Solution(x[:p], gains, weights, "torque", start.gains_fitted)
+    return replace(solution, instruments=lambda given: projected(given, bases))
+
+
+def projected(stack: Stack, bases: list[np.ndarray]) -> Stack:
+    """The equations with what the instruments say of their columns of unknowns; further columns as they are.
+
+    bases: for every motor j, orthonormal columns (M, r_j).
+    """
+    phi, current = stack.phi.copy(), stack.current.copy()
+    for j, basis in enumerate(bases):
+        phi[:, j] = basis @ (basis.T @ phi[:, j])
+        current[:, j] = basis @ (basis.T @ current[:, j])
+    return replace(stack, phi=phi, current=current, factors=compress(phi, stack.kappa, current))
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    """An orthonormal basis (M, r) of the span of columns (M, k)."""
+    norms = np.linalg.norm(columns, axis=0)
+    seen = columns[:, norms > 0.0] / norms[norms > 0.0]
+    left, singular, _ = np.linalg.svd(seen, full_matrices=False)
+    return np.asarray(left[:, singular > DEPENDENT * singular.max(initial=0.0)])

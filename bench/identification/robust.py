@@ -1,0 +1,134 @@
+"""The estimator for currents with bad seconds: errors of the currents follow Student's distribution, not Gauss's.
+
+A row far from the model then counts little: it is weighted by (nu + 1) / (nu + r^2), r its error over the scale of its
+motor. Scale and degrees of freedom nu of every motor are found with the parameters by maximum likelihood, so that
+clean data are fitted as by least squares (nu grows) and little is lost. Iteratively reweighted least squares: Lange,
+Little and Taylor, "Robust statistical modeling using the t distribution", 1989; nu as by Liu and Rubin, "ML estimation
+of the t distribution using EM and its extensions, ECM and ECME", 1995.
+"""
+
+from dataclasses import dataclass, replace
+from math import lgamma, log, pi
+
+import numpy as np
+
+from bench.identification.bounded import minimum_between
+from bench.identification.compressed import Stack, compress
+from bench.identification.current_error import current_error, current_floor, minimised
+from bench.identification.solution import Solution, scaled_lstsq, torque_system
+
+FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all that can be told
+FIRST = 4.0  # where they begin
+MOST_ROUNDS = 100
+SETTLED = 1e-6  # largest change of a row's weight
+NEARLY = 1e-9  # relative change of the cost, between changes of the weights
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """A maximum of the likelihood: parameters, scale (n,), degrees of freedom (n,), weights (M, n) of the rows."""
+
+    theta: np.ndarray
+    gains: np.ndarray
+    scale: np.ndarray
+    freedom: np.ndarray
+    weights: np.ndarray
+    error: np.ndarray
+    minus_likelihood: float
+
+
+def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution:
+    """Maximum likelihood of currents v_j = (Phi_j theta + kappa_j) / g_j + s_j t, t of Student's distribution.
+
+    It is sought from the answer of least squares, `start`, and from nominal gains (n,), since bad seconds can throw
+    the former far off; the likelier answer is taken. Without a known payload (start.gains_fitted is False) the gains
+    stay as they are. Effects that are not linear keep the shape that least squares gives them.
+    """
+    solution = current_error(stack, start)
+    found = _likeliest(stack, solution.theta, solution.gains, start.gains_fitted)
+    if start.gains_fitted:
+        fixed = _likeliest(stack, scaled_theta(stack, nominal), nominal, False)
+        other = _likeliest(stack, fixed.theta, nominal, True)
+        found = min(found, other, key=lambda one: one.minus_likelihood)
+    moving = stack.moving
+    slopes = (_slopes(found.error / found.scale, found.freedom) * moving).sum(axis=0)
+    stretch = found.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
+    root = np.sqrt(found.weights / stretch)
+    return replace(
+        solution,
+        theta=found.theta,
+        gains=found.gains,
+        weights=1.0 / found.scale,
+        made=lambda given: weighted_rows(given, root),
+        stretch=stretch,
+    )
+
+
+def _likeliest(stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: bool) -> _Fit:
+    """The nearest maximum of the likelihood."""
+    moving, floor = stack.moving, current_floor(stack)
+    error = _error(stack, theta, gains)
+    scale = np.maximum(_typical(error, moving), floor)
+    freedom = np.full(len(gains), FIRST)
+    weights = _weights(error / scale, freedom) * moving
+    for _ in range(MOST_ROUNDS):
+        factors = weighted_rows(stack, np.sqrt(weights)).factors
+        theta, gains = minimised(factors, theta, gains, 1.0 / scale, fit_gains, NEARLY)
+        error = _error(stack, theta, gains)
+        squares = (weights * error**2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1)
+        scale = np.maximum(np.sqrt(squares), floor)
+        each = [degrees_of_freedom(error[moving[:, j], j] / scale[j]) for j in range(len(gains))]
+        freedom = np.array([nu for nu, _ in each])
+        before, weights = weights, _weights(error / scale, freedom) * moving
+        if np.abs(weights - before).max() < SETTLED:
+            break
+    logarithms = np.array([value for _, value in each]) + np.log(scale)
+    return _Fit(theta, gains, scale, freedom, weights, error, float(moving.sum(axis=0) @ logarithms))
+
+
+def scaled_theta(stack: Stack, gains: np.ndarray) -> np.ndarray:
+    """Least-squares parameters (p,) with these drive gains."""
+    return scaled_lstsq(*torque_system(stack.factors, gains))
+
+
+def weighted_rows(stack: Stack, root: np.ndarray) -> Stack:
+    """The equations with every row of every motor multiplied by its own number, root (M, n)."""
+    phi, kappa, current = stack.phi * root[:, :, None], stack.kappa * root, stack.current * root
+    return replace(stack, phi=phi, kappa=kappa, current=current, factors=compress(phi, kappa, current))
+
+
+def degrees_of_freedom(error: np.ndarray) -> tuple[float, float]:
+    """Student's nu of errors (M,) over their scale by maximum likelihood, and minus the mean logarithm of it."""
+    squares = error**2
+
+    def minus_likelihood(logarithm: float) -> float:
+        nu = float(np.exp(logarithm))
+        each = lgamma(0.5 * (nu + 1.0)) - lgamma(0.5 * nu) - 0.5 * log(nu * pi)
+        return float(0.5 * (nu + 1.0) * np.log1p(squares / nu).sum()) / max(len(squares), 1) - each
+
+    logarithm, value = minimum_between(minus_likelihood, log(FEWEST), log(MOST), 1e-4)
+    return float(np.exp(logarithm)), value
+
+
+def _error(stack: Stack, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:
+    return np.asarray(stack.current - (stack.phi @ theta + stack.kappa) / gains)
+
+
+def _typical(error: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """Scale (n,) that bad rows do not change: the median of the errors' sizes, as a standard deviation of noise."""
+    return np.array(
+        [
+            1.4826 * np.median(np.abs(one[seen])) if seen.any() else 0.0
+            for one, seen in zip(error.T, moving.T, strict=True)
+        ]
+    )
+
+
+def _weights(error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
+    """Weights (M, n) of errors over their scale."""
+    return np.asarray((freedom + 1.0) / (freedom + error**2))
+
+
+def _slopes(error: np.ndarray, freedom: np.ndarray) -> np.ndarray:
+    """Derivatives (M, n) of weight times error by the error."""
+    return np.asarray((freedom + 1.0) * (freedom - error**2) / (freedom + error**2) ** 2)

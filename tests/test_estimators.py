@@ -1,0 +1,117 @@
+"""What each estimator is there for: bad seconds, noise in the observation matrix, a controller whose law is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.dataset.dataset import Dataset
+from bench.identification.identify import identify
+from bench.identification.result import Identification
+from bench.identification.robust import degrees_of_freedom
+from bench.peers.problems import make_problem
+from bench.scenario.tables import Sensors
+from bench.truth.dataset import as_dataset
+from bench.truth.resense import sense_again
+from bench.truth.simulate import Simulation
+
+
+@pytest.fixture(scope="module")
+def simulation() -> Simulation:
+    """A five-bar, two recordings of 5 s."""
+    return make_problem("five_bar", 1, friction=False).simulation
+
+
+def sensed(simulation: Simulation, **sensors: float) -> Dataset:
+    settings = simulation.scenario.settings
+    scenario = replace(
+        simulation.scenario, settings=settings.model_copy(update={"sensors": Sensors(**sensors)})
+    )
+    return as_dataset(sense_again(simulation, scenario))
+
+
+def with_bad_second(dataset: Dataset) -> Dataset:
+    """The left motor's current is stuck for a second of each recording, and that of the right one off for half."""
+    recordings = []
+    for one in dataset.recordings:
+        current = one.current.copy()
+        current[1500:2500, 0] = current[1500, 0]
+        current[3000:3500, 1] += 2.0 * current[:, 1].std()
+        recordings.append(replace(one, current=current))
+    return replace(dataset, recordings=tuple(recordings))
+
+
+def off(result: Identification, true: np.ndarray) -> tuple[float, float]:
+    """Largest relative error of a gain, and largest error over its deviation."""
+    gains = result.drive_gains.values()
+    error = np.array([one.value for one in gains]) - true
+    return float(np.abs(error / true).max()), float(np.abs(error / [one.std for one in gains]).max())
+
+
+@pytest.fixture(scope="module")
+def true(simulation: Simulation) -> np.ndarray:
+    return make_problem("five_bar", 1, friction=False).gains
+
+
+def test_bad_seconds_move_least_squares_and_not_the_robust_estimator(
+    simulation: Simulation, true: np.ndarray
+) -> None:
+    clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
+    bad = with_bad_second(clean)
+    error, z = off(identify(bad, method="robust"), true)
+    assert error < 0.005
+    assert z < 3.0
+    assert off(identify(bad), true)[0] > 10.0 * error
+
+
+def test_on_clean_data_the_robust_estimator_is_least_squares(simulation: Simulation) -> None:
+    clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
+    for one, other in zip(
+        identify(clean).drive_gains.values(),
+        identify(clean, method="robust").drive_gains.values(),
+        strict=True,
+    ):
+        assert other.value == pytest.approx(one.value, abs=0.3 * one.std)
+        assert other.std == pytest.approx(one.std, rel=0.15)
+
+
+@pytest.mark.parametrize("nu", [2.0, 5.0])
+def test_degrees_of_freedom_are_those_of_the_errors(nu: float) -> None:
+    errors = np.random.default_rng(1).standard_t(nu, 20_000)
+    assert degrees_of_freedom(errors)[0] == pytest.approx(nu, rel=0.15)
+
+
+def test_behind_a_wrong_filter_instruments_keep_the_noise_out(
+    simulation: Simulation, true: np.ndarray
+) -> None:
+    noisy = sensed(simulation, encoder_bits=14, current_noise_ratio=0.01)
+    filters = {"position_cutoff": 160.0, "decimation": 4}
+    error, z = off(identify(noisy, method="iv", filters=filters), true)
+    assert error < 0.02
+    assert z < 3.0
+    assert off(identify(noisy, filters=filters), true)[0] > 5.0 * error
+
+
+def test_noise_of_the_currents_does_not_bias_instrumental_variables(
+    simulation: Simulation, true: np.ndarray
+) -> None:
+    noisy = sensed(simulation, encoder_bits=20, current_noise_ratio=0.2)
+    error, z = off(identify(noisy, method="iv"), true)
+    assert z < 3.0
+    assert off(identify(noisy, method="ls"), true)[0] > 2.0 * error
+
+
+@pytest.mark.parametrize("method", ["iv", "robust"])
+def test_effects_and_nominal_gains_are_fitted_by_every_estimator(
+    method: str, simulation: Simulation, true: np.ndarray
+) -> None:
+    clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
+    effects = ["viscous_friction", "coulomb_friction:left", "current_delay:right"]
+    fitted, plain = identify(clean, effects, method), identify(clean, effects)
+    for joint, one in plain.effect_parameters["viscous_friction"].items():
+        other = fitted.effect_parameters["viscous_friction"][joint]["Fv"]
+        assert other.value == pytest.approx(one["Fv"].value, abs=2.0 * one["Fv"].std)
+        assert 0.5 < other.std / one["Fv"].std < 2.0
+    nominal = identify(clean, method=method, fit_gains=False)
+    assert not nominal.gains_fitted
+    assert all(one.value == one.nominal for one in nominal.drive_gains.values())
