@@ -1,17 +1,19 @@
 """What each estimator is there for: bad seconds, noise in the observation matrix, a controller whose law is known."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from bench.dataset.dataset import Dataset
+from bench.basics.errors import BenchError
+from bench.dataset.dataset import Dataset, load_dataset
 from bench.identification.identify import identify
 from bench.identification.result import Identification
 from bench.identification.robust import degrees_of_freedom
 from bench.peers.problems import make_problem
 from bench.scenario.tables import Sensors
-from bench.truth.dataset import as_dataset
+from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation
 
@@ -99,6 +101,69 @@ def test_noise_of_the_currents_does_not_bias_instrumental_variables(
     error, z = off(identify(noisy, method="iv"), true)
     assert z < 3.0
     assert off(identify(noisy, method="ls"), true)[0] > 2.0 * error
+
+
+def declared(simulation: Simulation) -> Dataset:
+    """The same with the controller's law told, and references logged."""
+    settings = simulation.scenario.settings
+    controller = settings.controller.model_copy(update={"declared": True})
+    scenario = replace(simulation.scenario, settings=settings.model_copy(update={"controller": controller}))
+    return as_dataset(replace(simulation, scenario=scenario))
+
+
+def test_a_known_law_of_the_controller_makes_gains_a_tenth_as_uncertain(
+    simulation: Simulation, true: np.ndarray
+) -> None:
+    dataset = declared(simulation)
+    error, z = off(identify(dataset, method="oe"), true)
+    assert error < 2e-4
+    assert z < 3.0
+    assert off(identify(dataset), true)[0] > 4.0 * error
+
+
+@pytest.mark.parametrize(("key", "factor"), [("kp", [1.0, 1.01]), ("kv", [0.9, 1.0])])
+def test_a_law_that_did_not_make_the_currents_is_refused(
+    key: str, factor: list[float], simulation: Simulation
+) -> None:
+    dataset = declared(simulation)
+    assert dataset.controller is not None
+    wrong = replace(dataset.controller, **{key: getattr(dataset.controller, key) * factor})
+    with pytest.raises(BenchError, match=f"controller of joint {['left', 'right'][factor[0] == 1.0]}"):
+        identify(replace(dataset, controller=wrong), method="oe")
+
+
+def test_without_a_law_output_error_is_refused(simulation: Simulation) -> None:
+    with pytest.raises(BenchError, match=r"oe.*controller.*reference\.JOINT"):
+        identify(sensed(simulation, encoder_bits=20), method="oe")
+
+
+def test_a_written_dataset_has_law_and_references(simulation: Simulation, tmp_path: Path) -> None:
+    settings = simulation.scenario.settings
+    controller = settings.controller.model_copy(update={"declared": True})
+    scenario = replace(simulation.scenario, settings=settings.model_copy(update={"controller": controller}))
+    written = replace(simulation, scenario=scenario)
+    write_simulation(written, tmp_path / "data")
+    dataset, own = load_dataset(tmp_path / "data"), as_dataset(written)
+    assert dataset.controller is not None
+    assert own.controller is not None
+    for key in ("kp", "kv", "ka", "velocity_delay"):
+        assert np.array_equal(getattr(dataset.controller, key), getattr(own.controller, key))
+    for one, other in zip(dataset.recordings, own.recordings, strict=True):
+        assert np.array_equal(one.extra["reference.left"], other.extra["reference.left"])
+    toml = tmp_path / "data" / "dataset.toml"
+    text = toml.read_text()
+    for old, new, culprit in (
+        ("kp = { left", "kp = { lft", r"controller\.kp: left, lft"),
+        ("kv = {", "kw = {", "kw"),
+    ):
+        toml.write_text(text.replace(old, new))
+        with pytest.raises(BenchError, match=culprit):
+            load_dataset(tmp_path / "data")
+    toml.write_text(text)
+    table = tmp_path / "data" / "loaded.csv"
+    table.write_text(table.read_text().replace("reference.left", "wanted.left", 1))
+    with pytest.raises(BenchError, match=r"loaded\.csv: no column reference\.left"):
+        load_dataset(tmp_path / "data")
 
 
 @pytest.mark.parametrize("method", ["iv", "robust"])

@@ -55,13 +55,13 @@ def test_without_noise_gains_and_base_parameters_are_the_true_ones(clean: Simula
     assert result.rank == result.unknowns
 
 
-@pytest.mark.parametrize("method", sorted(ESTIMATORS))
+@pytest.mark.parametrize("method", sorted(set(ESTIMATORS) - {"oe"}))  # which needs a law: test_estimators.py
 def test_every_estimator_recovers_the_gains_without_noise(method: str, clean: Simulation) -> None:
     result = identify(as_dataset(clean), method=method)
     assert accuracy(clean, result)["gain_error"] < GAIN_TARGET[clean.robot.name]
 
 
-@pytest.mark.parametrize("method", sorted(ESTIMATORS))
+@pytest.mark.parametrize("method", sorted(set(ESTIMATORS) - {"oe"}))  # which needs a law: test_estimators.py
 def test_with_noise_gains_and_error_reach_the_noise(method: str, noisy: Simulation) -> None:
     metrics = accuracy(noisy, identify(as_dataset(noisy), method=method))
     assert metrics["gain_error"] < 0.004

@@ -10,7 +10,7 @@ from bench.basics.errors import BenchError
 from bench.cli.completion import effects
 from bench.cli.last_lines import answer_on
 
-METHODS = ("current", "iv", "ls", "robust", "tls", "wls", "wtls")
+METHODS = ("current", "iv", "ls", "oe", "robust", "tls", "wls", "wtls")
 
 Command = Callable[..., Any]
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.dataset.controller import Controller, controller_of, references
 from bench.dataset.dataset_toml import DATASET_FILE as DATASET_FILE
 from bench.dataset.dataset_toml import DatasetSpec, payload_of
 from bench.dataset.dataset_toml import RecordingEntry as RecordingEntry
@@ -24,7 +25,8 @@ from bench.files.toml_input import read_toml
 class Dataset:
     """Everything that an identification reads.
 
-    effect_files are the user's own effects, from the optional key `effects`.
+    effect_files are the user's own effects, from the optional key `effects`. controller: the law of the joints'
+    controller, where the dataset tells it.
     """
 
     folder: Path
@@ -32,6 +34,7 @@ class Dataset:
     payloads: Mapping[str, Payload]
     recordings: tuple[Recording, ...]
     effect_files: tuple[Path, ...] = field(default=())
+    controller: Controller | None = None
 
     def __repr__(self) -> str:
         names = ", ".join(f"{one.name} ({one.use})" for one in self.recordings)
@@ -73,7 +76,12 @@ def load_dataset(folder: str | Path) -> Dataset:
             Window(entry.window, entry.exclude),
         )
     ]
-    return Dataset(folder, robot, payloads, tuple(recordings), effect_files)
+    controller = None
+    if spec.controller is not None:
+        controller = controller_of(path, spec.controller, robot.joints)
+        for one in recordings:
+            references(one, robot.joints)  # each must be there
+    return Dataset(folder, robot, payloads, tuple(recordings), effect_files, controller)
 
 
 def _check_references(path: Path, spec: DatasetSpec, robot: Robot) -> None:

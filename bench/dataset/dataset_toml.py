@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from bench.basics.errors import BenchError
+from bench.dataset.controller import Controller, ControllerSpec
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.recording import Use
 from bench.dataset.recording_checks import Check
@@ -52,6 +53,7 @@ class DatasetSpec(UserTable):
     effects: tuple[str, ...] = ()
     payloads: dict[str, PayloadSpec] = Field(default_factory=dict)
     recordings: Annotated[list[RecordingSpec], Field(min_length=1)]
+    controller: ControllerSpec | None = None
 
 
 def payload_of(path: Path, name: str, spec: PayloadSpec) -> Payload:
@@ -83,14 +85,18 @@ def write_dataset_toml(
     recordings: Sequence[RecordingEntry],
     payloads: Sequence[Payload] = (),
     effects: Sequence[str] = (),
+    controller: Controller | None = None,
+    joints: Sequence[str] = (),
 ) -> Path:
     """Write dataset.toml in `folder`, whole or not at all, and return its path.
 
-    robot is a built-in name or a path (absolute, or relative to `folder`).
+    robot is a built-in name or a path (absolute, or relative to `folder`). joints: of the controller's law.
     """
     lines = [f"robot = {_text(robot)}"]
     if effects:
         lines.append(f"effects = [{', '.join(map(_text, effects))}]")
+    if controller is not None:
+        lines += ["", *_controller_table(controller, joints)]
     path = Path(folder) / DATASET_FILE
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text_atomically(path, "\n".join([*lines, *toml_tables(recordings, payloads)]) + "\n")
@@ -162,6 +168,14 @@ def extended_toml(
     except tomllib.TOMLDecodeError as error:
         raise BenchError(f"{path}: recordings: write them as [[recordings]] tables to add one") from error
     return text
+
+
+def _controller_table(controller: Controller, joints: Sequence[str]) -> list[str]:
+    lines = ["[controller]"]
+    for key in ("kp", "kv", "ka"):
+        pairs = zip(joints, getattr(controller, key).tolist(), strict=True)
+        lines.append(f"{key} = {{ {', '.join(f'{_key(joint)} = {value!r}' for joint, value in pairs)} }}")
+    return [*lines, f"velocity_delay = {controller.velocity_delay!r}"]
 
 
 def _key(name: str) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.identification.closed_loop import output_error
 from bench.identification.compressed import Stack
 from bench.identification.current_error import current_error
 from bench.identification.instrumental import instrumental_variables
@@ -19,8 +20,10 @@ DEFAULT_METHOD = "current"
 
 @dataclass(frozen=True)
 class Request:
-    """What an estimator may use: the equations, nominal gains (n,), whether to fit the gains; computed only when asked
-    for, the errors of the columns, and [phi, kappa] (M, n, p + 1) at the motion of a twin.
+    """What an estimator may use: the equations, nominal gains (n,), whether to fit the gains, joints (n,).
+
+    Computed only when asked for: the errors of the columns, [phi, kappa] (M, n, p + 1) at the motion of a twin, and the
+    terms (M, n, 3) of the controller's law.
     """
 
     stack: Stack
@@ -28,6 +31,8 @@ class Request:
     fit_gains: bool
     column_errors: Callable[[], np.ndarray]
     simulated: Callable[[], np.ndarray]
+    commanded: Callable[[], np.ndarray]
+    joints: tuple[str, ...]
 
 
 def _iv(request: Request) -> Solution:
@@ -54,6 +59,10 @@ def _current(request: Request) -> Solution:
     return current_error(request.stack, _wls(request))
 
 
+def _oe(request: Request) -> Solution:
+    return output_error(request.stack, _wls(request), request.commanded(), request.joints)
+
+
 def _robust(request: Request) -> Solution:
     return robust_error(request.stack, _wls(request), request.nominal)
 
@@ -62,6 +71,7 @@ ESTIMATORS: dict[str, Callable[[Request], Solution]] = {
     "current": _current,
     "iv": _iv,
     "ls": _ls,
+    "oe": _oe,
     "robust": _robust,
     "tls": _tls,
     "wls": _wls,

@@ -11,6 +11,7 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.effects import Effect
 from bench.identification.bounds import columns_of, within_bounds
+from bench.identification.closed_loop import commanded_currents
 from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.essential_parameters import essential_columns, expanded, reduced
@@ -105,6 +106,8 @@ def fit(
             fit_gains=fit_gains,
             column_errors=lambda: _column_errors(prepared)[np.ix_(motors, errors, errors)],
             simulated=lambda: simulated_columns(prepared)[:, :, errors[:-1]],
+            commanded=lambda: commanded_currents(prepared),
+            joints=dataset.robot.joints,
         )
         return solve(method, request)
 

@@ -18,7 +18,13 @@ from rich.table import Table
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.files.atomic import write_json_atomically, write_text_atomically
-from bench.peers.own import Answer, solve_all_unknown, solve_mass_known, solve_two_masses
+from bench.peers.own import (
+    Answer,
+    solve_all_unknown,
+    solve_mass_known,
+    solve_output_error,
+    solve_two_masses,
+)
 from bench.peers.problems import COULOMB_SHARE, DURATION, Problem, make_problem
 from bench.studies.sweep.console import table_console
 from bench.studies.sweep.versions import versions
@@ -30,7 +36,8 @@ EXPLANATION = (
     "Medians over seeds of the sensors' noise: 20-bit encoders and 1 % noise of the currents. `parabench` knows"
     " the geometry and the payload; `rest from CAD` takes all masses but two as known, which is what"
     " `mujoco.sysid` is given, together with the initial state and the controller. mujoco.sysid does not look at"
-    " the currents: it predicts the positions by simulating the controlled machine. At the truth's own step its"
+    " the currents: it predicts the positions by simulating the controlled machine. `output error` knows the controller's"
+    " law and references too, and no mass but the payload's. At the truth's own step its"
     " model is the very program that made the data; 1 ms is the step of the log. FIGAROH has no closed loops."
     " Seconds are those of solving alone, from recordings to estimates: the robot's model is built once beforehand"
     " and not timed, and neither is the set-up of the others (MuJoCo specs, sequences and residual function of"
@@ -97,9 +104,11 @@ def five_bar_scores(*, friction: bool) -> list[Score]:
     own: list[tuple[Solver, int]] = [
         (lambda problem: solve_all_unknown(problem)[0], MANY),
         (solve_two_masses, MANY),
+        (solve_output_error, MANY),
     ]
     if friction:
         own.append((lambda problem: solve_two_masses(problem, ("coulomb_friction",)), MANY))
+        own.append((lambda problem: solve_output_error(problem, ("coulomb_friction",)), MANY))
     solvers = [*own, (others(1e-3), FEW), (others(2.5e-4), ONE if friction else FEW)]
     return [score("five_bar", friction=friction, solve=solve, seeds=seeds) for solve, seeds in solvers]
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.dataset.dataset import Dataset
+from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.identify import identify
 from bench.identification.result import Identification
 from bench.model.model import IdentificationModel, build_model
@@ -39,9 +40,21 @@ def solve_all_unknown(problem: Problem, effects: tuple[str, ...] = ()) -> tuple[
     return _identified(as_dataset(problem.simulation), effects, name)
 
 
-def _identified(dataset: Dataset, effects: tuple[str, ...], name: str) -> tuple[Answer, Identification]:
+def solve_output_error(problem: Problem, effects: tuple[str, ...] = ()) -> Answer:
+    """The same from the controller's law and its references as well, which mujoco.sysid is given."""
+    simulation = problem.simulation
+    settings = simulation.scenario.settings
+    controller = settings.controller.model_copy(update={"declared": True})
+    scenario = replace(simulation.scenario, settings=settings.model_copy(update={"controller": controller}))
+    name = "parabench, output error" + (f", with {' + '.join(effects)}" if effects else "")
+    return _identified(as_dataset(replace(simulation, scenario=scenario)), effects, name, "oe")[0]
+
+
+def _identified(
+    dataset: Dataset, effects: tuple[str, ...], name: str, method: str = DEFAULT_METHOD
+) -> tuple[Answer, Identification]:
     start = time.perf_counter()
-    result = identify(dataset, effects)
+    result = identify(dataset, effects, method)
     seconds = time.perf_counter() - start
     gains = list(result.drive_gains.values())
     values, stds = (np.array([getattr(gain, key) for gain in gains]) for key in ("value", "std"))

@@ -146,6 +146,9 @@ class Controller(UserTable):
     tracking_limit: PositivePerJoint | None = None
     """A larger |q_ref − q| means that the robot is lost, rad or m; left out, 0.3 rad or 0.1 m."""
 
+    declared: bool = False
+    """Whether the dataset tells the law, and the log has the reference positions."""
+
     @model_validator(mode="after")
     def _one_tuning(self) -> Controller:
         if (self.kp is None) != (self.kv is None):

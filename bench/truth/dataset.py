@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from bench.basics.errors import BenchError
+from bench.dataset.controller import Controller, reference_column
 from bench.dataset.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
 from bench.dataset.recording import Recording, write_recording
 from bench.files.atomic import whole_folder, write_json_atomically
 from bench.scenario.scenario import payload_declared
 from bench.truth.report import truth
-from bench.truth.simulate import Simulation
+from bench.truth.simulate import SimulatedRecording, Simulation
 
 
 def as_dataset(simulation: Simulation) -> Dataset:
     """What an identification may know of a simulation: its log and what is declared, nothing true."""
     scenario, m = simulation.scenario, len(simulation.robot.joints)
     redundant = simulation.robot.redundant
+    declared = scenario.settings.controller.declared
     return Dataset(
         folder=Path(),
         robot=scenario.robot,
@@ -29,11 +34,26 @@ def as_dataset(simulation: Simulation) -> Dataset:
                 r.log.time,
                 r.log.position[:, :m],
                 r.log.current[:, :m],
+                _references(r, scenario.robot.joints) if declared else {},
                 redundant=r.log.current[:, m:] if redundant else None,
             )
             for r in simulation.recordings
         ),
+        controller=_law(simulation) if declared else None,
     )
+
+
+def _law(simulation: Simulation) -> Controller:
+    """The controller's law; MuJoCo's velocity is the backward difference of its positions over a step."""
+    drive = simulation.machine.drive
+    n = len(simulation.robot.joints)
+    each = ((one / drive.nominal_gains)[:n] for one in (drive.kp, drive.kv, drive.feedforward))
+    return Controller(*each, 0.5 * simulation.scenario.settings.step)
+
+
+def _references(recording: SimulatedRecording, joints: Sequence[str]) -> dict[str, np.ndarray]:
+    wanted = recording.trajectory.evaluate(recording.motion.time)[0]
+    return {reference_column(joint): wanted[:, j] for j, joint in enumerate(joints)}
 
 
 def truth_path(folder: str | Path) -> Path:
@@ -66,13 +86,21 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
 def _write_folder(simulation: Simulation, folder: Path) -> None:
     scenario = simulation.scenario
     dataset = as_dataset(simulation)
-    for one in simulation.recordings:
-        file = folder / _file_name(simulation, one.name)
-        write_recording(file, one.log.time, one.log.position, one.log.current, scenario.robot.driven)
+    for one, own in zip(simulation.recordings, dataset.recordings, strict=True):
+        file = folder / own.name
+        log = one.log
+        write_recording(file, log.time, log.position, log.current, scenario.robot.driven, own.extra)
     entries = [RecordingEntry(r.name, r.use, r.payload) for r in dataset.recordings]
     used = {entry.payload for entry in entries}
     payloads = [payload for name, payload in dataset.payloads.items() if name in used]
-    write_dataset_toml(folder, scenario.robot_reference, entries, payloads)
+    write_dataset_toml(
+        folder,
+        scenario.robot_reference,
+        entries,
+        payloads,
+        controller=dataset.controller,
+        joints=scenario.robot.joints,
+    )
 
 
 def _file_name(simulation: Simulation, name: str) -> str:

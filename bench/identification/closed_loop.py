@@ -1,0 +1,106 @@
+"""Closed-loop output error: what the twin under the robot's own controller would command, beside what was logged.
+
+Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
+2013 (DIDIM). Under the same law and reference a simulated twin keeps the motion of the robot whatever its parameters,
+but for an error e of the size that encoders resolve; to first order in e the errors of its positions and currents are
+linear in the parameters. Position errors reach the equations through the law: the current that it makes of reference
+and measured position is a second reading of the motors' current, without the noise of the logged one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.controller import Controller, references
+from bench.identification.compressed import Stack, compress
+from bench.identification.current_error import current_error, current_floor, squared_errors
+from bench.identification.filtered import Measured
+from bench.identification.prepare import Prepared
+from bench.identification.solution import Solution
+from bench.identification.standstill import bridged
+from bench.signals.decimation import decimate
+from bench.signals.processing import estimate_motion
+
+TERMS = ("kp", "kv", "ka")
+PARTS = 16  # of all rows, in each of which both readings are compared
+UNLIKE, NEGLIGIBLE = 5.0, 1e-4  # deviations, and share of a current, by which they may differ on the whole
+
+
+def output_error(stack: Stack, start: Solution, terms: np.ndarray, joints: Sequence[str]) -> Solution:
+    """Gains and parameters from two readings of each motor's current, each counted by the error that it leaves.
+
+    terms (M, n, 3): what the controller's law makes of references and measured positions, row by row as in the stack.
+    The law counts as known: gains have the scale of its own. Raises BenchError naming a joint where it is not the law
+    that made the logged currents.
+    """
+    terms = terms * stack.moving[:, :, None]
+    _check_law(stack.current, terms, joints)
+    commanded = terms.sum(axis=2)
+    readings = [stack.current, commanded]
+    precisions = []
+    for current in readings:
+        given = with_current(stack, current)
+        found = current_error(given, start)
+        squares = squared_errors(given.factors, found.theta, found.gains) / len(current)
+        precisions.append(1.0 / np.maximum(squares, current_floor(stack) ** 2))
+    current = sum(one * weight for one, weight in zip(readings, precisions, strict=True)) / sum(precisions)
+
+    def made(given: Stack) -> Stack:
+        return with_current(given, current)
+
+    return replace(current_error(made(stack), start), made=made)
+
+
+def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> None:
+    """Compare logged currents (M, n) with the law's terms (M, n, 3): each must be in them with a factor of one."""
+    parts = np.array_split(np.arange(len(logged)), PARTS)
+    for joint, measured, every in zip(joints, logged.T, terms.swapaxes(0, 1), strict=True):
+        present = np.flatnonzero(every.any(axis=0))
+        law = every[:, present]
+        factors = np.linalg.lstsq(law, measured, rcond=1e-9)[0]
+        error = measured - law @ factors
+        scores = np.array([law[part].T @ error[part] for part in parts])
+        inverse = np.linalg.pinv(law.T @ law, rcond=1e-18, hermitian=True)
+        deviations = np.sqrt(np.diag(inverse @ scores.T @ scores @ inverse))
+        for k, factor, deviation in zip(present, factors, deviations, strict=True):
+            if abs(factor - 1.0) > UNLIKE * deviation + NEGLIGIBLE:
+                raise BenchError(
+                    f"controller of joint {joint}: the logged current has {factor:.4g} ± {deviation:.2g} times the "
+                    f"law's term with {TERMS[k]}: another law, or another unit?"
+                )
+
+
+def with_current(stack: Stack, current: np.ndarray) -> Stack:
+    """The equations with other currents (M, n)."""
+    return replace(stack, current=current, factors=compress(stack.phi, stack.kappa, current))
+
+
+def commanded_currents(prepared: Prepared) -> np.ndarray:
+    """The terms of the law (M, n, 3), drive units: with kp, kv and ka, filtered and decimated as the rows of the fit.
+
+    Raises BenchError where the dataset does not tell the controller's law, or a recording not its reference.
+    """
+    dataset = prepared.dataset
+    if dataset.controller is None:
+        raise BenchError(
+            f"{dataset.folder}: method 'oe' needs the controller's law: [controller] in dataset.toml, and columns "
+            "reference.JOINT in the recordings"
+        )
+    joints, decimation = dataset.robot.joints, prepared.settings.decimation
+    found = []
+    for one in prepared.measured:
+        if one.recording.use == "identify":
+            terms = law_terms(dataset.controller, one, joints)
+            found.append(decimate(bridged(terms, one.gaps), decimation))
+    return np.concatenate(found)
+
+
+def law_terms(law: Controller, measured: Measured, joints: Sequence[str]) -> np.ndarray:
+    """What the law makes of a recording's references and positions (N, n, 3), filtered alike, at its own rate."""
+    recording = measured.recording
+    wanted = estimate_motion(references(recording, joints), recording.rate, measured.settings)
+    seen = measured.velocity - law.velocity_delay * measured.acceleration
+    position, velocity = wanted.position - measured.position, wanted.velocity - seen
+    return np.stack((law.kp * position, law.kv * velocity, law.ka * wanted.acceleration), axis=2)
