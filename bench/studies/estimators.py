@@ -1,0 +1,246 @@
+"""The estimators beside each other: `python -m bench.studies.estimators -o results/estimators`.
+
+Robots, noise of currents and encoders, filters that were given wrongly, bad seconds in the currents, controllers: bias,
+spread, coverage and time of each estimator, over seeds of the sensors' noise. Workers do not change the answers.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.basics.errors import BenchError
+from bench.basics.threads import on_one_thread
+from bench.dataset.dataset import Dataset
+from bench.excitation.scenario import designer
+from bench.files.atomic import finite, write_json_atomically, write_text_atomically
+from bench.identification.estimators import ESTIMATORS
+from bench.identification.identify import fit, prepare
+from bench.scenario.scenario import Scenario, load_scenario, resolve_trajectories
+from bench.scenario.trajectory import FourierTrajectory
+from bench.studies.sweep.versions import versions
+from bench.truth.dataset import as_dataset
+from bench.truth.machine import true_gains
+from bench.truth.resense import sense_again
+from bench.truth.simulate import Simulation, simulate
+
+ROBOTS = ("two_link", "five_bar", "delta")
+DURATION = 10.0  # s, of each of two recordings, one with the payload
+BAD = ("stuck", "offset", "noisy")  # what a bad second is, in turn
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is unlike the first case: sensors and controller of the scenario, filters of the fit, and how many seconds
+    of each recording are bad at one motor.
+    """
+
+    name: str
+    sensors: Mapping[str, float] = field(default_factory=dict)
+    controller: Mapping[str, float] = field(default_factory=dict)
+    filters: Mapping[str, float] = field(default_factory=dict)
+    bad_seconds: int = 0
+
+
+CASES = (
+    Case("20 bits, 1 % noise of the currents"),
+    Case("0.1 % noise of the currents", {"current_noise_ratio": 0.001}),
+    Case("10 % noise of the currents", {"current_noise_ratio": 0.1}),
+    Case("16-bit encoders", {"encoder_bits": 16}),
+    Case("14-bit encoders", {"encoder_bits": 14}),
+    Case("filter too wide: 160 Hz, one sample in 4", {}, {}, {"position_cutoff": 160.0, "decimation": 4}),
+    Case("the same, 14-bit encoders", {"encoder_bits": 14}, {}, {"position_cutoff": 160.0, "decimation": 4}),
+    Case("filter too narrow: 5 Hz", {}, {}, {"position_cutoff": 5.0}),
+    Case("one bad second in ten", bad_seconds=1),
+    Case("two bad seconds in ten", bad_seconds=2),
+    Case("soft controller: 5 Hz", {}, {"natural_frequency": 5.0}),
+    Case("stiff controller: 20 Hz", {}, {"natural_frequency": 20.0}),
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One estimator on one robot in one case; relative to the true gains, of the joint where it is largest.
+
+    bias: mean error; spread: standard deviation of it; error: median over seeds of the largest error of a gain; within:
+    share of 95 % intervals that hold the truth; seconds: processor time of the fit, median. failed: seeds that came to
+    nothing, with the reason of the first.
+    """
+
+    robot: str
+    case: str
+    method: str
+    seeds: int
+    bias: float
+    spread: float
+    error: float
+    within: float
+    seconds: float
+    failed: int = 0
+    reason: str = ""
+
+
+def changes(robot: str, case: Case, seed: int) -> dict[str, Any]:
+    """The robot's built-in scenario in a case: two recordings, the controller's law declared."""
+    payload = next(iter(load_scenario(robot).settings.payloads))
+    design = {"optimise": True, "duration": DURATION, "ramp": 0.5}
+    return {
+        "seed": seed,
+        "sensors": dict(case.sensors),
+        "controller": {"declared": True, **case.controller},
+        "recordings": [
+            {"name": "unloaded", "use": "identify", "design": {"seed": 1, **design}},
+            {"name": "loaded", "use": "identify", "payload": payload, "design": {"seed": 2, **design}},
+        ],
+    }
+
+
+def with_bad_seconds(dataset: Dataset, count: int, seed: int) -> Dataset:
+    """So many seconds of each recording spoilt at a motor each: current stuck, off by twice its deviation, or noise."""
+    random = np.random.default_rng([seed, count])
+    recordings = []
+    for one in dataset.recordings:
+        current, second = one.current.copy(), round(one.rate)
+        for start in random.choice(len(current) // second, count, replace=False) * second:
+            part, motor = slice(start, start + second), int(random.integers(current.shape[1]))
+            size = 2.0 * float(one.current[:, motor].std())
+            kind = BAD[int(random.integers(len(BAD)))]
+            if kind == "stuck":
+                current[part, motor] = current[start, motor]
+            elif kind == "offset":
+                current[part, motor] += size
+            else:
+                current[part, motor] += size * random.standard_normal(second)
+        recordings.append(replace(one, current=current))
+    return replace(dataset, recordings=tuple(recordings))
+
+
+@lru_cache(maxsize=len(ROBOTS))
+def _trajectories(robot: str) -> Mapping[str, FourierTrajectory]:
+    return resolve_trajectories(_scenario(robot, CASES[0], 1), designer)
+
+
+def _scenario(robot: str, case: Case, seed: int) -> Scenario:
+    return load_scenario(robot, changes(robot, case, seed))
+
+
+@lru_cache(maxsize=2)
+def _simulated(robot: str, controller: tuple[tuple[str, float], ...]) -> Simulation:
+    case = Case("", controller=dict(controller))
+    return simulate(_scenario(robot, case, 1), _trajectories(robot), threads=1)
+
+
+@on_one_thread
+def rows_of(robot: str, case: Case, methods: Sequence[str], seeds: int) -> list[Row]:
+    """Every method on the same data of a robot in a case, seeds 1 to so many."""
+    simulation = _simulated(robot, tuple(case.controller.items()))
+    truth = true_gains(simulation.scenario)
+    found: dict[str, list[tuple[np.ndarray, np.ndarray, float]]] = {method: [] for method in methods}
+    reasons: dict[str, list[str]] = {method: [] for method in methods}
+    for seed in range(1, seeds + 1):
+        dataset = as_dataset(sense_again(simulation, _scenario(robot, case, seed)))
+        prepared = prepare(with_bad_seconds(dataset, case.bad_seconds, seed), (), dict(case.filters))
+        for method in methods:
+            start = time.process_time()
+            try:
+                gains = fit(prepared, method).drive_gains.values()
+            except BenchError as error:
+                reasons[method].append(str(error))
+                continue
+            seconds = time.process_time() - start
+            values, stds = (np.array([getattr(one, key) for one in gains]) for key in ("value", "std"))
+            found[method].append((values / truth - 1.0, stds / truth, seconds))
+    return [_row(robot, case, method, found[method], reasons[method]) for method in methods]
+
+
+def _row(
+    robot: str,
+    case: Case,
+    method: str,
+    found: Sequence[tuple[np.ndarray, np.ndarray, float]],
+    reasons: Sequence[str],
+) -> Row:
+    failed = {"failed": len(reasons), "reason": reasons[0] if reasons else ""}
+    if not found:
+        nothing = dict.fromkeys(("bias", "spread", "error", "within", "seconds"), float("nan"))
+        return Row(robot, case.name, method, 0, **nothing, **failed)
+    errors, stds = (np.array([one[k] for one in found]) for k in (0, 1))
+    return Row(
+        robot,
+        case.name,
+        method,
+        len(found),
+        bias=float(np.abs(errors.mean(axis=0)).max()),
+        spread=float(errors.std(axis=0, ddof=1).max()) if len(found) > 1 else float("nan"),
+        error=float(np.median(np.abs(errors).max(axis=1))),
+        within=float((np.abs(errors) <= WITHIN_95 * stds).mean()),
+        seconds=float(np.median([one[2] for one in found])),
+        **failed,
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %" if share < 1.0 else f"{100.0 * share:.0f} %"
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """A table for each robot and case, estimators below each other."""
+    text = ["# Estimators", "", EXPLANATION, ""]
+    for robot in dict.fromkeys(one.robot for one in rows):
+        text += [f"## {robot}", "", "| case | estimator | bias | spread | largest error | within | seconds |"]
+        text.append("|---|---|---:|---:|---:|---:|---:|")
+        before = ""
+        for one in (each for each in rows if each.robot == robot):
+            shares = [_percent(x) for x in (one.bias, one.spread, one.error)]
+            cells = [*shares, f"{100.0 * one.within:.0f} %", f"{one.seconds:.2g}"]
+            name = one.case if one.case != before else ""
+            before = one.case
+            failed = f" ({one.failed} refused)" if one.failed else ""
+            text.append("| " + " | ".join([name, one.method + failed, *cells]) + " |")
+        text.append("")
+    return "\n".join(text)
+
+
+EXPLANATION = (
+    "Errors of the drive gains, relative to the true ones, of the joint where they are largest: `bias`, their mean "
+    "over the seeds of the sensors' noise; `spread`, their standard deviation; `largest error`, the median over the "
+    "seeds of the worst gain. `within`: 95 % intervals that hold the truth. `seconds`: processor time of the fit "
+    f"alone, from equations to estimates. Two recordings of {DURATION:g} s at 1 kHz, one with the payload; each case "
+    "says what is unlike the first. `oe` knows the law of the controller. Written by `python -m "
+    "bench.studies.estimators`."
+)
+
+
+@click.command()
+@click.argument("robots", nargs=-1)
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder of the tables.")
+@click.option("--seeds", type=click.IntRange(min=1), default=20, show_default=True, help="Of the noise.")
+@click.option("--workers", type=click.IntRange(min=1), default=os.cpu_count() or 1, show_default=True)
+def main(robots: tuple[str, ...], output: Path, seeds: int, workers: int) -> None:
+    """Write the table of estimators by robots and cases as JSON and Markdown."""
+    tasks = list(product(robots or ROBOTS, CASES))
+    with ProcessPoolExecutor(workers) as pool:
+        futures = [pool.submit(rows_of, robot, case, sorted(ESTIMATORS), seeds) for robot, case in tasks]
+        rows = []
+        for (robot, case), one in zip(tasks, futures, strict=True):
+            rows += one.result()
+            click.echo(f"{robot}: {case.name}")
+    content = {"seeds": seeds, "duration": DURATION, "rows": [asdict(row) for row in rows]}
+    write_json_atomically(output / "estimators.json", finite(content | versions().columns()))
+    write_text_atomically(output / "estimators.md", markdown(rows))
+    click.echo(markdown(rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+"""The table of estimators: what it counts, and that the same seeds give the same rows."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.dataset.dataset import Dataset
+from bench.peers.problems import make_problem
+from bench.studies.estimators import CASES, Case, markdown, rows_of, with_bad_seconds
+from bench.truth.dataset import as_dataset
+
+
+def test_the_same_seeds_give_the_same_rows_and_more_noise_a_larger_spread() -> None:
+    noisy = next(case for case in CASES if case.sensors == {"current_noise_ratio": 0.1})
+    (one,), (again,), (more,) = (
+        rows_of("two_link", case, ["current"], 3) for case in (CASES[0], CASES[0], noisy)
+    )
+    assert replace(one, seconds=0.0) == replace(again, seconds=0.0)
+    assert one.seeds == 3
+    assert 0.0 < one.spread < one.spread * 5 < more.spread
+    text = markdown([one, more])
+    assert f"| {noisy.name} | current |" in text
+
+
+def test_what_refuses_the_data_is_counted() -> None:
+    (row,) = rows_of("two_link", Case("no law", controller={"declared": False}), ["oe"], 1)
+    assert (row.seeds, row.failed) == (0, 1)
+    assert "controller" in row.reason
+
+
+def test_bad_seconds_are_whole_seconds_of_one_motor_each() -> None:
+    dataset: Dataset = as_dataset(make_problem("five_bar", 1, friction=False).simulation)
+    spoilt = with_bad_seconds(dataset, 2, 1)
+    for one, other in zip(dataset.recordings, spoilt.recordings, strict=True):
+        changed = np.abs(other.current - one.current) > 0.0
+        assert 1800 < changed.sum() <= 2000
+        assert np.array_equal(other.position, one.position)
