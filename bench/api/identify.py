@@ -7,6 +7,7 @@ from typing import Any
 
 from bench.api.sources import Data, as_dataset, effects_of
 from bench.diagnosis.mounting import mounted_otherwise
+from bench.export.constrained import physically_consistent
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.identify import believed, prepare
 from bench.identification.result import Identification
@@ -26,20 +27,24 @@ def identify(
     deviations: Deviations = "autocorrelated",
     fit_gains: bool | None = None,
     essential: bool = False,
+    physical: bool = False,
 ) -> Identification:
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
     data: a dataset or its folder. effects: names as EFFECT, EFFECT:PLACE or with @recording, added to the rigid-body
-    model. method: current, ls, wls, tls or wtls. filters: settings, or some of them by name; the others are chosen from
-    the spectra. effect_files: Python files with effects of your own. deviations: how standard errors are computed.
-    fit_gains: by default, where a fitted recording carries a payload of known mass; without one the gains stay
-    nominal. essential: leave out base parameters that the data do not need. The result's findings say what limits it.
+    model. method: current, robust, iv, oe, ls, wls, tls or wtls. filters: settings, or some of them by name; the others
+    are chosen from the spectra. effect_files: Python files with effects of your own. deviations: how standard errors
+    are computed. fit_gains: by default, where a fitted recording carries a payload of known mass; without one the gains
+    stay nominal. essential: leave out base parameters that the data do not need. physical: only parameters that real
+    bodies can have (needs cvxpy). The result's findings say what limits it.
     Raises BenchError naming what in the data or the robot cannot be used.
     """
     dataset = as_dataset(data)
-    prepared = prepare(dataset, effects, filters, catalogue=effects_of(dataset, effect_files))
+    catalogue = effects_of(dataset, effect_files)
+    prepared = prepare(dataset, effects, filters, catalogue=catalogue)
     result = believed(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
     swapped = swapped_columns(dataset, result, prepared)
     mounted = mounted_otherwise(prepared, fit_gains=result.gains_fitted)
     short = short_recordings(dataset.recordings, result.settings)
-    return replace(result, findings=(*swapped, *mounted, *result.findings, *short))
+    found = replace(result, findings=(*swapped, *mounted, *result.findings, *short))
+    return physically_consistent(found, dataset, catalogue) if physical else found

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     help="Fit the drive gains where a payload of known mass gives their scale, or keep them nominal.",
 )
 @click.option("--essential", is_flag=True, help="Leave out base parameters that the data do not need.")
+@click.option("--physical", is_flag=True, help="Only parameters that real bodies can have.")
 @click.option(
     "--deviations",
     type=click.Choice(["autocorrelated", "independent"]),
@@ -63,6 +64,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     method: str,
     gains: str,
     essential: bool,
+    physical: bool,
     deviations: Any,
     json_file: Path | None,
     rrd_file: Path | None,
@@ -95,6 +97,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         deviations=deviations,
         fit_gains={"auto": None, "fit": True, "nominal": False}[gains],
         essential=essential,
+        physical=physical,
     )
     written = []
     if json_file is not None:
@@ -113,6 +116,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
             "method": method,
             "gains": gains,
             "essential": essential,
+            "physical": physical,
             "deviations": deviations,
             **given,
         }

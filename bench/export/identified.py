@@ -130,17 +130,18 @@ def load_identified(
     known = catalogue_for(files, tuple(effect_files))
     wider = with_own_effects(known, saved)
     own = () if wider is known else saved.effect_files
-    model = _together(path, saved, found, payloads, wider)
+    model = identified_model(path, saved, found, payloads, wider)
     return replace(model, effect_files=(*files, *effect_files, *own))
 
 
-def _together(
+def identified_model(
     path: Path,
     saved: SavedModel,
     robot: Robot,
     payloads: Mapping[str, Payload],
     catalogue: Mapping[str, Effect],
 ) -> IdentifiedModel:
+    """A saved model together with its robot and payloads. Raises BenchError where they do not belong together."""
     refuse_redundant(robot, "an export or replay")
     if set(robot.joints) != set(saved.model.drive_gains):
         raise BenchError(

@@ -78,7 +78,7 @@ def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> Physic
     equations = equations_of(identified, use_cad)
     programs = Programs(equations)
     nearest = programs.nearest()
-    contradiction = _contradiction(equations, programs, nearest.distance, nearest.freedom)
+    contradiction = contradiction_of(equations, programs, nearest.distance, nearest.freedom)
     exact = nearest.distance < EXACT
     reached = programs.drawn_to_prior(0.0 if exact else nearest.distance + LEEWAY)
     if exact:
@@ -106,11 +106,19 @@ def physical_set(identified: IdentifiedModel, *, use_cad: bool = True) -> Physic
     )
 
 
-def _contradiction(
+def explained_by_noise(freedom: int) -> float:
+    """How far from real bodies noise alone brings an estimate, in standard errors.
+
+    freedom: equations that the bodies at their limit put on the estimate: what noise has to miss them by.
+    """
+    return float(np.sqrt(exceeded_with(BY_CHANCE, max(freedom, 1))))
+
+
+def contradiction_of(
     equations: Equations, programs: Programs, distance: float, freedom: int
 ) -> Contradiction | None:
-    """freedom: equations that the bodies at their limit put on the estimate: what noise has to miss them by."""
-    expected = float(np.sqrt(exceeded_with(BY_CHANCE, max(freedom, 1))))
+    """What is to be said where noise does not explain the distance of the nearest real bodies."""
+    expected = explained_by_noise(freedom)
     if distance <= expected:
         return None
     left = [(body.name, programs.nearest(without=i).distance) for i, body in enumerate(equations.bodies)]

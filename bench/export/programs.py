@@ -32,11 +32,13 @@ Reached = tuple[list[np.ndarray], np.ndarray]  # standard parameters of every bo
 class Nearest:
     """How far the nearest real bodies are from the estimate, in standard errors.
 
-    freedom: the number of independent conditions that hold them there.
+    freedom: the number of independent conditions that hold them there. estimated (nz,): their base and payload
+    parameters.
     """
 
     distance: float
     freedom: int
+    estimated: np.ndarray
 
 
 class Programs:
@@ -131,7 +133,7 @@ class Programs:
         for pressures, matrix in pressing:
             rank = int((pressures > least).sum()) if least > 0.0 else 0
             freedom += rank * (rank + 1) // 2 if matrix else rank
-        return Nearest(distance, min(freedom, len(known)))
+        return Nearest(distance, min(freedom, len(known)), np.asarray(estimated))
 
     def drawn_to_prior(self, distance: float) -> Reached:
         """Of all bodies so near to the estimate, in standard errors, those nearest to the prior.

@@ -14,6 +14,7 @@ class Code(StrEnum):
     PARAMETER_WITHOUT_DEVIATION = auto()
     ROUNDING_DECIDES = auto()
     COLUMNS_SWAPPED = auto()
+    NOT_REAL = auto()
     # what the data cannot tell
     NOT_FROM_GAIN = auto()
     PAYLOAD_NOT_DECLARED = auto()
@@ -35,6 +36,8 @@ class Code(StrEnum):
     MOUNTED_OTHERWISE = auto()
     PAYLOAD_IMPOSSIBLE = auto()
     PAYLOAD_TAKEN_AS_POINT = auto()
+    # what was asked for
+    PHYSICAL = auto()
     # what to record or leave out
     NEVER_REVERSES = auto()
     POORLY_DETERMINED = auto()

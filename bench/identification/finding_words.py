@@ -71,6 +71,16 @@ def _swapped(one: Finding) -> str:
     )
 
 
+def _physical(one: Finding) -> str:
+    if not one.numbers["distance"]:
+        return "Real bodies can have these parameters as the data say them."
+    return (
+        "Of the parameters that real bodies can have, these are the nearest to what the data say: "
+        f"{one.numbers['distance']:.1f} standard errors away, where noise explains {one.numbers['expected']:.1f}. "
+        "Standard errors are those without that condition; with it they are no larger."
+    )
+
+
 def _not_from_gain(one: Finding) -> str:
     return (
         f"These data cannot tell {spoken(one.of[0].effect)} at {', '.join(at.place for at in one.of)} from the drive "
@@ -194,6 +204,11 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
     Code.ROUNDING_DECIDES: _rounding,
     Code.COLUMNS_SWAPPED: _swapped,
+    Code.NOT_REAL: lambda one: (
+        f"Real bodies cannot have what the data say: the nearest, which stand here, are {one.numbers['distance']:.1f} "
+        f"standard errors away, where noise explains {one.numbers['expected']:.1f}; {one.names[0]} would need a "
+        "negative mass or inertia most of all. An effect may be missing from the model."
+    ),
     Code.NOT_FROM_GAIN: _not_from_gain,
     Code.PAYLOAD_NOT_DECLARED: lambda one: (
         f"Left aside: {', '.join(one.names)}. Their payload is not declared in full, and no fitted recording carries "
@@ -231,6 +246,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     ),
     Code.CHECKED_UNLIKE_FITTED: _unlike,
     Code.CHECKED_HAS_OTHER_VALUES: _other_values,
+    Code.PHYSICAL: _physical,
     Code.NEVER_REVERSES: lambda one: (
         f"Joint {one.names[0]} never reverses: move it through zero velocity to tell friction apart."
     ),

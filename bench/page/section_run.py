@@ -25,6 +25,7 @@ OPTIONS = {
     "deviations": "--deviations",
     "gains": "--gains",
     "essential": "--essential",
+    "physical": "--physical",
     "model": "--model",
     "data": "--data",
 }
