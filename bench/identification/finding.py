@@ -23,6 +23,8 @@ class Code(StrEnum):
     RANK_DEFICIENT = auto()
     ILL_CONDITIONED = auto()
     TAKEN_UP = auto()
+    HARDLY_APART = auto()
+    NOT_SETTLED = auto()
     # what cannot be so
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()

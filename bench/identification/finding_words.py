@@ -103,6 +103,14 @@ def _taken_up(one: Finding) -> str:
     )
 
 
+def _hardly_apart(one: Finding) -> str:
+    *others, last = map(_of_effect, one.of)
+    return (
+        f"These data tell {', '.join(others)} and {last} only together: each by itself is {one.numbers['wider']:.0f} "
+        "times less certain than what they do together. Leave one out, or measure it another way."
+    )
+
+
 def _of_effect(one: Unknown) -> str:
     return f"{one.name} of {one.effect}" + ("" if one.place == ROBOT else f" at {one.place}")
 
@@ -225,6 +233,11 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,
+    Code.HARDLY_APART: _hardly_apart,
+    Code.NOT_SETTLED: lambda one: (
+        f"The search for {', '.join(map(_of_effect, one.of))} did not come to an end: their values say nothing. They "
+        "probably do the same to these data: leave one out, or measure it another way."
+    ),
     Code.GAINS_A_THOUSAND: lambda _: (
         "The drive gains came out at about a thousand times the nominal ones: is the payload's mass in grams? It must "
         "be in kg."

@@ -45,6 +45,7 @@ def with_findings(
     if result.scaled_condition > ILL_CONDITIONED:
         found.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
     apart = {(one.effect.name, one.place) for one in outside}
+    apart |= {(one.effect, one.place) for each in more if each.code == Code.NOT_SETTLED for one in each.of}
     taken_up = tuple(
         Unknown("effect", name, place, effect)
         for effect, places in result.effect_parameters.items()

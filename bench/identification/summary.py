@@ -7,8 +7,9 @@ import numpy as np
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
 from bench.identification.by_recording import without_own_values
-from bench.identification.finding import Unknown
+from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
+from bench.identification.hardly_apart import hardly_apart, unsettled
 from bench.identification.layout import known_rows, payload_parameter_names, regressor_rows
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
@@ -41,6 +42,9 @@ def summarise(
     series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
     p, n = layout.size, len(solution.gains)
+    effects = slice(p - layout.effects, p)
+    loose = unsettled(prepared.effects, solution.theta[effects], std[effects])
+    kept = np.setdiff1d(kept, [effects.start + i for i, _ in loose])
     gains = {
         actuator.joint: DriveGain(
             float(solution.gains[j]), float(std[p + j]), actuator.gain_unit, actuator.gain
@@ -59,6 +63,7 @@ def summarise(
         if i in kept
     )
     joints = [actuator.joint for actuator in robot.actuators]
+    rows = _rows(prepared, [name for name, _, _ in names])
     return with_findings(
         Identification(
             robot=robot.name,
@@ -70,7 +75,7 @@ def summarise(
             parameters=parameters,
             effect_parameters=_effects(prepared, solution, std, kept, p + n),
             covariance=spread.covariance,
-            covariance_rows=_rows(prepared, [name for name, _, _ in names]),
+            covariance_rows=rows,
             rank=spread.rank,
             unknowns=spread.unknowns,
             condition=spread.condition,
@@ -86,7 +91,11 @@ def summarise(
         ),
         prepared.left_aside,
         outside,
-        without_own_values(prepared),
+        [
+            *without_own_values(prepared),
+            *([Finding(Code.NOT_SETTLED, of=tuple(one for _, one in loose))] if loose else []),
+            *hardly_apart(prepared.effects, spread.covariance, rows),
+        ],
     )
 
 

@@ -1,0 +1,65 @@
+"""Calibration together with dynamics: which effects' parameters the data tell only in combination."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.effects import EffectInstance
+from bench.identification.finding import Code, Finding, Unknown
+
+WIDER = 10.0  # times: by how much others beside it may widen a parameter's deviation before it is said
+TAKES_PART = 0.2  # of the largest part in a combination
+ELSEWHERE, SHARE = (
+    3.0,
+    0.1,
+)  # deviations, and share of a value, by which it may miss what it was linearised about
+
+
+def hardly_apart(
+    effects: Sequence[EffectInstance], covariance: np.ndarray, rows: Sequence[Unknown]
+) -> list[Finding]:
+    """A finding for each combination of effects that are changes of the model itself, such as zeros of encoders, a tilt
+    and lengths, whose parameters are known together far better than each.
+
+    covariance (P, P), its rows named. The eigenvector of a small eigenvalue of the correlation between them is the
+    combination that is known; what is known of each by itself is 1 / sqrt(eigenvalue) times less.
+    """
+    changing = {(one.effect.name, one.place) for one in effects if one.effect.depends_on_model}
+    own = [
+        i
+        for i, row in enumerate(rows)
+        if row.kind == "effect" and (row.effect, row.place) in changing and covariance[i, i] > 0.0
+    ]
+    if len(own) < 2:
+        return []
+    std = np.sqrt(np.diag(covariance)[own])
+    values, vectors = np.linalg.eigh(covariance[np.ix_(own, own)] / np.outer(std, std))
+    found = []
+    for value, vector in zip(values, vectors.T, strict=True):
+        if value * WIDER**2 >= 1.0:
+            break
+        part = np.flatnonzero(np.abs(vector) >= TAKES_PART * np.abs(vector).max())
+        together = tuple(rows[own[i]] for i in part)
+        if len({(one.effect, one.place) for one in together}) > 1:
+            wider = float(1.0 / np.sqrt(max(value, np.finfo(float).eps)))
+            found.append(Finding(Code.HARDLY_APART, of=together, numbers={"wider": wider}))
+    return found
+
+
+def unsettled(
+    effects: Sequence[EffectInstance], values: np.ndarray, std: np.ndarray
+) -> list[tuple[int, Unknown]]:
+    """Parameters of effects, by index, that are not where the effect was linearised: the search for them did not end.
+
+    values, std (k,): of all parameters of all effects, one effect after the other.
+    """
+    found, at = [], 0
+    for one in effects:
+        about = one.effect.about_values()
+        for k, parameter in enumerate(one.effect.parameters):
+            value, place = float(values[at + k]), about.get(parameter.name, 0.0)
+            off = abs(value - place)
+            if place and off > ELSEWHERE * std[at + k] and off > SHARE * max(abs(value), abs(place)):
+                found.append((at + k, Unknown("effect", parameter.name, one.place, one.effect.name)))
+        at += len(one.effect.parameters)
+    return found
