@@ -50,8 +50,8 @@ def reference_column(joint: str) -> str:
 
 def controller_of(path: Path, spec: ControllerSpec, joints: Sequence[str]) -> Controller:
     """The law that a [controller] table in the file `path` tells; BenchError where a joint is missing or unknown."""
-    values = [_per_joint(path, key, getattr(spec, key), joints) for key in ("kp", "kv", "ka")]
-    return Controller(*values, spec.velocity_delay)
+    kp, kv, ka = (_per_joint(path, key, getattr(spec, key), joints) for key in ("kp", "kv", "ka"))
+    return Controller(kp, kv, ka, spec.velocity_delay)
 
 
 def references(recording: Recording, joints: Sequence[str]) -> Array:

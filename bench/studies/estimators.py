@@ -171,10 +171,10 @@ def _row(
     found: Sequence[tuple[np.ndarray, np.ndarray, float]],
     reasons: Sequence[str],
 ) -> Row:
-    failed = {"failed": len(reasons), "reason": reasons[0] if reasons else ""}
+    failed, reason = len(reasons), reasons[0] if reasons else ""
     if not found:
-        nothing = dict.fromkeys(("bias", "spread", "error", "within", "seconds"), float("nan"))
-        return Row(robot, case.name, method, 0, **nothing, **failed)
+        nan = float("nan")
+        return Row(robot, case.name, method, 0, nan, nan, nan, nan, nan, failed, reason)
     errors, stds = (np.array([one[k] for one in found]) for k in (0, 1))
     return Row(
         robot,
@@ -186,7 +186,8 @@ def _row(
         error=float(np.median(np.abs(errors).max(axis=1))),
         within=float((np.abs(errors) <= WITHIN_95 * stds).mean()),
         seconds=float(np.median([one[2] for one in found])),
-        **failed,
+        failed=failed,
+        reason=reason,
     )
 
 

@@ -47,8 +47,8 @@ def _law(simulation: Simulation) -> Controller:
     """The controller's law; MuJoCo's velocity is the backward difference of its positions over a step."""
     drive = simulation.machine.drive
     n = len(simulation.robot.joints)
-    each = ((one / drive.nominal_gains)[:n] for one in (drive.kp, drive.kv, drive.feedforward))
-    return Controller(*each, 0.5 * simulation.scenario.settings.step)
+    kp, kv, ka = ((one / drive.nominal_gains)[:n] for one in (drive.kp, drive.kv, drive.feedforward))
+    return Controller(kp, kv, ka, 0.5 * simulation.scenario.settings.step)
 
 
 def _references(recording: SimulatedRecording, joints: Sequence[str]) -> dict[str, np.ndarray]:
