@@ -46,13 +46,12 @@ def identify(
 ) -> Identification:
     """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
 
-     effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model; with @recording behind, an effect has a
-     value for each fitted recording. method: one of bench.identification.estimators
-    . filters: settings, or some of them by name; the others are chosen from the spectra. deviations: how
-     standard deviations are computed. fit_gains: by default, where a fitted recording carries a payload of
-     known mass; without one the gains stay nominal. essential: leave out base parameters that the data do not
-     need. catalogue: the effects by name, by default the built-in ones and the dataset's own. Raises BenchError
-     naming what in the data or the robot cannot be used.
+    effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model; with @recording behind, an effect has a
+    value for each fitted recording. method: one of bench.identification.estimators. filters: settings, or some of
+    them by name; the others are chosen from the spectra. deviations: how standard deviations are computed. fit_gains:
+    by default, where a fitted recording carries a payload of known mass; without one the gains stay nominal.
+    essential: leave out base parameters that the data do not need. catalogue: the effects by name, by default the
+    built-in ones and the dataset's own. Raises BenchError naming what in the data or the robot cannot be used.
     """
     prepared = prepare(dataset, effects, filters, catalogue=catalogue)
     return believed(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
