@@ -58,7 +58,7 @@ def diagnose(
     Every effect of the catalogue, and every set of a few, is fitted beside the model and judged on recordings
     that were not fitted: those that the dataset keeps for validation, or the end of each recording. Where they
     leave something, laws that are in no catalogue compete beside them: products of what a joint, its neighbours,
-    the tool and the clock offer.
+    the tool and the clock offer. What no formula fits is added as it was measured.
     """
     given = given_filters(**filters)
     with shown_progress(quiet) as progress:
