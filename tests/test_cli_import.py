@@ -126,6 +126,11 @@ def test_payload_is_defined_and_then_named(run, tmp_path):
     assert [recording.payload for recording in dataset.recordings] == [None, "disc", "disc"]
     assert [recording.use for recording in dataset.recordings] == ["identify", "identify", "validate"]
     assert dataset.payloads["disc"].mass == 0.5
+    known = ("--payload-center=0,0,-0.02", "--payload-inertia", "1e-3,1e-3,2e-3,0,0,0")
+    assert run(*common, "--name", "d.csv", "--payload", "bar", "--payload-mass", "1", *known) == 0
+    bar = load_dataset(tmp_path / "data").payloads["bar"]
+    assert bar.center_of_mass.tolist() == [0.0, 0.0, -0.02]
+    assert bar.inertia.tolist() == [1e-3, 1e-3, 2e-3, 0.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize(
@@ -140,6 +145,9 @@ def test_payload_is_defined_and_then_named(run, tmp_path):
         ([*MAPS, "--map", "time=t", "--payload-mass", "1"], "--payload"),
         ([*MAPS, "--map", "time=t", "--payload", "disc", "--payload-mass", "-1"], "mass"),
         ([*MAPS, "--map", "time=t", "--payload", "disc"], "disc"),
+        ([*MAPS, "--payload", "disc", "--payload-center", "0,0,0"], "need --payload-mass"),
+        ([*MAPS, "--payload", "disc", "--payload-mass", "1", "--payload-center", "0,0"], "3 numbers"),
+        ([*MAPS, "--payload", "disc", "--payload-mass", "1", "--payload-inertia", "1,1,9,0,0,0"], "inertia"),
         ([*MAPS, "--map", "time=t", "--validate-fraction", "2"], "2"),
         ([*MAPS, "--map", "time=t", "--name", "sub/a.csv"], "sub/a.csv"),
         ([*MAPS, "--map", "time=t", "-o", "log.npz"], "log.npz"),

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from rosbags.rosbag2 import StoragePlugin
 
 from bench.dataset.robot import load_robot
 from bench.local.checks import Mapped, checked
 from bench.local.columns import guesses, look_at, unit_in, units_of
+from tests.good_data import write_robot
+from tests.test_logs_ros import samples, write_bag
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +79,17 @@ def test_the_unit_that_a_log_states_is_told_and_kept(tmp_path, robot):
     found = checked(str(log), robot, Mapped(columns, {"time": "s", "position.left": "rad"}))
     assert found["time"]["problems"][0]["remedy"] == {"unit": "ms"}
     assert found["position.left"]["problems"][0]["remedy"] == {"unit": "deg"}
+
+
+def test_of_several_topics_of_a_bag_one_is_chosen(tmp_path):
+    own = load_robot(write_robot(tmp_path / "robot"))
+    both = {"/arm": samples(), "/other": samples()}
+    (bag,) = write_bag(tmp_path / "run", StoragePlugin.MCAP, both).glob("*.mcap")
+    assert look_at(str(bag), own) == {"topics": ("/arm", "/other")}
+    look = look_at(str(bag), own, "/other")
+    assert look["topics"] == ("/arm", "/other")
+    mapped = Mapped({target: one["column"] for target, one in look["guesses"].items()}, {}, topic="/other")
+    assert all(one["ok"] for one in checked(str(bag), own, mapped).values())
 
 
 def test_a_gap_is_cut_and_a_check_is_accepted_where_asked(tmp_path, robot):

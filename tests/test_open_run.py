@@ -13,6 +13,8 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT
 from bench.cli import main
+from bench.local.folder import Folder
+from bench.local.steps import command_of
 from bench.local.worker import CancelledError, DiedError, Worker
 from tests.open_kit import opened, short_dataset, write_log
 
@@ -94,6 +96,27 @@ def test_a_tick_is_the_model_that_identify_gives(site, root, monkeypatch):
     ours, shell = same_again(job["line"], job["files"]["model"], root, monkeypatch)
     assert ours == shell
     assert ours["effect_parameters"]["viscous_friction"]["left"]["Fv"]["value"] == pytest.approx(0.3, rel=0.1)
+
+
+def test_a_model_is_exported_beside_the_results(site, root):
+    model = site.run({"step": "identify", "dataset": "data", "effects": [LEFT]})["files"]["model"]
+    job = site.run({"step": "export", "dataset": "data", "model": model, "form": "csv"})
+    assert job["state"] == "done"
+    assert job["files"]["exported"] == model.replace(".json", ".csv")
+    assert b"drive gain,left," in site.get(f"files/{job['files']['exported']}").body
+    loops = site.run({"step": "export", "dataset": "data", "model": model, "form": "urdf"})
+    assert loops["state"] == "refused"
+    assert "no loops" in loops["error"]
+
+
+def test_what_is_known_of_a_payload_is_told_to_the_import(tmp_path):
+    (tmp_path / "log.csv").write_text("t\n0\n")
+    asked = {"step": "import", "log": "log.csv", "robot": "five_bar", "dataset": "mine", "columns": {}}
+    known = {"payload": "disc", "payload_mass": 0.5, "payload_center": [0, 0, -0.02]}
+    known |= {"payload_inertia": [1e-3, 1e-3, 2e-3, 0, 0, 0], "topic": "/arm/states"}
+    line = command_of(Folder(tmp_path), {**asked, **known}).line
+    assert "--payload-center=0.0,0.0,-0.02 --payload-inertia=0.001,0.001,0.002,0.0,0.0,0.0 " in line
+    assert "--topic=/arm/states " in line
 
 
 def test_a_comparison_is_the_command_s_and_its_model_s_too(site, root, monkeypatch):

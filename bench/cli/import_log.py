@@ -8,7 +8,7 @@ import click
 
 from bench.cli.completion import robots
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.parameters import Assignment, number_or_word, unique
+from bench.cli.parameters import Assignment, Numbers, number_or_word, unique
 
 if TYPE_CHECKING:
     from bench.dataset.payload import Payload
@@ -83,7 +83,22 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 )
 @click.option("--payload", metavar="NAME", help="The payload on the tool.")
 @click.option(
-    "--payload-mass", type=float, metavar="KG", help="Define the payload, weighed; its inertia is estimated."
+    "--payload-mass",
+    type=float,
+    metavar="KG",
+    help="Define the payload, weighed; what is not told of it is estimated.",
+)
+@click.option(
+    "--payload-center",
+    type=Numbers(3),
+    metavar="X,Y,Z",
+    help="Its centre of mass, where that is known, in the tool frame, m.",
+)
+@click.option(
+    "--payload-inertia",
+    type=Numbers(6),
+    metavar="XX,YY,ZZ,XY,XZ,YZ",
+    help="Its inertia about its centre of mass, where that is known, kg*m^2.",
 )
 @click.option(
     "--accept",
@@ -139,14 +154,27 @@ def _refuse_beside_mapping(context: click.Context) -> None:
 
 def _payload(options: Mapping[str, Any]) -> "Payload | None":
     """The payload to define, if its mass is given."""
-    from bench.dataset.payload import Payload
+    import numpy as np
+
+    from bench.basics.errors import BenchError
+    from bench.dataset.payload import Payload, payload_fault
 
     name, mass = options["payload"], options["payload_mass"]
+    center, inertia = (
+        None if options[key] is None else np.array(options[key])
+        for key in ("payload_center", "payload_inertia")
+    )
     if mass is None:
+        if center is not None or inertia is not None:
+            raise click.UsageError("--payload-center and --payload-inertia need --payload-mass KG")
         return None
     if name is None:
         raise click.UsageError("--payload-mass needs --payload NAME")
-    return Payload(name, mass)
+    payload = Payload(name, mass, center, inertia)
+    fault = payload_fault(payload)
+    if fault is not None:
+        raise BenchError(f"payload {name}: {fault[0]}: {fault[1]}")
+    return payload
 
 
 def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":

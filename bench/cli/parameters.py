@@ -1,5 +1,6 @@
 """Kinds of command-line values that several commands take."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -27,6 +28,29 @@ class Assignment(click.ParamType[tuple[str, str | float]]):
             return key.strip(), self.value(text.strip())
         except ValueError:
             self.fail(f"{value!r}: {text.strip()!r} is not a number", param, ctx)
+
+
+class Numbers(click.ParamType[tuple[float, ...]]):
+    """So many numbers with commas between them."""
+
+    name = "numbers"
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        """Split the text; fails, naming it, where it is not so many numbers."""
+        if isinstance(value, tuple):  # a default that is split already
+            return value
+        try:
+            found = tuple(float(part) for part in str(value).split(","))
+        except ValueError:
+            found = ()
+        if len(found) != self.count or not all(map(math.isfinite, found)):
+            self.fail(f"{value!r} is not {self.count} numbers with commas between them", param, ctx)
+        return found
 
 
 def number_or_word(text: str) -> float | str:

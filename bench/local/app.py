@@ -28,7 +28,7 @@ from bench.local.upload import LARGEST, take, zip_dataset
 from bench.local.worker import CancelledError, DiedError, Worker
 
 LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
-LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip"}
+LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip", ".xml", ".urdf", ".yaml", ".c"}
 Handler = Callable[[Request], Awaitable[Response]]
 
 
@@ -158,6 +158,7 @@ class Pages:
         if name in ("columns", "checks"):
             known = {"columns": {}, "scale": {}, "rate": None, "split_gaps": False, "accept": []} | asked
             return known | {
+                "topic": _text(asked, "topic") if asked.get("topic") else None,
                 "log": str(inside(_text(asked, "log"))),
                 "robot": self.folder.robot(_text(asked, "robot")),
             }

@@ -15,7 +15,7 @@ from bench.dataset.sampling import time_fault
 from bench.files.table import HUGE
 from bench.logs.columns import GROUPS
 from bench.logs.importing import CURES
-from bench.logs.log_file import Log, read_log
+from bench.logs.log_file import Log, Reading, read_log
 from bench.logs.units import UNITS, factor_of
 
 GAP = "a gap of "
@@ -23,13 +23,17 @@ GAP = "a gap of "
 
 @dataclass(frozen=True)
 class Mapped:
-    """How a log is to be imported. scale: the units that are given, by column; split_gaps: it is cut at gaps."""
+    """How a log is to be imported. scale: the units that are given, by column; split_gaps: it is cut at gaps.
+
+    topic: of a ROS bag.
+    """
 
     columns: Mapping[str, str]
     scale: Mapping[str, str | float]
     rate: float | None = None
     split_gaps: bool = False
     accept: Sequence[str] = ()
+    topic: str | None = None
 
 
 def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
@@ -38,7 +42,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     remedy: {"unit": its name}, {"split_gaps": true}, {"accept": the check}, or None.
     Raises BenchError where the file is no log.
     """
-    log = read_log(path)
+    log = read_log(path, Reading(topic=mapped.topic))
     joints = {joint.name: joint for joint in joint_facts(robot)}
     found: dict[str, list[dict[str, Any]]] = {}
     series: dict[str, np.ndarray] = {}

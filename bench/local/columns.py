@@ -2,13 +2,15 @@
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.dataset.robot import Robot
 from bench.logs.columns import GROUPS
-from bench.logs.log_file import Log, read_log
+from bench.logs.log_file import Log, Reading, read_log
+from bench.logs.ros_bag import is_bag, joint_topics
 from bench.logs.units import UNITS, measured_by, unit_named
 
 POINTS = 160  # of a column's small picture
@@ -23,9 +25,15 @@ CURRENT = frozenset(
 _LAST = re.compile(r"^(.*?)[\s_.\[(]+([^\s_.\[\]()]+)[\])]?$")
 
 
-def look_at(path: str, robot: Robot) -> dict[str, Any]:
-    """The columns of the log in a file; see `columns_of`. Raises BenchError where it cannot be read."""
-    return columns_of(read_log(path), robot)
+def look_at(path: str, robot: Robot, topic: str | None = None) -> dict[str, Any]:
+    """The columns of the log in a file; see `columns_of`. Raises BenchError where it cannot be read.
+
+    topics: those of a ROS bag that hold joint states; of several, one must be named before there are columns.
+    """
+    topics = joint_topics(Path(path)) if is_bag(Path(path)) else ()
+    if len(topics) > 1 and topic is None:
+        return {"topics": topics}
+    return {**columns_of(read_log(path, Reading(topic=topic)), robot), "topics": topics}
 
 
 def columns_of(log: Log, robot: Robot) -> dict[str, Any]:

@@ -27,12 +27,12 @@ from bench.page.section_run import Run
 
 def columns(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """The columns of a log, and what they may be."""
-    return look_at(arguments["log"], load_robot(arguments["robot"]))
+    return look_at(arguments["log"], load_robot(arguments["robot"]), arguments["topic"])
 
 
 def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """What an import would say of each column."""
-    given = {key: arguments[key] for key in ("columns", "scale", "rate", "split_gaps", "accept")}
+    given = {key: arguments[key] for key in ("columns", "scale", "rate", "split_gaps", "accept", "topic")}
     return checked(arguments["log"], load_robot(arguments["robot"]), Mapped(**given))
 
 

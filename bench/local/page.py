@@ -13,6 +13,7 @@ SCRIPTS = (
     "figure.js",
     "machine.js",
     "columns.js",
+    "payload.js",
     "recordings.js",
     "errors.js",
     "effects.js",

@@ -1,7 +1,7 @@
 """From what a page asks for to the command that does it, in the words that a shell takes."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,6 +18,10 @@ from bench.page.section_run import quoted
 
 Name = Annotated[str, Field(min_length=1, max_length=400)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Form = Literal["mjcf", "urdf", "csv", "yaml", "c"]
+SUFFIXES: Mapping[Form, str] = {"mjcf": ".xml", "urdf": ".urdf", "csv": ".csv", "yaml": ".yaml", "c": ".c"}
+"""What an exported model's file ends in."""
 _EFFECT = re.compile(r"[a-z][a-z0-9_]*(:[\w .-]+)?(@[\w .-]+)?")
 
 
@@ -34,6 +38,9 @@ class ImportLog(UserTable):
     use: Use = "identify"
     payload: str = ""
     payload_mass: Positive | None = None
+    payload_center: tuple[Finite, Finite, Finite] | None = None
+    payload_inertia: tuple[Finite, Finite, Finite, Finite, Finite, Finite] | None = None
+    topic: str | None = None
     split_gaps: bool = False
     accept: tuple[Check, ...] = ()
 
@@ -61,6 +68,15 @@ class Diagnose(UserTable):
     effects: tuple[Name, ...] = ()
 
 
+class Export(UserTable):
+    """A model for other programs. form: as in `bench export --to`."""
+
+    step: Literal["export"]
+    dataset: Name
+    model: Name
+    form: Form
+
+
 class Identify(UserTable):
     """The model with these effects."""
 
@@ -69,7 +85,9 @@ class Identify(UserTable):
     effects: tuple[Name, ...] = ()
 
 
-Asked = Annotated[ImportLog | CheckRobot | Compare | Diagnose | Identify, Field(discriminator="step")]
+Asked = Annotated[
+    ImportLog | CheckRobot | Compare | Diagnose | Identify | Export, Field(discriminator="step")
+]
 _ASKED: TypeAdapter[Any] = TypeAdapter(Asked)
 
 
@@ -107,6 +125,8 @@ def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
     results = _results(folder, path)
     if isinstance(step, Compare):
         return _compare(folder, path, results, step)
+    if isinstance(step, Export):
+        return _export(folder, results, step)
     effects = [word for one in step.effects for word in ("--with", _effect(one))]
     if isinstance(step, Identify):
         number = _next(results, "model")
@@ -122,10 +142,7 @@ def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
 
 
 def _compare(folder: Folder, path: Path, results: Path, step: Compare) -> Command:
-    models = [folder.inside(one) for one in step.models]
-    for model in models:
-        if not model.is_file():
-            raise BenchError(f"{model.name}: no such model file")
+    models = _models(folder, step.models)
     words = ["compare", folder.word(path)]
     words += [word for model in models for word in ("--model", folder.word(model))]
     if len(models) > 1:
@@ -139,6 +156,24 @@ def _compare(folder: Folder, path: Path, results: Path, step: Compare) -> Comman
     model = models[0] if models else run / "model.json"
     files = _files(folder, answer=answer, model=model, run=run, report=run / "report.html")
     return Command(step.step, step.dataset, words, files)
+
+
+def _export(folder: Folder, results: Path, step: Export) -> Command:
+    (model,) = _models(folder, [step.model])
+    named = (
+        model if model.parent == results else model.parent
+    )  # a model inside a result is called as the result is
+    target = results / f"{named.name.removesuffix('.json')}{SUFFIXES[step.form]}"
+    words = ["export", folder.word(model), "--to", step.form, "-o", folder.word(target)]
+    return Command(step.step, step.dataset, words, _files(folder, exported=target))
+
+
+def _models(folder: Folder, names: Sequence[str]) -> list[Path]:
+    models = [folder.inside(one) for one in names]
+    for model in models:
+        if not model.is_file():
+            raise BenchError(f"{model.name}: no such model file")
+    return models
 
 
 def _import(folder: Folder, step: ImportLog) -> Command:
@@ -156,15 +191,27 @@ def _import(folder: Folder, step: ImportLog) -> Command:
         words += ["--rate", repr(step.rate)]
     if step.use != "identify":
         words += ["--use", step.use]
-    if step.payload:
-        words += ["--payload", folder.name(step.payload)]
-        if step.payload_mass is not None:
-            words += ["--payload-mass", repr(step.payload_mass)]
+    words += _payload(folder, step)
+    if step.topic:
+        words.append(f"--topic={_plain(step.topic)}")
     if step.split_gaps:
         words.append("--split-gaps")
     words += [word for one in step.accept for word in ("--accept", one)]
     words += ["--name", f"{folder.name(log.stem)}.csv", "-o", folder.word(target)]
     return Command("import", step.log, words, {"dataset": step.dataset})
+
+
+def _payload(folder: Folder, step: ImportLog) -> list[str]:
+    """The words on what is on the tool."""
+    if not step.payload:
+        return []
+    words = ["--payload", folder.name(step.payload)]
+    if step.payload_mass is not None:
+        words += ["--payload-mass", repr(step.payload_mass)]
+    for name, numbers in (("center", step.payload_center), ("inertia", step.payload_inertia)):
+        if numbers is not None:
+            words.append(f"--payload-{name}={','.join(map(repr, numbers))}")
+    return words
 
 
 def _results(folder: Folder, dataset: Path) -> Path:

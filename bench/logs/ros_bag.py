@@ -8,9 +8,9 @@ where a driver leaves them at zero, that of the recording.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 Array = npt.NDArray[np.float64]
+Found = TypeVar("Found")
 SUFFIXES = (".mcap", ".db3", ".bag")
 JOINT_STATE = "sensor_msgs/msg/JointState"
 KINDS = {"position": "position", "velocity": "velocity", "effort": "current"}
@@ -42,6 +43,16 @@ def read_bag(path: Path, topic: str | None = None) -> tuple[dict[str, Array], tu
 
     Raises BenchError: rosbags is not installed, a broken bag, no joint states, several topics of them and none named.
     """
+    return _read(path, lambda reader: _joint_states(path, reader, topic))
+
+
+def joint_topics(path: Path) -> tuple[str, ...]:
+    """The topics of a bag that hold joint states, in order. Raises BenchError as `read_bag` does."""
+    return _read(path, lambda reader: tuple(_counts(reader)))
+
+
+def _read(path: Path, read: Callable[[AnyReader], Found]) -> Found:
+    """What a reader of the bag gives."""
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415 - an extra that may be absent
         from rosbags.rosbag1 import ReaderError as Ros1Error  # noqa: PLC0415
@@ -53,7 +64,7 @@ def read_bag(path: Path, topic: str | None = None) -> tuple[dict[str, Array], tu
     types = get_typestore(Stores.ROS2_HUMBLE)
     try:
         with AnyReader([path], default_typestore=types) as reader:
-            return _joint_states(path, reader, topic)
+            return read(reader)
     except (AnyReaderError, Ros1Error, Ros2Error, OSError, ValueError, LookupError, AssertionError) as error:
         raise BenchError(f"{path}: is not a whole ROS bag: {one_line(error) or 'it is cut off'}") from error
 
@@ -82,12 +93,21 @@ def _joint_states(
     return vectors, tuple(notes)
 
 
+def _states(reader: AnyReader) -> list[Connection]:
+    return [one for one in reader.connections if one.msgtype == JOINT_STATE and one.msgcount]
+
+
+def _counts(reader: AnyReader) -> dict[str, int]:
+    """How many joint states each topic holds."""
+    counts: Counter[str] = Counter()
+    for one in _states(reader):
+        counts[one.topic] += one.msgcount
+    return counts
+
+
 def _connections(path: Path, reader: AnyReader, topic: str | None) -> list[Connection]:
     """Those of the joint states' topic, which must be named where there are several."""
-    states = [one for one in reader.connections if one.msgtype == JOINT_STATE and one.msgcount]
-    counts: Counter[str] = Counter()
-    for one in states:
-        counts[one.topic] += one.msgcount
+    states, counts = _states(reader), _counts(reader)
     known = ", ".join(f"{name} ({count})" for name, count in counts.items())
     if not counts:
         others = (

@@ -1,7 +1,7 @@
 "use strict";
 /* Which column of a log is which of a recording: chosen by clicking or by keyboard, checked after every change. */
 const Columns = (() => {
-  const {el, select, spark} = Dom;
+  const {el, field, select, spark} = Dom;
   const PAUSE = 150; // ms without a change after which the columns are checked
 
   /* look: what the server says of the log; asked: log and robot; changed: called with the mapping after each change. */
@@ -246,5 +246,12 @@ const Columns = (() => {
     return {root, setRate};
   }
 
-  return {create};
+  /* Which topic of a ROS bag is meant, where several hold joint states. */
+  function topics(names, chosen, changed) {
+    const options = [["", "choose …"], ...names.map((one) => [one, one])];
+    const choice = select(options, chosen, changed, {id: "topic"});
+    return el("div", {class: "row"}, field("Topic of the joint states", choice));
+  }
+
+  return {topics, create};
 })();

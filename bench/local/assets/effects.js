@@ -80,9 +80,12 @@ const Effects = (() => {
     });
     steps.push(["noise of the currents", diagnosis.unexplained.noise_floor, "noise"]);
     const most = Math.max(...steps.map(([, share]) => share || 0));
+    const discovered = diagnosis.discovered.length;
     const told = diagnosis.missing.length
       ? `${words(diagnosis.missing).replace(/^./, (c) => c.toUpperCase())} ${diagnosis.missing.length > 1 ? "are" : "is"} missing.`
-      : "No effect of the catalogue helps beyond chance.";
+      : discovered
+        ? "No effect of the catalogue explains what is left; a law that is in none does."
+        : "No effect of the catalogue helps beyond chance.";
     const left = diagnosis.unexplained.significant
       ? `Something is left that no known effect accounts for: ${diagnosis.unexplained.why}.`
       : null;
@@ -103,6 +106,8 @@ const Effects = (() => {
       el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
       bars(steps, most),
       shown.length ? table(shown) : null,
+      ...(diagnosis.discovered.length ? laws() : []),
+      diagnosis.missing.length || diagnosis.discovered.length ? applying(run) : null,
       el("details", {}, el("summary", {}, `All ${diagnosis.ranking.length} verdicts`), table(diagnosis.ranking)),
       Errors.links(run),
     ].filter((one) => one !== null);
@@ -284,7 +289,46 @@ const Effects = (() => {
       {class: "row"},
       button,
       el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model"),
+      Errors.exporting(tried.model),
     );
+  }
+
+  /* Laws that no catalogue has, as a diagnosis found them; they are applied with its model, which names their files. */
+  function laws() {
+    const rows = diagnosis.discovered.map((one) => [
+      one.place || "the robot",
+      one.formula,
+      one.terms.map((term) => `${quantity(term)} ${unit(term.unit)}`).join("; "),
+      percent(one.error.validate ?? one.error.identify),
+    ]);
+    return [
+      el("h4", {}, "Laws that no catalogue has"),
+      Dom.table(["at", "law", "values", "error with it"], rows, ["keep", "words", "keep", "right"]),
+    ];
+  }
+
+  /* The model that a diagnosis found, compared: what its ticks give, and its laws as well. */
+  function applying(run) {
+    const model = `${run.path}-model.json`;
+    const button = el(
+      "button",
+      {
+        type: "button",
+        class: "main",
+        id: "apply-found",
+        click: async () => {
+          button.disabled = true;
+          const job = await Server.run({step: "compare", dataset: app.dataset, models: [model]});
+          button.disabled = false;
+          if (job.state !== "done") return button.after(Dom.outcome(job));
+          applied = job.files.run;
+          await app.refresh();
+          return document.getElementById("applied").scrollIntoView({block: "start"});
+        },
+      },
+      "Apply what was found",
+    );
+    return el("div", {class: "row"}, button, Errors.exporting(model));
   }
 
   /* The comparison with the model that was applied, beside the one before. */

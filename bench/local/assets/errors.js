@@ -111,5 +111,40 @@ const Errors = (() => {
     );
   }
 
-  return {start, render, show, curves, links};
+  /* A model for other programs: its form, the command, and the file that came of it. */
+  function exporting(model) {
+    const forms = [
+      ["mjcf", "MuJoCo (MJCF)"],
+      ["urdf", "URDF"],
+      ["csv", "a table (CSV)"],
+      ["yaml", "a table (YAML)"],
+      ["c", "a feed-forward in C"],
+    ];
+    let form = "mjcf";
+    const said = el("div");
+    const button = el(
+      "button",
+      {
+        type: "button",
+        class: "export",
+        click: async () => {
+          button.disabled = true;
+          const job = await Server.run({step: "export", dataset: app.dataset, model, form});
+          button.disabled = false;
+          const file = job.files.exported;
+          said.replaceChildren(
+            job.state === "done"
+              ? el("a", {href: `files/${Server.address(file)}`, download: true}, `Download ${file.split("/").pop()}`)
+              : Dom.outcome(job),
+            Dom.command(job.line),
+          );
+        },
+      },
+      "Export",
+    );
+    const choice = Dom.select(forms, form, (value) => (form = value), {"aria-label": "Form of the export"});
+    return el("div", {}, el("div", {class: "row"}, choice, button), said);
+  }
+
+  return {start, render, exporting, show, curves, links};
 })();

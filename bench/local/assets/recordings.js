@@ -12,6 +12,9 @@ const Recordings = (() => {
     load: null,
     payload: "load",
     mass: "",
+    center: "",
+    inertia: "",
+    topic: "",
     rate: "",
     mapped: null,
   };
@@ -161,7 +164,7 @@ const Recordings = (() => {
 
   /* Show a log, with its robot if one is chosen. */
   async function choose(log) {
-    Object.assign(form, {log, load: null, mass: "", rate: "", use: "identify"}); // what holds of one log is asked for again
+    Object.assign(form, {log, load: null, mass: "", center: "", inertia: "", topic: "", rate: "", use: "identify"}); // what holds of one log is asked for again
     form.dataset = app.dataset === null ? NEW : app.dataset;
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
     last = null;
@@ -215,12 +218,20 @@ const Recordings = (() => {
     if (!form.robot) return undefined;
     let look;
     try {
-      look = await Server.look("columns", {log: form.log, robot: form.robot});
+      look = await Server.look("columns", source());
     } catch (error) {
       return setup.append(el("p", {class: "fault", role: "alert"}, error.message));
     }
+    if (look.topics.length > 1)
+      setup.append(
+        Columns.topics(look.topics, form.topic, (topic) => {
+          form.topic = topic;
+          draw();
+        }),
+      );
+    if (!look.columns) return undefined;
     const shown = el("div");
-    const columns = Columns.create(look, {log: form.log, robot: form.robot}, (mapped) => {
+    const columns = Columns.create(look, source(), (mapped) => {
       form.mapped = mapped;
       command(shown);
     });
@@ -245,6 +256,8 @@ const Recordings = (() => {
     return command(shown);
   }
 
+  const source = () => ({log: form.log, robot: form.robot, ...(form.topic ? {topic: form.topic} : {})});
+
   /* What is not in the log: the payload, the use, the dataset. */
   function about(shown) {
     const changed = () => command(shown);
@@ -265,6 +278,7 @@ const Recordings = (() => {
       {class: "row"},
       field("called", text("payload", {type: "text", id: "payload"})),
       field("weighed, kg", text("mass", {type: "number", min: "0", step: "any", id: "mass"})),
+      Payload.more(text),
     );
     const loads = [["", "none"], ...payloads.map((one) => [one, one]), [NEW, "a new one"]];
     if (!loads.some(([value]) => value === form.load)) form.load = null;
@@ -321,6 +335,8 @@ const Recordings = (() => {
       use: form.use,
       payload: fresh ? form.payload : form.load,
       payload_mass: fresh && Number(form.mass) > 0 ? Number(form.mass) : null,
+      ...(fresh ? Payload.told(form) : {}),
+      topic: form.topic || null,
     };
   }
 
@@ -334,7 +350,9 @@ const Recordings = (() => {
         ? "Say what was on the tool."
         : form.load === NEW && !(Number(form.mass) > 0)
           ? "Weigh the payload: its mass gives the gains their scale."
-          : "";
+          : form.load === NEW
+            ? Payload.fault(form)
+            : "";
     let line = null,
       fault = missing;
     if (!missing)

@@ -1,0 +1,40 @@
+"use strict";
+/* What may be known of a payload beside its mass. */
+const Payload = (() => {
+  const {el, field} = Dom;
+  /* Numbers with commas or blanks between them; null where they are not so many. */
+  function numbers(text, count) {
+    const found = text
+      .split(/[\s,;]+/)
+      .filter((one) => one !== "")
+      .map(Number);
+    return found.length === count && found.every(Number.isFinite) ? found : null;
+  }
+
+  /* Fields for it; text: an input for a key of the form. */
+  function more(text) {
+    return el(
+      "details",
+      {},
+      el("summary", {}, "More is known of it"),
+      el("p", {class: "aid"}, "What is left empty is estimated."),
+      field("centre of mass in the tool frame, m: x, y, z", text("center", {type: "text", id: "center"})),
+      field("inertia about it, kg·m²: xx, yy, zz, xy, xz, yz", text("inertia", {type: "text", id: "inertia"})),
+    );
+  }
+
+  /* What is wrong with what was typed; "" where nothing is. */
+  function fault(form) {
+    if (form.center.trim() && numbers(form.center, 3) === null) return "The centre of mass has three numbers: x, y, z.";
+    if (form.inertia.trim() && numbers(form.inertia, 6) === null)
+      return "The inertia has six numbers: xx, yy, zz, xy, xz, yz.";
+    return "";
+  }
+
+  /* As an import asks for it. */
+  function told(form) {
+    return {payload_center: numbers(form.center, 3), payload_inertia: numbers(form.inertia, 6)};
+  }
+
+  return {more, fault, told};
+})();
