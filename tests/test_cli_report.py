@@ -7,6 +7,7 @@ import pytest
 
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
+from bench.page.browser import opened, scrolled
 from bench.page.folder import read_run
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
@@ -79,6 +80,33 @@ def test_a_model_file_is_shown_beside_the_recordings_that_it_is_from(runs, tmp_p
     *_, wrote, step = capsys.readouterr().out.splitlines()
     assert wrote == f"wrote {tmp_path / 'report.html'} (report)"
     assert step.startswith(f"next: bench export {model} --to mjcf -o {model.with_suffix('.xml')}    ")
+
+
+@pytest.mark.parametrize("name", ["diagnosed", "identified", "compared"])
+def test_the_robot_stands_in_every_report(runs, name):
+    text = (runs / name / "report.html").read_text(encoding="utf-8")
+    assert "window.Machine =" in text
+    figures = re.search(r'<script type="application/json" id="figures">(.*?)</script>', text, flags=re.DOTALL)
+    (robot,) = [one for one in json.loads(figures.group(1)).values() if one["type"] == "mechanism"]
+    frames = len(robot["data"]["time"])
+    assert 60 <= frames <= 150
+    assert {len(bar["from"]) for bar in robot["data"]["bars"]} == {3, 3 * frames}
+    assert len(json.dumps(robot)) < 3e5
+
+
+def test_the_robot_follows_the_cursor_of_its_recording_alone(runs, chromium):
+    page = scrolled(opened(chromium, runs / "diagnosed" / "report.html"))
+    section = page.locator("#currents")
+    before = section.locator("output").inner_text()
+    section.locator(".charts svg[role=img]").first.hover()
+    there = section.locator("output").inner_text()
+    assert there != before
+    recording = section.locator("fieldset", has_text="Recording").locator("select")
+    now = recording.evaluate("(one) => one.selectedIndex")
+    recording.select_option(index=1 - now if now < 2 else 0)
+    section.locator(".charts svg[role=img]").first.hover(position={"x": 120, "y": 60})
+    assert section.locator("output").inner_text() == there
+    page.close()
 
 
 def test_a_dataset_is_diagnosed(runs, tmp_path, capsys):

@@ -77,11 +77,19 @@ def runs(arguments: Mapping[str, Any], _progress: Progress) -> list[dict[str, An
     return [_run(Path(arguments["root"]), path) for path in arguments["paths"]]
 
 
-def moving(arguments: Mapping[str, Any], progress: Progress) -> dict[str, Any]:
-    """The mechanism in a recording; see `machine`."""
-    from bench.local.machine import machine  # noqa: PLC0415 - the viewer's shapes take their time to import
+def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+    """The mechanism in a recording, with the error of a model; see `mechanism`."""
+    from bench.page.mechanism import mechanism  # noqa: PLC0415 - the viewer's shapes take their time to import
 
-    return machine(arguments, progress)
+    data = load_dataset(arguments["dataset"])
+    saved = load_model(arguments["model"])
+    applied = apply_model(data, saved, catalogue_for(data.effect_files))
+    name = arguments["recording"]
+    series = next((one for one in applied.recordings if one.name == name), None)
+    recording = next((one for one in data.recordings if one.name == name), None)
+    if recording is None or series is None:
+        raise BenchError(f"{name}: no such recording")
+    return mechanism(data, recording, series, saved.settings)
 
 
 LOOKS = {
@@ -89,7 +97,7 @@ LOOKS = {
     "checks": checks,
     "dataset": dataset,
     "curves": curves,
-    "machine": moving,
+    "machine": machine,
     "runs": runs,
 }
 

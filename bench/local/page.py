@@ -3,7 +3,7 @@
 from functools import cache
 from pathlib import Path
 
-from bench.page.render import CHARTS
+from bench.page.render import CHARTS, MACHINE
 from bench.page.render import asset as report_asset
 
 ASSETS = Path(__file__).with_name("assets")
@@ -11,7 +11,6 @@ SCRIPTS = (
     "dom.js",
     "server.js",
     "figure.js",
-    "machine.js",
     "columns.js",
     "payload.js",
     "recordings.js",
@@ -25,13 +24,13 @@ SCRIPTS = (
 @cache
 def page_html() -> str:
     """The page; scripts and styles are asked for apart, as its policy wants it."""
-    scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*CHARTS, *SCRIPTS))
+    scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*CHARTS, MACHINE, *SCRIPTS))
     return (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
 
 
 def asset(name: str) -> tuple[str, str] | None:
     """A file that belongs to the page, with its kind; None for any other name."""
-    if name in CHARTS:
+    if name in (*CHARTS, MACHINE):
         return report_asset(name), "text/javascript"
     if name == "page.css":
         return report_asset(name), "text/css"

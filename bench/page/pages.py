@@ -1,17 +1,19 @@
 """The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 
+from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import with_judged_parts
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.effects import CATALOGUE, Effect
+from bench.files.atomic import finite
 from bench.identification.model_file import Comparison
 from bench.identification.result import CurrentSeries, Identification
 from bench.page.model_errors import shown
-from bench.page.parts import Page, Section
+from bench.page.parts import Mechanism, Page, Section, Text
 from bench.page.section_effects import gains_section, not_ranked_section, ranking_section
 from bench.page.section_errors import currents_section, errors_section, errors_table, ladder_section
 from bench.page.section_laws import laws_section
@@ -27,8 +29,10 @@ from bench.page.verdict import (
     identification_verdict,
 )
 from bench.page.words import plural, typeset
+from bench.signals.settings import FilterSettings
 from bench.studies.sweep.versions import versions
 
+FRAMES = 150  # of the robot in motion: enough for the eye, and small
 AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
 
 
@@ -66,7 +70,7 @@ def diagnosis_page(
         tiles=diagnosis_tiles(diagnosis),
         sections=(
             ladder,
-            currents_section(models),
+            currents_section(models, _moving(judged, after.recordings, after.settings)),
             where_section(models),
             *([laws_section(diagnosis)] if diagnosis.discovered else []),
             ranking_section(diagnosis, catalogue),
@@ -92,7 +96,7 @@ def identification_page(result: Identification, dataset: Dataset, made: Made) ->
         tiles=identification_tiles(result, noise),
         sections=(
             errors_section(model, result.recordings, noise),
-            currents_section([model]),
+            currents_section([model], _moving(dataset, result.recordings, result.settings)),
             where_section([model]),
             not_ranked_section(),
             gains_section(result, None),
@@ -118,7 +122,7 @@ def comparison_page(comparison: Comparison, dataset: Dataset, saved: Identificat
         tiles=comparison_tiles(comparison.error, model.where, noise),
         sections=(
             errors_section(model, comparison.recordings, noise),
-            currents_section([model]),
+            currents_section([model], _moving(dataset, comparison.recordings, settings)),
             where_section([model]),
             not_ranked_section(),
             gains_section(saved, None),
@@ -129,6 +133,27 @@ def comparison_page(comparison: Comparison, dataset: Dataset, saved: Identificat
         generator=_generator(),
         footer=_footer(),
     )
+
+
+def _moving(
+    dataset: Dataset, recordings: Sequence[CurrentSeries], settings: FilterSettings
+) -> Callable[[str, str], Mechanism | Text]:
+    """What draws the robot in one of the recordings, or says why it cannot be drawn."""
+    logged = _with_series_of(dataset, recordings)
+
+    def moving(name: str, option: str) -> Mechanism | Text:
+        from bench.page.mechanism import mechanism  # noqa: PLC0415 - the viewer's shapes take their time to import
+
+        recording = next(one for one in logged.recordings if one.name == name)
+        series = next(one for one in recordings if one.name == name)
+        try:
+            data = mechanism(logged, recording, series, settings, FRAMES)
+        except BenchError as error:
+            return Text("The robot", (f"It is not drawn: {error}.",))
+        aid = f"In {name}; it follows the time cursor of the curves above where they are of that recording."
+        return Mechanism("The robot", aid, option, finite(data))
+
+    return moving
 
 
 def _with_series_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:

@@ -160,7 +160,19 @@ class Runs:
     type: Literal["runs"] = "runs"
 
 
-Part = Table | Items | Text | Commands | Picture | Figure | Runs
+@dataclass(frozen=True)
+class Mechanism:
+    """The robot in motion. recording: the option of the figure above whose time it shares; data: of `mechanism`."""
+
+    title: str
+    aid: str
+    recording: str
+    data: Mapping[str, Any]
+    folded: bool = False
+    type: Literal["mechanism"] = "mechanism"
+
+
+Part = Table | Items | Text | Commands | Picture | Figure | Runs | Mechanism
 
 
 @dataclass(frozen=True)

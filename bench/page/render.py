@@ -12,11 +12,11 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from bench.files.atomic import finite
-from bench.page.parts import Figure, Page, Runs
+from bench.page.parts import Figure, Mechanism, Page, Runs
 
 ASSETS = Path(__file__).with_name("assets")
 CHARTS = ("chart_basics.js", "chart_series.js", "charts.js")
-RUNS = "runs.js"
+RUNS, MACHINE = "runs.js", "machine.js"
 
 
 @dataclass(frozen=True)
@@ -39,10 +39,13 @@ def asset(name: str) -> str:
 
 def render_page(page: Page, workbench: Workbench | None = None) -> str:
     """The file's text. The policy allows the scripts and the style in it by their hashes, and nothing else."""
-    runs = (
-        [RUNS] if any(isinstance(part, Runs) for section in page.sections for part in section.parts) else []
-    )
-    scripts = [*map(asset, (*CHARTS, *runs)), *([workbench.script] if workbench else []), asset("page.js")]
+    kinds = {type(part) for section in page.sections for part in section.parts}
+    more = [name for kind, name in ((Runs, RUNS), (Mechanism, MACHINE)) if kind in kinds]
+    scripts = [
+        *map(asset, (*CHARTS, *more)),
+        *([workbench.script] if workbench else []),
+        asset("page.js"),
+    ]
     style = asset("page.css") + (workbench.style if workbench else "")
     # a script ends at its end tag, wherever it stands: none of ours may hold one
     if any("</" in text for text in (*scripts, style)):
@@ -82,7 +85,7 @@ def _figures(page: Page) -> dict[str, Any]:
         f"{section.id}-{i}": asdict(part)
         for section in page.sections
         for i, part in enumerate(section.parts)
-        if isinstance(part, Figure | Runs)
+        if isinstance(part, Figure | Runs | Mechanism)
     }
 
 

@@ -1,6 +1,6 @@
 """Sections on the size of the errors: the ladder, errors by recording and motor, the currents themselves."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from bench.diagnosis.result import Diagnosis
 from bench.document import identification as document
@@ -13,6 +13,7 @@ from bench.page.parts import (
     Chart,
     Choice,
     Figure,
+    Mechanism,
     Section,
     Table,
     Text,
@@ -97,8 +98,13 @@ def errors_table(shown: Shown, recordings: Sequence[CurrentSeries], noise: float
     return on_page(document.errors_table(recordings, joints, noises), title, ERROR_AID)
 
 
-def currents_section(models: Sequence[Shown]) -> Section:
-    """Measured against modelled current of every motor in every recording, the errors below."""
+def currents_section(
+    models: Sequence[Shown], moving: Callable[[str, str], Mechanism | Text] | None = None
+) -> Section:
+    """Measured against modelled current of every motor in every recording, the errors below.
+
+    moving: the robot in the recording that is shown first, from its name and the option by which it is chosen.
+    """
     last = models[-1]
     joints = last.joints
     names = list(dict.fromkeys(one.recording for one in last.what.series if one.joint in joints))
@@ -142,7 +148,8 @@ def currents_section(models: Sequence[Shown]) -> Section:
         tuple(f"{j}|{k}" for j, k in enumerate(worst))[:ON_PAPER],
     )
     lead = "Every motor in every recording, at the rate and bandwidth of the fit."
-    return Section("currents", "Measured against modelled", lead, (figure,), "Measured, modelled")
+    robot = () if moving is None else (moving(names[first], options[first]),)
+    return Section("currents", "Measured against modelled", lead, (figure, *robot), "Measured, modelled")
 
 
 def _facts(joint: str, curves: Sequence[tuple[str, str, MotorSeries]]) -> str:

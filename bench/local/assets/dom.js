@@ -1,17 +1,7 @@
 "use strict";
 /* Small pieces that the page is made of. Texts are only ever set as text: what a file is called is never markup. */
 const Dom = (() => {
-  /* An element: el("p", {class: "aid"}, "text", child, ...); properties that are functions are listened to. */
-  function el(name, properties = {}, ...children) {
-    const made = document.createElement(name);
-    for (const [key, value] of Object.entries(properties)) {
-      if (typeof value === "function") made.addEventListener(key, value);
-      else if (value === true) made.setAttribute(key, "");
-      else if (value !== false && value !== null && value !== undefined) made.setAttribute(key, value);
-    }
-    made.append(...children.filter((child) => child !== null && child !== undefined && child !== false));
-    return made;
-  }
+  const {el} = ChartBasics;
 
   /* A label with a name and its input. */
   function field(name, input) {

@@ -20,6 +20,18 @@ const ChartBasics = (() => {
     return made;
   }
 
+  /* An element: el("p", {class: "aid"}, "text", child, ...); properties that are functions are listened to. */
+  function el(name, properties = {}, ...children) {
+    const made = document.createElement(name);
+    for (const [key, value] of Object.entries(properties)) {
+      if (typeof value === "function") made.addEventListener(key, value);
+      else if (value === true) made.setAttribute(key, "");
+      else if (value !== false && value !== null && value !== undefined) made.setAttribute(key, value);
+    }
+    made.append(...children.filter((child) => child !== null && child !== undefined && child !== false));
+    return made;
+  }
+
   const SUPERSCRIPT = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"};
 
   /* A number to some significant digits, as it is printed: 0.0123, 12 300, 1.2·10⁻⁷. */
@@ -49,5 +61,5 @@ const ChartBasics = (() => {
     return value !== null && value !== undefined && Number.isFinite(value);
   }
 
-  return {CHARACTER, node, block, formatNumber, formatPercent, valueAt, known};
+  return {CHARACTER, node, block, el, formatNumber, formatPercent, valueAt, known};
 })();

@@ -344,7 +344,7 @@ const Charts = (() => {
       });
       note.hidden = false;
       const beside = px / box.width > 0.6 ? px - note.offsetWidth - 12 : px + 12;
-      note.style.left = `${Math.max(0, beside)}px`;
+      note.style.left = `${Math.max(0, Math.min(beside, box.width - note.offsetWidth))}px`;
     });
   }
 

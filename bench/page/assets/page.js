@@ -135,6 +135,23 @@
     });
   }
 
+  /* The robot moves with the time cursor of the curves, where they are of its recording. */
+  function startMachine(holder) {
+    const {data, recording} = figures[holder.dataset.machine];
+    const section = holder.closest("section");
+    let machine = null;
+    const near = new IntersectionObserver((entries) => {
+      if (machine || !entries.some((one) => one.isIntersecting)) return;
+      machine = window.Machine.create(holder, data);
+      near.disconnect();
+    });
+    near.observe(holder);
+    section.addEventListener("cursor", (event) => {
+      const shown = [...section.querySelectorAll("option:checked, label:has(:checked)")];
+      if (machine && shown.some((one) => one.textContent === recording)) machine.at(event.detail);
+    });
+  }
+
   /* Marks in the contents which section is being read. */
   function startContents() {
     const links = [...document.querySelectorAll("nav.contents a")];
@@ -155,6 +172,7 @@
 
   startTheme();
   startFigures();
+  for (const one of document.querySelectorAll("[data-machine]")) startMachine(one);
   for (const one of document.querySelectorAll("[data-runs]")) window.Runs.start(one, figures[one.dataset.runs]);
   startContents();
   const workbench = document.getElementById("workbench");

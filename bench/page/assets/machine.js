@@ -1,7 +1,7 @@
 "use strict";
 /* The mechanism in three dimensions, on a canvas: bars between points, the tool's path coloured by the error. */
-const Machine = (() => {
-  const {el} = Dom;
+window.Machine = (() => {
+  const {el, formatPercent} = ChartBasics;
   const TURN = 0.08; // rad for a press of an arrow key
 
   /* data: what the server says of a recording; the returned `at(time)` shows another moment. */
@@ -49,11 +49,11 @@ const Machine = (() => {
     const play = el("button", {type: "button", class: "small", click: () => (playing ? stop() : start())}, "Play");
     const told =
       data.largest > 0
-        ? `Tool path: the stronger its colour, the larger the error, up to ${Dom.percent(data.largest)} of the current.`
+        ? `Tool path: the stronger its colour, the larger the error, up to ${formatPercent(data.largest)} of the current.`
         : "";
     holder.replaceChildren(
       canvas,
-      el("div", {class: "row time"}, play, slider, moment),
+      el("div", {class: "machine-time"}, play, slider, moment),
       el("p", {class: "aid"}, `Drag, or use the arrow keys, to turn it. ${told}`),
     );
 

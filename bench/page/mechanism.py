@@ -1,48 +1,43 @@
 """The mechanism in motion, as bars between points of the world: what a page draws in three dimensions."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from bench.basics.errors import BenchError
-from bench.basics.progress import Progress
-from bench.dataset.dataset import load_dataset
-from bench.effects import catalogue_for
-from bench.identification.model_file import apply_model, load_model
+from bench.dataset.dataset import Dataset
+from bench.dataset.recording import Recording
+from bench.identification.result import CurrentSeries
 from bench.model.geometry import read_geometry
 from bench.page.thinned import significant
+from bench.signals.settings import FilterSettings
 from bench.viewer.body_motion import BodyMotion, body_motion
 from bench.viewer.geoms import visible_geoms
 from bench.viewer.scene import TOP, error_share
 
-FRAMES = 400  # at most: enough for the eye
+FRAMES, FEWEST_FRAMES = 400, 60  # enough for the eye
+MOST_NUMBERS = 30_000  # of all ends of bars together: about 0.2 MB
+DIGITS = 4  # of a place in m: finer than a pixel
 
 Array = npt.NDArray[np.float64]
 
 
-def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+def mechanism(
+    data: Dataset, recording: Recording, series: CurrentSeries, settings: FilterSettings, frames: int = FRAMES
+) -> dict[str, Any]:
     """The bodies of a robot in a recording, loops closed, and its tool's path with the error of a model, 0 to 1.
 
-    Raises BenchError for a recording that is not there, and where a sample is out of reach.
+    series: of the model in this recording. Raises BenchError where a sample is out of reach.
     """
-    data = load_dataset(arguments["dataset"])
-    saved = load_model(arguments["model"])
-    applied = apply_model(data, saved, catalogue_for(data.effect_files))
-    name = arguments["recording"]
-    found = [series for series in applied.recordings if series.name == name]
-    recording = next((one for one in data.recordings if one.name == name), None)
-    if recording is None or not found:
-        raise BenchError(f"{name}: no such recording")
     mjcf = data.robot.mjcf_model()
-    motion = body_motion(mjcf, read_geometry(data.robot), recording, saved.settings)
-    every = max(1, -(-len(motion.time) // FRAMES))
+    motion = body_motion(mjcf, read_geometry(data.robot), recording, settings)
+    frames = min(frames, max(FEWEST_FRAMES, MOST_NUMBERS // (6 * len(visible_geoms(mjcf)) or 1)))
+    every = max(1, -(-len(motion.time) // frames))
     time = motion.time[::every]
-    share = error_share(found[0])
+    share = error_share(series)
     known = np.isfinite(share)
-    errors = np.interp(time, found[0].time[known], share[known]) if known.any() else np.zeros(len(time))
+    errors = np.interp(time, series.time[known], share[known]) if known.any() else np.zeros(len(time))
     largest = float(np.percentile(share[known], TOP)) if known.any() else 0.0
     tool = None if motion.tool_position is None else motion.tool_position[::every]
     return {
@@ -50,7 +45,7 @@ def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
         "low": motion.low.tolist(),
         "high": motion.high.tolist(),
         "bars": _bars(mjcf, motion, every),
-        "path": None if tool is None else significant(tool.ravel()),
+        "path": None if tool is None else significant(tool.ravel(), DIGITS),
         "error": significant(
             np.clip(errors / largest, 0.0, 1.0) if largest > 0.0 else np.zeros(len(time)), 3
         ),
@@ -77,6 +72,10 @@ def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
         turns = Rotation.from_quat(motion.quaternions[frames, body])
         ends = [motion.positions[frames, body] + turns.apply(end) for end in own]
         found.append(
-            {"radius": radius, "from": significant(ends[0].ravel()), "to": significant(ends[1].ravel())}
+            {
+                "radius": radius,
+                "from": significant(ends[0].ravel(), DIGITS),
+                "to": significant(ends[1].ravel(), DIGITS),
+            }
         )
     return found
