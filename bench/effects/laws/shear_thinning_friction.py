@@ -28,6 +28,7 @@ class ShearThinningFriction(ActuatorEffect):
         "the velocity grows by the factor e."
     )
     shown_by = "move fast and slowly"
+    seen = ("velocity",)
     parameters = (EffectParameter("Fa", "{effort}", positive=True),)
     shape = (ShapeParameter("va", "{angle}/s", (0.1, 0.2, 0.4, 0.8, 1.6, 3.2), scale="speed"),)
     contains = ("viscous_friction",)
