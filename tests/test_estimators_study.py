@@ -1,12 +1,15 @@
 """The table of estimators: what it counts, and that the same seeds give the same rows."""
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 
 from bench.dataset.dataset import Dataset
+from bench.files.atomic import finite
 from bench.peers.problems import make_problem
-from bench.studies.estimators import CASES, Case, markdown, rows_of, with_bad_seconds
+from bench.studies.estimators import CASES, Case, kept_rows, markdown, rows_of, with_bad_seconds
 from bench.truth.dataset import as_dataset
 
 
@@ -22,10 +25,17 @@ def test_the_same_seeds_give_the_same_rows_and_more_noise_a_larger_spread() -> N
     assert f"| {noisy.name} | current |" in text
 
 
-def test_what_refuses_the_data_is_counted() -> None:
+def test_what_refuses_the_data_is_counted_and_kept(tmp_path: Path) -> None:
     (row,) = rows_of("two_link", Case("no law", controller={"declared": False}), ["oe"], 1)
     assert (row.seeds, row.failed) == (0, 1)
     assert "controller" in row.reason
+    for robot in ("five_bar", "own_robot", "two_link"):
+        content = finite({"rows": [asdict(replace(row, robot=robot))]})
+        (tmp_path / f"{robot}.json").write_text(json.dumps(content))
+    kept = kept_rows(tmp_path)
+    assert [one.robot for one in kept] == ["two_link", "five_bar", "own_robot"]
+    assert np.isnan(kept[0].bias)
+    assert "1 refused" in markdown(kept)
 
 
 def test_bad_seconds_are_whole_seconds_of_one_motor_each() -> None:

@@ -19,7 +19,7 @@ from bench.identification.solution import Solution, scaled_lstsq, torque_system
 
 FEWEST, MOST = 1.0, 200.0  # degrees of freedom: Cauchy's distribution, and Gauss's for all that can be told
 FIRST = 4.0  # where they begin
-MOST_ROUNDS = 100
+FEW_ROUNDS, MOST_ROUNDS = 10, 100  # to choose a start, and to the end
 SETTLED = 1e-6  # largest change of a row's weight
 NEARLY = 1e-9  # relative change of the cost, between changes of the weights
 
@@ -45,11 +45,14 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
     stay as they are. Effects that are not linear keep the shape that least squares gives them.
     """
     solution = current_error(stack, start)
-    found = _likeliest(stack, solution.theta, solution.gains, start.gains_fitted)
+    theta, gains = solution.theta, solution.gains
     if start.gains_fitted:
-        fixed = _likeliest(stack, scaled_theta(stack, nominal), nominal, False)
-        other = _likeliest(stack, fixed.theta, nominal, True)
-        found = min(found, other, key=lambda one: one.minus_likelihood)
+        fixed = _likeliest(stack, scaled_theta(stack, nominal), nominal, False, FEW_ROUNDS)
+        starts = ((theta, gains), (fixed.theta, nominal))
+        tried = [_likeliest(stack, *one, True, FEW_ROUNDS) for one in starts]
+        best = min(tried, key=lambda one: one.minus_likelihood)
+        theta, gains = best.theta, best.gains
+    found = _likeliest(stack, theta, gains, start.gains_fitted)
     moving = stack.moving
     slopes = (_slopes(found.error / found.scale, found.freedom) * moving).sum(axis=0)
     stretch = found.weights.sum(axis=0) / np.maximum(slopes, np.finfo(float).tiny)
@@ -64,14 +67,16 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
     )
 
 
-def _likeliest(stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: bool) -> _Fit:
-    """The nearest maximum of the likelihood."""
+def _likeliest(
+    stack: Stack, theta: np.ndarray, gains: np.ndarray, fit_gains: bool, most: int = MOST_ROUNDS
+) -> _Fit:
+    """The nearest maximum of the likelihood, as far as so many rounds lead."""
     moving, floor = stack.moving, current_floor(stack)
     error = _error(stack, theta, gains)
     scale = np.maximum(_typical(error, moving), floor)
     freedom = np.full(len(gains), FIRST)
     weights = _weights(error / scale, freedom) * moving
-    for _ in range(MOST_ROUNDS):
+    for _ in range(most):
         factors = weighted_rows(stack, np.sqrt(weights)).factors
         theta, gains = minimised(factors, theta, gains, 1.0 / scale, fit_gains, NEARLY)
         error = _error(stack, theta, gains)

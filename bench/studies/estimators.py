@@ -6,13 +6,13 @@ spread, coverage and time of each estimator, over seeds of the sensors' noise. W
 
 from __future__ import annotations
 
+import json
 import os
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -229,18 +229,27 @@ EXPLANATION = (
 @click.option("--seeds", type=click.IntRange(min=1), default=20, show_default=True, help="Of the noise.")
 @click.option("--workers", type=click.IntRange(min=1), default=os.cpu_count() or 1, show_default=True)
 def main(robots: tuple[str, ...], output: Path, seeds: int, workers: int) -> None:
-    """Write the table of estimators by robots and cases as JSON and Markdown."""
-    tasks = list(product(robots or ROBOTS, CASES))
-    with ProcessPoolExecutor(workers) as pool:
-        futures = [pool.submit(rows_of, robot, case, sorted(ESTIMATORS), seeds) for robot, case in tasks]
-        rows = []
-        for (robot, case), one in zip(tasks, futures, strict=True):
-            rows += one.result()
-            click.echo(f"{robot}: {case.name}")
-    content = {"seeds": seeds, "duration": DURATION, "rows": [asdict(row) for row in rows]}
-    write_json_atomically(output / "estimators.json", finite(content | versions().columns()))
-    write_text_atomically(output / "estimators.md", markdown(rows))
-    click.echo(markdown(rows))
+    """Write the rows of each robot as JSON, and those of all robots in the folder as a table in Markdown."""
+    for robot in robots or ROBOTS:
+        with ProcessPoolExecutor(workers) as pool:
+            futures = [pool.submit(rows_of, robot, case, sorted(ESTIMATORS), seeds) for case in CASES]
+            rows = []
+            for case, one in zip(CASES, futures, strict=True):
+                rows += one.result()
+                click.echo(f"{robot}: {case.name}")
+        content = {"seeds": seeds, "duration": DURATION, "rows": [asdict(row) for row in rows]}
+        write_json_atomically(output / f"{robot}.json", finite(content | versions().columns()))
+    write_text_atomically(output / "estimators.md", markdown(kept_rows(output)))
+
+
+def kept_rows(folder: Path) -> list[Row]:
+    """The rows of all robots in a folder, built-in ones first."""
+    files = sorted(
+        folder.glob("*.json"), key=lambda one: (*(one.stem != robot for robot in ROBOTS), one.stem)
+    )
+    read = [json.loads(file.read_text(encoding="utf-8"))["rows"] for file in files]
+    every: list[dict[str, Any]] = [row for rows in read for row in rows]
+    return [Row(**{key: float("nan") if x is None else x for key, x in row.items()}) for row in every]
 
 
 if __name__ == "__main__":
