@@ -249,7 +249,12 @@ def kept_rows(folder: Path) -> list[Row]:
     )
     read = [json.loads(file.read_text(encoding="utf-8"))["rows"] for file in files]
     every: list[dict[str, Any]] = [row for rows in read for row in rows]
-    return [Row(**{key: float("nan") if x is None else x for key, x in row.items()}) for row in every]
+    return [_kept(row) for row in every]
+
+
+def _kept(row: Mapping[str, Any]) -> Row:
+    values: dict[str, Any] = {key: float("nan") if value is None else value for key, value in row.items()}
+    return Row(**values)
 
 
 if __name__ == "__main__":
