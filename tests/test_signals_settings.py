@@ -117,6 +117,18 @@ def test_noise_that_is_not_white_is_no_motion() -> None:
     assert np.abs(fitted_inertias(noisy, current, settings) / INERTIA - 1).max() < 0.01
 
 
+def test_jitter_whose_acceleration_is_level_is_no_motion() -> None:
+    """As a controller leaves it: its power outweighs a hundredth of the motion's by its wide band alone."""
+    q, current = record(Case(0.5, 0.0, None, 0.0, 0.01, 0.0), seed=5)
+    lines = np.fft.rfft(np.random.default_rng(7).standard_normal(q.shape), axis=0)
+    frequency = np.fft.rfftfreq(len(q), 1.0 / RATE)[:, None]
+    inside = (frequency > 1.0) & (frequency < 300.0)
+    jitter = np.fft.irfft(np.where(inside, lines / np.maximum(frequency, 1.0) ** 2, 0.0), len(q), axis=0)
+    clean, found = (signal_bands([one], [current], RATE) for one in (q, q + 0.1 * jitter))
+    assert clean.motion < 4.0
+    assert found.motion < 8.0
+
+
 def test_a_wide_filter_on_a_coarse_encoder_is_as_wrong_as_the_choice_is_right() -> None:
     case = Case(0.5, 0.0, 12, 1e-3, 0.01, 0.0)
     q, current = record(case, seed=4)

@@ -26,6 +26,11 @@ FADED, RISEN = (
     100.0,
     3.0,
 )  # by which an acceleration has faded, and rises, where its motion ends and noise begins
+LEVEL, WHILE = (
+    30.0,
+    4.0,
+)  # by which it has faded where it is noise that is level, and over which ratio of frequencies
+FALLS = 2.0  # by which an acceleration of bodies falls over that ratio at least: of a step in a force, by 16
 OUTLIER = 3.0  # a density this many times the floor is a signal, not noise
 
 
@@ -206,9 +211,10 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
     """Return the frequency [Hz] from which on a position's spectrum is noise that is not white, shape (n,).
 
     A motion's acceleration fades with the frequency; that of noise rises, since it is differentiated twice. So the
-    noise begins where the acceleration is least, if it has faded to a hundredth by there and rises again; infinite
-    where it does not. What counts is the largest density within an octave, as a repeated motion has lines with
-    nothing between them.
+    noise begins where the acceleration is least, if it has faded to a hundredth by there and rises again; or, where a
+    controller's jitter keeps it level, where it first does not fall any more over two octaves, faded to a thirtieth;
+    infinite where neither is so. What counts is the largest density within an octave, as a repeated motion has lines
+    with nothing between them.
 
     Args:
         frequency: uniform from 0, shape (F,) [Hz].
@@ -228,4 +234,20 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
         least = int(np.argmin(octaves))
         if FADED * octaves[least] < octaves[0] and octaves[least:].max() > RISEN * octaves[least]:
             found[j] = frequency[max(first, 1) + least]
+        else:
+            level = _level_from(octaves, max(first, 1))
+            found[j] = np.inf if level is None else frequency[level]
     return found
+
+
+def _level_from(octaves: FloatArray, first: int) -> int | None:
+    """From which frequency (index) on an acceleration that has faded stays level; octaves (K,): its largest value
+    within an octave from each frequency on, `first` the lowest.
+    """
+    index = first + np.arange(len(octaves))
+    later = (WHILE * index).astype(int) - first
+    inside = later < len(octaves)
+    level = octaves[later[inside]] * FALLS > octaves[inside]
+    level &= octaves[inside] * LEVEL < octaves[0]
+    places = np.flatnonzero(level)
+    return int(index[places[0]]) if len(places) else None
