@@ -17,7 +17,6 @@ from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.pruning import (
-    SHOWS,
     impossible_but_needed,
     impossible_effects,
     refused,
@@ -26,6 +25,7 @@ from bench.diagnosis.pruning import (
 from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Superfluous
 from bench.diagnosis.rounds import Problem, Round, first_round, problem_of, searched
 from bench.diagnosis.search import Found
+from bench.diagnosis.showing import shows
 from bench.diagnosis.split import with_judged_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
@@ -199,7 +199,7 @@ def _where_it_shows(
     fit_gains = problem.fit_gains
     added = model.effects[len(problem.start.effects) :]
     there = {(one.effect.name, one.joint) for one in given}
-    kept = [one for one in added if (one.effect.name, one.joint) in there or _shows(result, one)]
+    kept = [one for one in added if (one.effect.name, one.joint) in there or shows(result, one)]
     for one in added:
         if not any(other.effect.name == one.effect.name for other in kept):
             kept.append(one)
@@ -207,14 +207,6 @@ def _where_it_shows(
         return model, result
     model = problem.with_instances([one for one in added if one in kept])
     return model, fit(model, fit_gains=fit_gains)
-
-
-def _shows(result: Identification, instance: EffectInstance) -> bool:
-    values = result.effect_parameters[instance.effect.name][instance.place]
-    linear = [(values[parameter.name], parameter.positive) for parameter in instance.effect.parameters]
-    if any(positive and value.value < -SHOWS * value.std for value, positive in linear):
-        return False
-    return any(abs(value.value) > SHOWS * value.std for value, _ in linear)
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:
