@@ -9,7 +9,8 @@ from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.body_length import lengths
 from bench.identification.effect_rows import effect_rows
 from bench.identification.perturbations import Nearby
-from tests.effects_kit import moving_robot
+from bench.identification.standstill import standstills
+from tests.effects_kit import RATE, moving_robot
 
 DECIMATION = 20
 VALUES = {
@@ -42,10 +43,39 @@ def test_columns_of_a_search_are_those_of_a_fit(seen, name, share):
         assert np.sqrt(((found - wanted) ** 2).mean()) < 0.01 * scale, joint
 
 
-def test_effects_that_need_no_model_are_the_same_to_the_last_digit(seen):
+@pytest.mark.parametrize("name", ["coulomb_friction", "rotor_inertia"])
+def test_effects_without_shape_that_need_no_model_are_the_same_to_the_last_digit(seen, name):
     exact, near, _ = seen
-    one = EffectInstance(CATALOGUE["stribeck_friction"], next(iter(exact.joints)), "")
+    one = EffectInstance(CATALOGUE[name], next(iter(exact.joints)), "")
     np.testing.assert_array_equal(effect_rows(near, DECIMATION, [one]), effect_rows(exact, DECIMATION, [one]))
+
+
+@pytest.mark.parametrize(
+    "name", ["cogging_torque", "gain_saturation", "presliding_hysteresis", "thermal_friction_drift"]
+)
+def test_those_with_a_shape_are_seen_at_few_samples(seen, name):
+    exact, near, _ = seen
+    assert len(near.sparsely.time) < len(exact.time) / 4
+    one = EffectInstance(CATALOGUE[name], next(iter(exact.joints)), "")
+    gaps = standstills(exact.position, exact.velocity, np.zeros((len(exact.time), 0)), RATE, 100.0)
+    wanted, found = (effect_rows(replace(each, gaps=gaps), DECIMATION, [one]) for each in (exact, near))
+    assert wanted.shape == found.shape
+    assert np.abs(wanted - found).max() > 0.0
+    assert np.sqrt(((found - wanted) ** 2).mean()) < 0.01 * np.sqrt((wanted**2).mean())
+
+
+def test_waves_too_fast_for_few_samples_are_not_taken_for_slow_ones(seen):
+    exact, near, _ = seen
+    joint = next(iter(exact.joints))
+    swift = float(np.abs(exact.joints[joint].velocity).max())
+    if not exact.joints[joint].rotates:
+        swift *= 2.0 * np.pi
+    folded = (
+        2.0 * np.pi * near.sparsely.joints[joint].rate / swift
+    )  # follows the few samples as if it stood still
+    one = EffectInstance(CATALOGUE["cogging_torque"].__class__(periods=folded), joint, "")
+    wanted, found = (effect_rows(each, DECIMATION, [one]) for each in (exact, near))
+    assert np.sqrt(((found - wanted) ** 2).mean()) < 0.5 * np.sqrt((wanted**2).mean())
 
 
 def test_columns_filtered_together_are_those_of_each_alone(seen):

@@ -86,7 +86,8 @@ class Effect(ABC):
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
     columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
-    so that the fit goes by derivatives.
+    so that the fit goes by derivatives. every_sample: its columns are differences between samples that follow each
+    other, and a search must not take few of them.
     """
 
     name: ClassVar[str]
@@ -101,6 +102,7 @@ class Effect(ABC):
     depends_on_model: ClassVar[bool] = False
     before_torque: ClassVar[bool] = False
     bends: ClassVar[bool] = False
+    every_sample: ClassVar[bool] = False
 
     @abstractmethod
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:

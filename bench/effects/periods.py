@@ -26,6 +26,12 @@ def wave(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
+def followed_wave(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
+    """The same along samples that follow each other, nothing where they are too far apart for a wave so fast."""
+    pace = np.abs(np.gradient(phase(position, periods, rotates)))
+    return wave(position, periods, rotates) * (pace < np.pi)[:, None]
+
+
 def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.ndarray]) -> tuple[Bracket, ...]:
     """The periods that stand out of a joint's error: peaks of its least-squares periodogram over position.
 

@@ -98,6 +98,18 @@ class Coarse:
 
 
 @dataclass(frozen=True)
+class Sparse:
+    """That signals are every so many-th of `length` samples of a recording, from the first one on.
+
+    shares: of every joint how much of what each stands for, half way to its neighbours, lies in a gap, (K,) each.
+    """
+
+    every: int
+    length: int
+    shares: tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
 class RobotSignals:
     """One recording of a whole robot before decimation: N samples, n motors.
 
@@ -108,7 +120,8 @@ class RobotSignals:
     it is settled. gaps: stretches of samples in which each joint stands still. offsets: of the present model's encoders
     by joint, rad or m. log: the recording whose own values hold here, of effects that have a value for each. lasting:
     rows of effects that do not depend on the present model, kept as long as the recording; passing: those that do.
-    noted: what else effects have computed of the present model.
+    noted: what else effects have computed of the present model. sparse: where these are not all samples of the
+    recording.
     """
 
     expands: ClassVar[bool] = False
@@ -128,6 +141,17 @@ class RobotSignals:
     lasting: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     passing: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     noted: dict[Hashable, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
+    sparse: Sparse | None = None
+
+    @property
+    def sparsely(self) -> "RobotSignals":
+        """As effects see it whose columns are tried often: in a search, at few samples."""
+        return self
+
+    @property
+    def length(self) -> int:
+        """How many samples the recording has."""
+        return len(self.time) if self.sparse is None else self.sparse.length
 
     @cached_property
     def tree(self) -> Motion:

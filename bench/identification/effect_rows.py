@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.effects import ActuatorEffect, EffectInstance, RobotSignals
+from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
+from bench.identification.sparse_signals import bridged_sparsely
 from bench.identification.standstill import bridged
 from bench.signals.decimation import decimate, decimated_indices
+from bench.signals.sparse_decimation import decimate_sparse
 
 FURTHEST = 5.0  # times its nodes: as far as an effect's columns are taken to follow a line
 TOGETHER = 8_000_000  # bytes of columns that are filtered together, at most
@@ -17,9 +19,9 @@ TOGETHER = 8_000_000  # bytes of columns that are filtered together, at most
 
 def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
     """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne)."""
-    samples, n = len(signals.time), len(signals.joints)
     count = sum(len(one.effect.parameters) for one in effects)
-    rows = np.zeros((len(decimated_indices(samples, decimation)), n, count))
+    kept = len(decimated_indices(signals.length, decimation))
+    rows = np.zeros((kept, len(signals.joints), count))
     made_of = [_made_of(signals, one) for one in effects]
     parts = iter(_kept_or_computed(signals, decimation, [part for one in made_of for part, _ in one]))
     at = 0
@@ -51,29 +53,40 @@ def _made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[Effe
 def _kept_or_computed(
     signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]
 ) -> list[np.ndarray]:
-    """The rows (M, n, k) of every effect as it is, computed only where they are not known yet."""
-    found: list[np.ndarray | None] = [_kept(signals, decimation, one) for one in effects]
+    """The rows (M, n, k) of every effect as it is, computed only where they are not known yet.
+
+    In a search, those that are tried with many shapes or about many models are computed at few samples.
+    """
+    sources = [_seen_by(signals, one.effect) for one in effects]
+    found = [_kept(seen, decimation, one) for seen, one in zip(sources, effects, strict=True)]
     missing = [i for i, rows in enumerate(found) if rows is None]
-    together: list[tuple[int, np.ndarray, np.ndarray]] = []
-    size = 0
-    for i in missing:
-        columns, motors = columns_at_motors(effects[i], signals)
-        together.append((i, columns, motors))
-        size += columns.nbytes
-        if size > TOGETHER or i == missing[-1]:
-            for k, rows in _filtered(signals, decimation, together):
-                found[k] = rows
-                _keep(signals, decimation, effects[k], rows)
-            together, size = [], 0
+    for seen in {id(sources[i]): sources[i] for i in missing}.values():
+        own = [i for i in missing if sources[i] is seen]
+        together: list[tuple[int, np.ndarray, np.ndarray]] = []
+        size = 0
+        for i in own:
+            columns, motors = columns_at_motors(effects[i], seen)
+            together.append((i, columns, motors))
+            size += columns.nbytes
+            if size > TOGETHER or i == own[-1]:
+                for k, rows in _filtered(seen, decimation, together):
+                    found[k] = rows
+                    _keep(seen, decimation, effects[k], rows)
+                together, size = [], 0
     return [rows for rows in found if rows is not None]
+
+
+def _seen_by(signals: RobotSignals, effect: Effect) -> RobotSignals:
+    often = bool(effect.shape) or effect.depends_on_model
+    return signals.sparsely if often and not effect.every_sample else signals
 
 
 def _filtered(
     signals: RobotSignals, decimation: int, given: Sequence[tuple[int, np.ndarray, np.ndarray]]
 ) -> Iterator[tuple[int, np.ndarray]]:
     """Columns (N, m, k) at motors (m,), bridged and decimated, as rows (M, n, k); all of a motor at once."""
-    samples, n = len(signals.time), len(signals.joints)
-    count = len(decimated_indices(samples, decimation))
+    n = len(signals.joints)
+    count = len(decimated_indices(signals.length, decimation))
     rows = {i: np.zeros((count, n, columns.shape[2])) for i, columns, _ in given}
     for motor in range(n):
         own = [
@@ -82,13 +95,23 @@ def _filtered(
             if motor in motors
         ]
         if own:
-            filled = bridged(np.concatenate([one for _, one in own], axis=1)[:, None], [signals.gaps[motor]])
-            decimated = decimate(filled[:, 0], decimation)
+            decimated = _decimated(
+                signals, decimation, np.concatenate([one for _, one in own], axis=1), motor
+            )
             at = 0
             for i, one in own:
                 rows[i][:, motor] = decimated[:, at : at + one.shape[1]]
                 at += one.shape[1]
     yield from rows.items()
+
+
+def _decimated(signals: RobotSignals, decimation: int, columns: np.ndarray, motor: int) -> np.ndarray:
+    """Columns (N, k) of a motor's torque, bridged where it stands still and decimated: (M, k)."""
+    sparse, gap = signals.sparse, signals.gaps[motor]
+    if sparse is None:
+        return decimate(bridged(columns[:, None], [gap])[:, 0], decimation)
+    filled = bridged_sparsely(columns, gap, sparse.shares[motor])
+    return decimate_sparse(filled, sparse.every, sparse.length, decimation)
 
 
 def _kept(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray | None:

@@ -17,10 +17,11 @@ from bench.basics.interpolation import cubic_spline
 from bench.effects import RobotSignals
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows
-from bench.effects.signals import OVERSAMPLING
+from bench.effects.signals import OVERSAMPLING, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
+from bench.identification.sparse_signals import FEWEST, sparse_gaps, sparse_joint
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_beside
@@ -31,7 +32,7 @@ TURN, SLIDE = 1e-2, 1e-3  # rad, m: shift of a joint for a difference quotient
 MOTION = 0.999  # of a velocity's power inside the fit's band: the rest is taken for noise, or for little
 FINENESS = 10.0  # samples in a period of the highest frequency of the motion
 SHARE = 0.1  # of the RMS speed, likewise
-OWN = ("passing", "noted")  # what signals keep of their own, for changes that are exact
+OWN = ("passing", "noted", "sparse")  # what signals keep of their own, for changes that are exact
 MOST_BYTES = 80_000_000  # of what is kept
 KEPT = np.float32  # small changes need no more digits
 
@@ -41,7 +42,7 @@ class Nearby:
 
     few: of every recording, the samples taken; part: where they stand among all (K,). Matrices (K, n, nb + 10 + r) have
     the base parameters' columns, then those of a payload in the tool frame, zero without a tool, and of a unit torque
-    of each redundant motor.
+    of each redundant motor. rows: of effects that need no model, of every recording as a search sees it.
     """
 
     def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
@@ -58,6 +59,7 @@ class Nearby:
         parts = ("time", "q", "v", "a", "jacobian")
         self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
         self._kept = KeptRows(MOST_BYTES)
+        self.rows = tuple(KeptRows() for _ in measured)
         self._barred: dict[bytes, str] = {}
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
@@ -98,7 +100,9 @@ class Nearby:
         parameters = np.concatenate((present.base, load))
         few = self.few[index]
         beside = seen.redundant_torque[few] if seen.redundant else None
-        return NearbySignals(**given, nearby=self, index=index, parameters=parameters, beside=beside)
+        return NearbySignals(
+            **given, nearby=self, index=index, parameters=parameters, beside=beside, knots=seen.time[few]
+        )
 
     def turned(self, axis: int) -> np.ndarray:
         """What one m/s2 more of gravity along an axis of the world adds to the matrix."""
@@ -163,7 +167,8 @@ class NearbySignals(RobotSignals):
     """A recording as effects see it that are searched for: changes of the torque are small and smooth.
 
     nearby: of all recordings, of which this is the one with this index; parameters (nb + 10,): of the present model and
-    of what this recording carries; beside (K, r): what redundant motors give at the few samples, None without any.
+    of what this recording carries; beside (K, r): what redundant motors give at the few samples, None without any;
+    knots: s, where these are.
     """
 
     expands = True
@@ -172,6 +177,42 @@ class NearbySignals(RobotSignals):
     index: int
     parameters: np.ndarray
     beside: np.ndarray | None
+    knots: np.ndarray
+
+    @cached_property
+    def sparsely(self) -> RobotSignals:
+        """See `RobotSignals`: at the coarse samples."""
+        every, length = self.every, len(self.time)
+        if every == 1 or length < FEWEST * every:
+            return self
+        some = slice(None, None, every)
+        gaps, shares = sparse_gaps(self.gaps, every, length)
+
+        def torque(
+            position: np.ndarray | None = None,
+            velocity: np.ndarray | None = None,
+            acceleration: np.ndarray | None = None,
+            *,
+            gravity: np.ndarray | None = None,
+            geometry: Geometry | None = None,
+            every: int = 1,
+        ) -> np.ndarray:
+            moved = (position, velocity, acceleration)
+            return self.torque(*moved, gravity=gravity, geometry=geometry, every=every * self.every)
+
+        return replace(
+            self,
+            joints={name: sparse_joint(joint, every) for name, joint in self.joints.items()},
+            redundant={name: sparse_joint(joint, every) for name, joint in self.redundant.items()},
+            moved=lambda: self.tree.at(some),
+            carried=lambda: self.payload_torque[some],
+            torque=torque,
+            gaps=gaps,
+            lasting=self.nearby.rows[self.index],
+            passing=KeptRows(),
+            noted={},
+            sparse=Sparse(every, length, shares),
+        )
 
     def coarse_change(
         self,
@@ -237,10 +278,9 @@ class NearbySignals(RobotSignals):
         return combined_torque(rows[self.nearby.part[self.index]], self.parameters, self.beside)
 
     def _smooth(self, values: np.ndarray, time: np.ndarray) -> np.ndarray:
-        few = self.nearby.few[self.index]
-        if len(few) == len(time):
+        if len(self.knots) == len(time):
             return values
-        return cubic_spline(self.time[few], values)(time)
+        return cubic_spline(self.knots, values)(time)
 
 
 def _few_samples(measured: Measured) -> np.ndarray:

@@ -45,7 +45,7 @@ def decimate(x: FloatArray, factor: int) -> FloatArray:
     if factor == 1:
         return np.array(x)
     check_length(x, ORDER, f"decimation by {factor}")
-    return kept_samples(_sections(factor), x, ORDER, factor, int(kept[0]))
+    return kept_samples(sections_of(factor), x, ORDER, factor, int(kept[0]))
 
 
 class Decimation:
@@ -57,7 +57,7 @@ class Decimation:
         if factor > 1 and length <= 3 * ORDER:
             raise too_short(length, ORDER, f"decimation by {factor}")
         self._whole: list[FloatArray] = []
-        self._filter = None if factor == 1 else RunningFilter(_sections(factor), ORDER, factor, first)
+        self._filter = None if factor == 1 else RunningFilter(sections_of(factor), ORDER, factor, first)
 
     def push(self, x: FloatArray) -> None:
         """Take the next samples (K, C)."""
@@ -92,10 +92,11 @@ def noise_bandwidth(factor: int) -> float:
     if factor == 1:
         return 1.0
     frequency = np.linspace(0, min(2 * BAND / factor, 1), 20001)
-    h = response(_sections(factor), np.pi * frequency)
+    h = response(sections_of(factor), np.pi * frequency)
     return float(np.trapezoid(np.abs(h) ** 4, frequency))
 
 
 @lru_cache(maxsize=64)
-def _sections(factor: int) -> FloatArray:
+def sections_of(factor: int) -> FloatArray:
+    """Second-order sections (n_sections, 6) of one pass of the filter of `decimate`."""
     return chebyshev(ORDER, RIPPLE, BAND / factor)

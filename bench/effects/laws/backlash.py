@@ -39,6 +39,7 @@ class Backlash(Effect):
     parameters = (EffectParameter("b", "{angle}", positive=True),)
     shape = (ShapeParameter("r", "1", (0.0, 0.3, 0.6, 0.9), discrete=True),)
     depends_on_model = True
+    every_sample = True
 
     b: float = 0.0
     r: float = 0.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, ShapeParameter
-from bench.effects.periods import PERIODS, strongest_periods, wave
+from bench.effects.periods import PERIODS, followed_wave, strongest_periods
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
@@ -34,7 +34,7 @@ class CoggingTorque(ActuatorEffect):
     periods: float = 12.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
-        return wave(joint.position, self.periods, joint.rotates)
+        return followed_wave(joint.position, self.periods, joint.rotates)
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         if not samples:

@@ -32,6 +32,7 @@ class CurrentDelay(ActuatorEffect):
     parameters = (EffectParameter("T", "s"),)
     depends_on_model = True
     before_torque = True
+    every_sample = True
 
     T: float = 0.0
 

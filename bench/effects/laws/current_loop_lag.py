@@ -26,6 +26,7 @@ class CurrentLoopLag(ActuatorEffect):
     parameters = (EffectParameter("T", "s", positive=True),)
     depends_on_model = True
     before_torque = True
+    every_sample = True
 
     def torque(self, joint: JointSignals) -> np.ndarray:
         return central_difference(joint.needed_torque, 1.0 / joint.rate, 2)[:, None]

@@ -54,6 +54,7 @@ class DriveFlexibility(Effect):
     )
     shape = (ShapeParameter("zeta", "1", (0.02, 0.06, 0.2, 0.6)),)
     depends_on_model = True
+    every_sample = True
     bends = True
 
     C: float = 0.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, ShapeParameter
-from bench.effects.periods import PERIODS, strongest_periods, wave
+from bench.effects.periods import PERIODS, followed_wave, strongest_periods
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
@@ -43,7 +43,7 @@ class TorqueRipple(ActuatorEffect):
     b: float = 0.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
-        waves = wave(joint.position, self.periods, joint.rotates)
+        waves = followed_wave(joint.position, self.periods, joint.rotates)
         given = np.maximum(1.0 + waves @ np.array([self.a, self.b]), LEAST)
         return -(joint.needed_torque / given)[:, None] * waves
 

@@ -1,0 +1,76 @@
+"""A recording at the few samples that the fit's band needs, for columns that only a search tries."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bench.effects import JointSignals
+from bench.identification.standstill import Gaps, bridged
+
+FEWEST = 100  # samples that are left: shorter recordings are looked at as they are
+
+
+@dataclass(frozen=True)
+class SparseJoint(JointSignals):
+    """A joint at every so many-th sample; torques are smoothed before, at all of them. whole: the joint there."""
+
+    whole: JointSignals
+    every: int
+
+    @cached_property
+    def needed_torque(self) -> np.ndarray:
+        """See `JointSignals`."""
+        return self.whole.needed_torque[:: self.every]
+
+    @cached_property
+    def motor_torque(self) -> np.ndarray:
+        """See `JointSignals`."""
+        return self.whole.motor_torque[:: self.every]
+
+
+def sparse_joint(whole: JointSignals, every: int) -> SparseJoint:
+    """The joint at every so many-th sample."""
+    some = slice(None, None, every)
+    return SparseJoint(
+        time=whole.time[some],
+        position=whole.position[some],
+        velocity=whole.velocity[some],
+        acceleration=whole.acceleration[some],
+        current=whole.current[some],
+        gain=whole.gain,
+        speed=whole.speed,
+        rate=whole.rate / every,
+        band=whole.band,
+        rotates=whole.rotates,
+        needs=whole.needs,
+        whole=whole,
+        every=every,
+    )
+
+
+def sparse_gaps(gaps: Gaps, every: int, length: int) -> tuple[Gaps, tuple[np.ndarray, ...]]:
+    """Stretches of the few samples in which joints stand still, those at their edges included; and shares (K,) of every
+    joint: how much of what each of the few stands for, half way to its neighbours, lies in a stretch.
+    """
+    found, shares = [], []
+    count = -(-length // every)
+    edges = np.clip(np.arange(count + 1) * every - every // 2, 0, length)
+    for stretches in gaps:
+        inside = np.zeros(length + 1)
+        for start, stop, _ in stretches:
+            inside[start + 1 : stop + 1] = 1.0
+        before = np.cumsum(inside)[edges]
+        shares.append(np.diff(before) / np.diff(edges))
+        few = np.empty_like(stretches)
+        few[:, 0] = (stretches[:, 0] + every // 2) // every
+        few[:, 1] = np.minimum((stretches[:, 1] - 1 + every // 2) // every + 1, count)
+        few[:, 2] = np.maximum(np.round(stretches[:, 2] / every), 1)
+        found.append(few)
+    return tuple(found), tuple(shares)
+
+
+def bridged_sparsely(rows: np.ndarray, gap: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Rows (K, p) of a joint bridged in its stretches, at their edges by the `share` (K,) that lies in one."""
+    over = bridged(rows[:, None], [gap])[:, 0]
+    return rows + share[:, None] * (over - rows)
