@@ -7,12 +7,13 @@ unknowns, whatever the number of samples.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from bench.effects import EffectInstance, RobotSignals
+from bench.identification.bilinear import errors_by, independent_of, least, normal_equations, squares_of
 from bench.identification.effect_rows import effect_rows
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import Observation
@@ -24,8 +25,6 @@ CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be follo
 MOST_STEPS = 50
 DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
 NOTHING = 1e-10  # share of a candidate's column that the model's own must leave
-COLLINEAR = 1e-6  # least pivot of the scaled unknowns of a set that Cholesky's factors are trusted with
-TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -94,6 +93,19 @@ class System:
         """Indices of the base columns and those of the chosen candidates."""
         return np.concatenate([np.arange(self.base), *(self.candidates[i].columns for i in chosen)])
 
+    def independent(self, chosen: Sequence[int]) -> np.ndarray:
+        """Which of `columns_of` are enough to span them all, as indices: one effect may hold another."""
+        added = self.columns_of(chosen)[self.base :] - self.base
+        kept = independent_of(self._among_candidates[np.ix_(added, added)])
+        return np.concatenate((np.arange(self.base), self.base + kept))
+
+    @cached_property
+    def _among_candidates(self) -> np.ndarray:
+        """Inner products of the candidates' columns, weighted, as the present model's solution sees them."""
+        share = (self.start.weights / self.start.gains) ** 2
+        inner = self.fitted.inner[:, self.base : -2, self.base : -2]
+        return np.asarray(np.einsum("j,jrc->rc", share, inner))
+
 
 def build_system(
     prepared: Prepared,
@@ -142,23 +154,18 @@ def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
 
 def squared_errors(products: Products, fit: SetFit, start: Solution) -> np.ndarray:
     """Sum of squares (n,) of every motor's current error with a set's solution."""
-    size = products.inner.shape[1]
-    picked = np.append(fit.columns, [size - 2, size - 1])
-    inner = products.inner[:, picked[:, None], picked]
-    return squares_of(inner, errors_by(fit.values, fit.gains, start.gains))
+    return squares_of(inner_of(products, fit.columns), errors_by(fit.values, fit.gains, start.gains))
 
 
 def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
     """Gauss-Newton with step halving, from the best solution that is known of a smaller set."""
     start, fit_gains = system.start, system.start.gains_fitted
     columns, values, gains = start_of(system, chosen)
-    size = system.fitted.inner.shape[1]
-    picked = np.append(columns, [size - 2, size - 1])
-    inner = system.fitted.inner[:, picked[:, None], picked]
+    inner = inner_of(system.fitted, columns)
     squares = start.weights**2
     cost = float(squares_of(inner, errors_by(values, gains, start.gains)) @ squares)
     for _ in range(MOST_STEPS):
-        both = _least(*normal_equations(inner, values, gains, start))
+        both = least(*normal_equations(inner, values, gains, start.weights, start.gains, fit_gains))
         step, by_gain = both[: len(values)], both[len(values) :] if fit_gains else np.zeros(len(gains))
         share = 1.0 / max(1.0, 2.0 * float(np.abs(by_gain / gains).max()))
         while share > 1e-6:
@@ -173,79 +180,47 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         values, gains, cost = new_values, new_gains, new
         if settled:
             break
-    return with_checked(system, SetFit(chosen, columns, values, gains, cost, 0.0))
+    return fit_of(system, chosen, columns, values, gains, cost)
 
 
 def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A set's columns (k,), and values (k,) and gains (n,) to start from: the best that are known of a smaller set."""
+    """A set's independent columns (k,), and values (k,) and gains (n,) to start from: the best that are known of a
+    smaller set.
+    """
     columns = system.columns_of(chosen)
+    columns = columns[system.independent(chosen)]
     values, gains = np.zeros(len(columns)), system.start.gains
     smaller = (system.solved.get(chosen[:i] + chosen[i + 1 :]) for i in range(len(chosen)))
     near = min((one for one in smaller if one is not None), key=lambda one: one.fitted, default=None)
     if near is not None:
-        values[np.searchsorted(columns, near.columns)], gains = near.values, near.gains
+        every = np.zeros(system.fitted.inner.shape[1])
+        every[near.columns] = near.values
+        values, gains = every[columns], near.gains
     return columns, values, gains
 
 
-def with_checked(system: System, fit: SetFit) -> SetFit:
-    """The set with the squares that it leaves on the checked recordings."""
-    left = squared_errors(system.checked, fit, system.start)
-    return replace(fit, checked=float(left @ system.start.weights**2))
+def inner_of(products: Products, columns: np.ndarray) -> np.ndarray:
+    """Inner products (n, k + 2, k + 2) of some columns (k,), torque and error."""
+    size = products.inner.shape[1]
+    picked = np.append(columns, [size - 2, size - 1])
+    return products.inner[:, picked[:, None], picked]
 
 
-def normal_equations(
-    inner: np.ndarray, values: np.ndarray, gains: np.ndarray, start: Solution
-) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where they are fitted.
-
-    inner: (..., n, k + 2, k + 2) inner products; what stands before the last axes is of many sets.
-    """
-    k, n = values.shape[-1], gains.shape[-1]
-    share = start.weights**2 / gains  # of torque in the weighted squares, with another of the gains to come
-    by_error = (inner @ errors_by(values, gains, start.gains)[..., None])[..., 0]
-    right = (share[..., None, :] @ by_error[..., :k])[..., 0, :]
-    normal = np.einsum("...j,...jrc->...rc", share / gains, inner[..., :k, :k])
-    if not start.gains_fitted:
-        return normal, right
-    torque = np.zeros((*gains.shape, k + 2))
-    torque[..., :k], torque[..., k] = values[..., None, :], 1.0
-    torque /= gains[..., None]
-    by_torque = (inner @ torque[..., None])[..., 0]
-    across = -(share / gains)[..., None] * by_torque[..., :k]
-    own = (share / gains * (torque * by_torque).sum(axis=-1))[..., None] * np.eye(n)
-    normal = np.block([[normal, across.swapaxes(-1, -2)], [across, own]])
-    return normal, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
-
-
-def _least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution of normal equations, scaled to a unit diagonal; the smallest where they do not determine it."""
-    diagonal = np.diag(normal)
-    lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    scaled = normal / np.outer(lengths, lengths)
-    try:
-        factor = cho_factor(scaled, lower=True, check_finite=False)
-    except LinAlgError:
-        factor = None
-    if factor is not None and np.diag(factor[0]).min() > COLLINEAR:
-        return np.asarray(cho_solve(factor, right / lengths, check_finite=False)) / lengths
-    values, vectors = np.linalg.eigh(scaled)
-    kept = values > COLLINEAR**2 * values[-1]
-    along = vectors[:, kept]
-    return np.asarray(along @ ((along.T @ (right / lengths)) / values[kept])) / lengths
-
-
-def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """By what every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
-    errors = np.ones((*gains.shape, values.shape[-1] + 2))
-    errors[..., :-2] = -values[..., None, :] / gains[..., None]
-    errors[..., -2] = 1.0 / start - 1.0 / gains
-    return errors
-
-
-def squares_of(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """Sum of squares (..., n) of what errors (..., n, k) combine, never below what rounding leaves of nothing."""
-    combined = (inner @ errors[..., None])[..., 0]
-    return np.asarray(np.maximum((errors * combined).sum(axis=-1), TINY))
+def fit_of(
+    system: System,
+    chosen: tuple[int, ...],
+    columns: np.ndarray,
+    values: np.ndarray,
+    gains: np.ndarray,
+    cost: float,
+) -> SetFit:
+    """A set with the solution in its independent columns (k,), and the squares left on the checked recordings."""
+    start = system.start
+    left = squares_of(inner_of(system.checked, columns), errors_by(values, gains, start.gains))
+    every = system.columns_of(chosen)
+    whole = np.zeros(system.fitted.inner.shape[1])
+    whole[columns] = values
+    return SetFit(chosen, every, whole[every], gains, cost, float(left @ start.weights**2))
 
 
 def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution) -> np.ndarray:

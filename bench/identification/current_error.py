@@ -1,12 +1,13 @@
 """The estimator that minimises the error of the measured current itself.
 
 Each motor's modelled current is (Phi theta + kappa) / g. The noise of a current then stands where it arises,
-on the left side, whatever the gains; the problem is bilinear and solved by Gauss-Newton steps on the
-compressed factors.
+on the left side, whatever the gains; the problem is bilinear and solved by Gauss-Newton steps, first on inner products
+of the compressed factors, counted from the starting solution, and last on the factors themselves.
 """
 
 import numpy as np
 
+from bench.identification.centred import centred
 from bench.identification.compressed import Stack
 from bench.identification.solution import Solution, scaled_lstsq
 
@@ -16,18 +17,25 @@ CONVERGED = 1e-12
 NEARLY = 1e-9  # as long as the weights are not the last ones
 
 
-def current_error(stack: Stack, start: Solution) -> Solution:
+def current_error(stack: Stack, start: Solution, *, to_the_last_digit: bool = True) -> Solution:
     """Minimise sum_j w_j^2 |v_j - (Phi_j theta + kappa_j) / g_j|^2 from a starting solution.
 
     The weights are one over each motor's current error. Without a known payload (start.gains_fitted is
-    False) the gains stay as they are and the problem is linear.
+    False) the gains stay as they are and the problem is linear. to_the_last_digit: or as far as inner products lead,
+    which is nearer than any deviation.
     """
-    theta, gains, rows = start.theta, start.gains, len(stack.current)
+    theta, gains, factors, rows = start.theta, start.gains, stack.factors, len(stack.current)
     floor = current_floor(stack)
-    weights = 1.0 / np.maximum(np.sqrt(squared_errors(stack.factors, theta, gains) / rows), floor)
+    weights = 1.0 / np.maximum(np.sqrt(squared_errors(factors, theta, gains) / rows), floor)
+    near = centred(factors, theta, gains, weights)
+    values = np.zeros(near.basis.shape[1])
     for converged in (NEARLY,) * (REWEIGHTINGS - 1) + (CONVERGED,):
-        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged)
-        weights = 1.0 / np.maximum(np.sqrt(squared_errors(stack.factors, theta, gains) / rows), floor)
+        values, gains = near.minimised(values, gains, weights, start.gains_fitted, converged, MOST_STEPS)
+        theta, squares = near.theta_at(values), near.squares(values, gains)
+        if to_the_last_digit and converged == CONVERGED:
+            theta, gains = minimised(factors, theta, gains, weights, start.gains_fitted)
+            squares = squared_errors(factors, theta, gains)
+        weights = 1.0 / np.maximum(np.sqrt(squares / rows), floor)
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 
 

@@ -1,0 +1,86 @@
+"""Least squares of the currents' errors from inner products: unknown torques over unknown drive gains.
+
+Every motor's rows are [columns, torque, error]: what the unknown values multiply, the torque that a solution needs that
+they are counted from, and what it leaves of the current. With values x and gains g the current's error is
+error + torque (1 / g0 - 1 / g) - columns x / g, and all that a step of Gauss and Newton needs of the rows are their
+inner products. These are as exact as the solution is near: squares of what it leaves, none of the currents themselves.
+"""
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg.lapack import dpstrf
+
+COLLINEAR = 1e-6  # least pivot of the scaled unknowns that Cholesky's factors are trusted with
+TINY = float(np.finfo(float).tiny)
+
+
+def normal_equations(
+    inner: np.ndarray,
+    values: np.ndarray,
+    gains: np.ndarray,
+    weights: np.ndarray,
+    start: np.ndarray,
+    fit_gains: bool,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Matrix and right side of a step of Gauss and Newton: values (..., k), then gains (..., n) where they are fitted.
+
+    inner: (..., n, k + 2, k + 2) inner products; what stands before the last axes is of many problems. weights (n,): of
+    the errors; start (n,): the gains that torque and error belong to.
+    """
+    k, n = values.shape[-1], gains.shape[-1]
+    share = weights**2 / gains  # of torque in the weighted squares, with another of the gains to come
+    by_error = (inner @ errors_by(values, gains, start)[..., None])[..., 0]
+    right = (share[..., None, :] @ by_error[..., :k])[..., 0, :]
+    normal = np.einsum("...j,...jrc->...rc", share / gains, inner[..., :k, :k])
+    if not fit_gains:
+        return normal, right
+    torque = np.zeros((*gains.shape, k + 2))
+    torque[..., :k], torque[..., k] = values[..., None, :], 1.0
+    torque /= gains[..., None]
+    by_torque = (inner @ torque[..., None])[..., 0]
+    across = -(share / gains)[..., None] * by_torque[..., :k]
+    own = (share / gains * (torque * by_torque).sum(axis=-1))[..., None] * np.eye(n)
+    normal = np.block([[normal, across.swapaxes(-1, -2)], [across, own]])
+    return normal, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
+
+
+def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solution of normal equations, scaled to a unit diagonal; the smallest where they do not determine it."""
+    diagonal = np.diag(normal)
+    lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scaled = normal / np.outer(lengths, lengths)
+    try:
+        factor = cho_factor(scaled, lower=True, check_finite=False)
+    except LinAlgError:
+        factor = None
+    if factor is not None and np.diag(factor[0]).min() > COLLINEAR:
+        return np.asarray(cho_solve(factor, right / lengths, check_finite=False)) / lengths
+    values, vectors = np.linalg.eigh(scaled)
+    kept = values > COLLINEAR**2 * values[-1]
+    along = vectors[:, kept]
+    return np.asarray(along @ ((along.T @ (right / lengths)) / values[kept])) / lengths
+
+
+def independent_of(inner: np.ndarray) -> np.ndarray:
+    """Which of some columns of unit length, or none, are enough to span them all: indices, in order.
+
+    From their inner products (k, k), by Cholesky's factorisation with the largest pivot first.
+    """
+    if not len(inner):
+        return np.arange(0)
+    _, pivots, rank, _ = dpstrf(inner, tol=COLLINEAR**2, lower=1)
+    return np.sort(pivots[:rank] - 1)
+
+
+def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """By what every motor's current error is combined from [columns, torque, error]: (..., n, k + 2)."""
+    errors = np.ones((*gains.shape, values.shape[-1] + 2))
+    errors[..., :-2] = -values[..., None, :] / gains[..., None]
+    errors[..., -2] = 1.0 / start - 1.0 / gains
+    return errors
+
+
+def squares_of(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Sum of squares (..., n) of what errors (..., n, k) combine, never below what rounding leaves of nothing."""
+    combined = (inner @ errors[..., None])[..., 0]
+    return np.asarray(np.maximum((errors * combined).sum(axis=-1), TINY))
