@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.identification.compressed import Stack, compress
+from bench.identification.compressed import Stack, triangular_factors
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, Uncertainty, uncertainty
 
@@ -17,9 +17,9 @@ Solve = Callable[[Stack, np.ndarray], Solution]
 
 def reduced(stack: Stack, kept: np.ndarray) -> Stack:
     """The equations with some columns of phi only, kept (k,) indices."""
-    phi = stack.phi[:, :, kept]
-    factors = compress(phi, stack.kappa, stack.current)
-    return Stack(phi, stack.kappa, stack.current, stack.moving, stack.starts, factors)
+    p = stack.phi.shape[2]
+    factors = triangular_factors(stack.factors[:, :, [*kept, p, p + 1]].swapaxes(0, 1))
+    return replace(stack, phi=stack.phi[:, :, kept], factors=factors)
 
 
 def essential_columns(stack: Stack, candidates: int, solve: Solve, deviations: Deviations) -> np.ndarray:

@@ -48,7 +48,8 @@ def stepped(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, Stack, Solut
     left = partial_regression(stack, solution)
     reaches = [_reach(prepared, left, i, name) for i, name in shapes]
     values = theta[linear : prepared.layout.size]
-    moved = with_effects(prepared, _moved(prepared, shapes, theta[added], reaches, values))
+    instances = _moved(prepared, shapes, theta[added], reaches, values)
+    moved = with_effects(prepared, instances, fitted_only=True)
     after = solved_quickly(moved, fit_gains)
     gone = spread(*after) / spread(stack, solution)
     return (moved, *after) if (gone**2).mean() <= 1.0 + NO_WORSE else None

@@ -64,11 +64,12 @@ def settled(prepared: Prepared, fit_gains: bool, *, nearly: bool = False) -> Pre
     if nearly:
         before = _state(prepared, *solved_quickly(prepared, fit_gains))
     else:
-        plain = with_effects(prepared, [one for one in instances if one not in curved])
+        straight = [one for one in instances if one not in curved]
+        plain = with_effects(prepared, straight, fitted_only=True)
         present = present_model(plain, solved_quickly(plain, fit_gains)[1])
     last = instances
     for _ in range(MOST_ROUNDS):
-        prepared = with_effects(prepared, instances, present)
+        prepared = with_effects(prepared, instances, present, fitted_only=True)
         together = None if before is None else stepped(prepared, fit_gains)
         if together is None:
             prepared = _shaped(prepared, fit_gains)
@@ -130,8 +131,10 @@ def _shaped(prepared: Prepared, fit_gains: bool) -> Prepared:
     for i, instance in enumerate(instances):
         if not instance.effect.shape:
             continue
-        others = with_effects(prepared, instances[:i] + instances[i + 1 :])
+        others = with_effects(prepared, instances[:i] + instances[i + 1 :], fitted_only=True)
         stack, solution = solved_quickly(others, fit_gains)
         partial = partial_regression(stack, solution)
         instances[i] = best_shape(prepared, instance, partial)
-    return with_effects(prepared, instances) if tuple(instances) != prepared.effects else prepared
+    if tuple(instances) == prepared.effects:
+        return prepared
+    return with_effects(prepared, instances, fitted_only=True)

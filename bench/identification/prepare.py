@@ -1,7 +1,7 @@
 """From a dataset to equations: model, filters, and every recording as rows."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from bench.effects import Effect, EffectInstance, RobotSignals, catalogue_for, p
 from bench.identification.effect_columns import PresentModel, declared_parameters, robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import Measured, measure
+from bench.identification.fixed_columns import FixedColumns
 from bench.identification.layout import ParameterLayout, parameter_layout
 from bench.identification.observation import Observation, observe
 from bench.identification.payload_parameters import payload_columns
@@ -29,7 +30,7 @@ class Prepared:
     measured and observations go together, one for each recording that can be used. present: the model that
     effects are linearised about; signals: what they see of each recording. settled: whether effects that are not
     linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
-    taken from, in place of what effects compute exactly.
+    taken from, in place of what effects compute exactly. kept: what models of these recordings have in common.
     """
 
     dataset: Dataset
@@ -43,6 +44,7 @@ class Prepared:
     signals: tuple[RobotSignals, ...]
     settled: bool = False
     nearby: Nearby | None = None
+    kept: dict[str, FixedColumns | None] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def left_aside(self) -> tuple[str, ...]:
@@ -120,9 +122,16 @@ def logs_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
 
 
 def with_effects(
-    prepared: Prepared, effects: Sequence[EffectInstance], present: PresentModel | None = None
+    prepared: Prepared,
+    effects: Sequence[EffectInstance],
+    present: PresentModel | None = None,
+    *,
+    fitted_only: bool = False,
 ) -> Prepared:
-    """The same recordings with the columns of these effects, linearised about another model where given."""
+    """The same recordings with the columns of these effects, linearised about another model where given.
+
+    fitted_only: recordings that are not fitted get none, where nothing is judged on them.
+    """
     signals = prepared.signals
     if present is None or present is prepared.present:
         present = prepared.present
@@ -130,8 +139,14 @@ def with_effects(
         signals = tuple(robot_signals(prepared.model, one, present) for one in prepared.measured)
         if prepared.nearby is not None:
             signals = prepared.nearby.signals(present, signals)
+    decimation = prepared.settings.decimation
     observations = tuple(
-        replace(observation, effects=effect_rows(seen, prepared.settings.decimation, effects))
+        replace(
+            observation,
+            effects=effect_rows(
+                seen, decimation, () if fitted_only and observation.use != "identify" else effects
+            ),
+        )
         for seen, observation in zip(signals, prepared.observations, strict=True)
     )
     count = sum(len(one.effect.parameters) for one in effects)

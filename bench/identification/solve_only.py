@@ -10,24 +10,39 @@ from bench.identification.compressed import Stack, stack_observations
 from bench.identification.current_error import current_error
 from bench.identification.effect_rows import effect_rows
 from bench.identification.essential_parameters import reduced, with_zeros
+from bench.identification.fixed_columns import fits, fixed_columns, stacked_beside
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 
+FIXED = "fixed columns"
+
 
 def solved_quickly(prepared: Prepared, fit_gains: bool) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
-    stack = stack_observations(prepared.fitted, prepared.layout, prepared.dataset.payloads)
+    stack = _stacked(prepared)
     kept = identifiable_columns(stack, prepared.layout, fit_gains)
     return stack, solved_with(stack, kept, prepared.dataset.robot.nominal_gains, fit_gains)
+
+
+def _stacked(prepared: Prepared) -> Stack:
+    """The equations of a model; what all models of these recordings have is orthogonalised once."""
+    parts = prepared.fitted, prepared.layout, prepared.dataset.payloads
+    if not prepared.layout.effects:
+        return stack_observations(*parts)
+    fixed = prepared.kept.get(FIXED)
+    if FIXED not in prepared.kept or (fixed is not None and not fits(fixed, *parts)):
+        fixed = prepared.kept[FIXED] = fixed_columns(*parts)
+    return stack_observations(*parts) if fixed is None else stacked_beside(fixed, prepared.fitted)
 
 
 def solved_with(stack: Stack, kept: np.ndarray, nominal: np.ndarray, fit_gains: bool) -> Solution:
     """The current-domain solution with some columns of phi only, kept (k,); zero for the others."""
     size = stack.phi.shape[2]
     smaller = stack if len(kept) == size else reduced(stack, kept)
-    solution = current_error(smaller, weighted_least_squares(smaller, nominal, fit_gains))
+    start = weighted_least_squares(smaller, nominal, fit_gains)
+    solution = current_error(smaller, start, to_the_last_digit=False)
     return replace(solution, theta=with_zeros(solution.theta, kept, size))
 
 

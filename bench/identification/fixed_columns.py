@@ -1,0 +1,87 @@
+"""The columns that all models of a dataset have, orthogonalised once: those of effects are compressed beside them."""
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.dataset.payload import Payload
+from bench.identification.compressed import Stack, stack_observations
+from bench.identification.layout import ParameterLayout
+from bench.identification.observation import Observation
+
+MOST_BYTES = 100_000_000  # of orthogonalised columns that are kept
+
+
+@dataclass(frozen=True)
+class FixedColumns:
+    """The stack of a model without effects, and for every motor an orthonormal basis (n, M, r) of its columns.
+
+    triangles (n, r, p + 2): the columns [phi, kappa, current] in that basis. of: what they are made of.
+    """
+
+    stack: Stack
+    bases: np.ndarray
+    triangles: np.ndarray
+    of: tuple[Hashable, ...]
+    observations: tuple[Observation, ...]
+
+
+def fixed_columns(
+    observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
+) -> FixedColumns | None:
+    """None where they are too many to be kept, or fewer rows than columns."""
+    stack = stack_observations(
+        [replace(one, effects=one.effects[:, :, :0]) for one in observations],
+        replace(layout, effects=0),
+        payloads,
+    )
+    samples, n, p = stack.phi.shape
+    if samples < p + 2 or 8 * samples * n * (p + 2) > MOST_BYTES:
+        return None
+    bases, triangles = np.empty((n, samples, p + 2)), np.empty((n, p + 2, p + 2))
+    for j in range(n):
+        rows = np.column_stack((stack.phi[:, j], stack.kappa[:, j], stack.current[:, j]))
+        bases[j], triangles[j] = np.linalg.qr(rows)
+    made_of = _made_of(observations, layout, payloads)
+    return FixedColumns(stack, bases, triangles, made_of, tuple(observations))
+
+
+def fits(
+    fixed: FixedColumns,
+    observations: Sequence[Observation],
+    layout: ParameterLayout,
+    payloads: Mapping[str, Payload],
+) -> bool:
+    """Whether these observations have the same columns, effects aside."""
+    return fixed.of == _made_of(observations, layout, payloads)
+
+
+def stacked_beside(fixed: FixedColumns, observations: Sequence[Observation]) -> Stack:
+    """As `stack_observations`, of observations with other effects."""
+    stack = fixed.stack
+    effects = np.concatenate([one.effects for one in observations]) * stack.moving[:, :, None]
+    n, p, e = stack.phi.shape[1], stack.phi.shape[2], effects.shape[2]
+    factors = np.zeros((n, p + 2 + e, p + e + 2))
+    factors[:, : p + 2, :p], factors[:, : p + 2, p + e :] = (
+        fixed.triangles[:, :, :p],
+        fixed.triangles[:, :, p:],
+    )
+    for j, basis in enumerate(fixed.bases):
+        own = np.flatnonzero(effects[:, j].any(axis=0))
+        left = effects[:, j, own]
+        for _ in range(2):  # the second time for what rounding left of the first
+            within = basis.T @ left
+            left = left - basis @ within
+            factors[j, : p + 2, p + own] += within.T
+        triangle = np.asarray(np.linalg.qr(left, mode="r"))
+        factors[j, p + 2 : p + 2 + len(triangle), p + own] = triangle.T
+    phi = np.concatenate((stack.phi, effects), axis=2)
+    return replace(stack, phi=phi, factors=factors)
+
+
+def _made_of(
+    observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
+) -> tuple[Hashable, ...]:
+    carried = tuple((name, index.tobytes(), id(payloads[name])) for name, index in layout.payloads.items())
+    return carried, *((id(one.rigid), id(one.payload), one.payload_name) for one in observations)
