@@ -11,7 +11,7 @@ from bench.diagnosis.rounds import problem_of
 from bench.discovery.factors import Decay, Memory, Power, Step, Wave
 from bench.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
 from bench.discovery.named import NAMED, name_of
-from bench.discovery.screen import Known, few_rows, left_without, screened
+from bench.discovery.screen import Known, Left, few_rows, left_without, screened
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.source import law_effect, law_source
 from bench.discovery.table import Table, table_over
@@ -171,6 +171,18 @@ def test_the_hidden_law_explains_most_of_what_a_rigid_model_leaves(context):
     assert found[0].term.formulas(places[0]) == ("sign(v)*abs(a)",)
     assert all(one.share >= other.share for one, other in pairwise(found))
     assert re.match(r"\{effort\}", found[0].term.unit(places[0]))
+
+
+def test_what_is_left_beside_terms_is_known_from_what_was_left_without_them(context):
+    places = places_of(context.prepared)
+    terms = grammar(scope_of(context.prepared, context.left, places))
+    rows = few_rows(len(context.left.remainder))
+    known = [Known(seen_at(context.prepared, place), rows, terms) for place in places]
+    wide = left_without(context.left, known, rows)
+    for _ in range(2):
+        wide = wide.beside(screened(wide, terms, 1)[0])
+    anew = Left(wide.basis, wide.error, wide.weights, known)
+    np.testing.assert_allclose(wide.explained(), anew.explained(), rtol=1e-6, atol=1e-9 * wide.squares)
 
 
 def test_a_table_is_its_values_with_straight_lines_between(seen: Seen):

@@ -10,8 +10,10 @@ from bench.discovery.source import law_effect
 from bench.discovery.term import Term, freed
 from bench.discovery.variables import Place
 from bench.effects import EffectInstance
-from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
+from bench.identification.result import relative_error
+from bench.identification.solve_only import solved_quickly
+from bench.identification.summary import modelled_series
 
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
 
@@ -73,4 +75,7 @@ def _better(new: Refined, old: Refined, own: int) -> bool:
 
 
 def _error(problem: Problem, model: Prepared) -> float:
-    return fit(model, fit_gains=problem.fit_gains).error.validate or 0.0
+    """Relative error of a settled model on recordings that were not fitted, without anything else of its answer."""
+    _, solution = solved_quickly(model, problem.fit_gains)
+    judged = [modelled_series(model, one, solution) for one in model.observations if one.use == "validate"]
+    return relative_error(judged) or 0.0

@@ -1,7 +1,8 @@
 """How much of what a model leaves every term of the grammar would explain, at the fit's rate."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from bench.identification.partial_regression import PartialRegression
 
 MOST_ROWS = 4000  # that are looked at: more add nothing to a first choice
 TOGETHER = 256  # columns at a time
+MOST_BYTES = 20_000_000  # of a motor's columns that are kept
 INVISIBLE = 1e-3  # share of a column that the model must leave of it
 RIDGE = 1e-9  # added to a unit diagonal, so that parts that are alike can be solved
 DEPENDENT = 1e-10  # of the largest singular value
@@ -30,10 +32,16 @@ class Screened:
 
 
 class Known:
-    """Values of the factors of some terms at one motor in few rows, computed once; of others, each time."""
+    """Columns of some terms at one motor in few rows, computed once; those of others, each time.
 
-    def __init__(self, seen: Seen, rows: np.ndarray, terms: Iterable[Term]) -> None:
+    groups: which of the terms are looked at together.
+    """
+
+    def __init__(self, seen: Seen, rows: np.ndarray, terms: Sequence[Term]) -> None:
         self._seen, self._rows = seen, rows
+        self.groups = _groups(terms)
+        self._terms, self._kept = terms, dict[int, np.ndarray]()
+        self._may_keep = 8 * len(rows) * sum(one.parts for one in terms) <= MOST_BYTES
         every = {factor for term in terms for factor in term.factors}
         self._values = {factor: factor.values(seen)[rows] for factor in every}
 
@@ -42,12 +50,46 @@ class Known:
         found = self._values.get(factor)
         return factor.values(self._seen)[self._rows] if found is None else found
 
+    def columns(self, terms: Sequence[Term]) -> np.ndarray:
+        """Of terms of as many parts each, (M, T p)."""
+        found = np.empty((len(self._rows), len(terms), terms[0].parts))
+        for i, term in enumerate(terms):
+            first, *others = term.factors
+            column = self.values(first)
+            for one in others:
+                column = column * self.values(one)
+            found[:, i] = column
+        return found.reshape(len(found), -1)
+
+    def parts_of(self, group: int) -> int:
+        """How many parts each term of a group has."""
+        return self._terms[self.groups[group][0]].parts
+
+    def columns_of(self, group: int) -> np.ndarray:
+        """Of the terms of one of the groups, (M, T p)."""
+        found = self._kept.get(group)
+        if found is None:
+            found = self.columns([self._terms[i] for i in self.groups[group]])
+            if self._may_keep:
+                self._kept[group] = found
+        return found
+
+
+def _groups(terms: Sequence[Term]) -> list[list[int]]:
+    """Which terms are looked at together: not too many at a time, of as many parts each."""
+    found = []
+    for parts in sorted({one.parts for one in terms}):
+        chosen = [i for i, one in enumerate(terms) if one.parts == parts]
+        size = max(1, TOGETHER // parts)
+        found += [chosen[at : at + size] for at in range(0, len(chosen), size)]
+    return found
+
 
 class Left:
     """What a model and some terms leave at all motors, in few rows, and their columns there, orthonormal.
 
     basis (M, r), error (M,), weights (M,) motor by motor: the weights take torque to errors, and are
-    zero at standstill.
+    zero at standstill. fewer: what is left without the last columns of the basis.
     """
 
     def __init__(
@@ -56,58 +98,79 @@ class Left:
         error: Sequence[np.ndarray],
         weights: Sequence[np.ndarray],
         known: Sequence[Known],
+        fewer: "Left | None" = None,
     ) -> None:
-        self._basis, self._error, self._weights, self._known = basis, error, weights, known
+        self.basis, self.error, self.weights, self.known, self.fewer = basis, error, weights, known, fewer
         self.squares = float(sum(one @ one for one in error))
 
     @property
     def motors(self) -> int:
         """How many there are."""
-        return len(self._error)
+        return len(self.error)
 
     @property
     def rows(self) -> int:
         """Of all motors together."""
-        return sum(map(len, self._error))
+        return sum(map(len, self.error))
 
     def beside(self, one: "Screened", motors: Sequence[int] | None = None) -> "Left":
         """What is left with a term at every motor, or at some, each with a coefficient of its own."""
         some = range(self.motors) if motors is None else motors
         columns = [
-            self._columns([one.term.with_numbers(one.numbers[j]) if one.numbers else one.term], j)
+            self.known[j].columns([one.term.with_numbers(one.numbers[j]) if one.numbers else one.term])
+            * self.weights[j][:, None]
             for j in some
         ]
         size = columns[0].shape[1]
         rows = np.zeros((self.rows, len(some) * size))
-        at = np.cumsum([0, *map(len, self._error)])
+        at = np.cumsum([0, *map(len, self.error)])
         for i, (j, column) in enumerate(zip(some, columns, strict=True)):
             rows[at[j] : at[j + 1], i * size : (i + 1) * size] = column
-        own = np.concatenate(self._basis)
+        own = np.concatenate(self.basis)
         lengths = np.linalg.norm(rows, axis=0)
         for _ in range(2):  # the second time for what rounding left of the first
             rows = rows - own @ (own.T @ rows)
         rows = rows[:, np.linalg.norm(rows, axis=0) > INVISIBLE * lengths]
         new = np.linalg.qr(rows)[0]
-        error = np.concatenate(self._error)
+        error = np.concatenate(self.error)
         error = error - new @ (new.T @ error)
         basis = np.concatenate((own, new), axis=1)
         parts = at[1:-1]
-        return Left(np.split(basis, parts), np.split(error, parts), self._weights, self._known)
+        return Left(np.split(basis, parts), np.split(error, parts), self.weights, self.known, self)
 
-    def explained(self, terms: Sequence[Term]) -> np.ndarray:
-        """Sum of squares that each term explains at all motors together, (T,)."""
-        found = np.zeros(len(terms))
-        for parts in sorted({one.parts for one in terms}):
-            chosen = [i for i, one in enumerate(terms) if one.parts == parts]
-            size = max(1, TOGETHER // parts)
-            for at in range(0, len(chosen), size):
-                some = chosen[at : at + size]
-                found[some] = self._together([terms[i] for i in some], range(self.motors))
+    def explained(self) -> np.ndarray:
+        """Sum of squares that each of the known terms explains at all motors together, (T,)."""
+        found = np.zeros(sum(map(len, self.known[0].groups)))
+        for some, products in zip(self.known[0].groups, self.products, strict=True):
+            found[some] = products.explained()
         return found
 
     def explained_at(self, term: Term, motor: int) -> float:
         """The same for one term at one motor."""
-        return float(self._together([term], [motor])[0])
+        columns = [self.known[motor].columns([term])]
+        return float(self._products(columns, [motor], term.parts).explained()[0])
+
+    @cached_property
+    def products(self) -> "list[Products]":
+        """Of the known terms in their groups; only the new columns are looked at beside what is left without them."""
+        every = range(self.motors)
+        found = []
+        for k in range(len(self.known[0].groups)):
+            columns = [one.columns_of(k) for one in self.known]
+            if self.fewer is None:
+                found.append(self._products(columns, every, self.known[0].parts_of(k)))
+            else:
+                found.append(self._beside(self.fewer, self.fewer.products[k], columns))
+        return found
+
+    def _beside(self, before: "Left", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
+        """Products with columns (M, T p) of some terms at every motor, from those where less is taken away."""
+        new = [one[:, before.basis[j].shape[1] :] for j, one in enumerate(self.basis)]
+        along = [(one * self.weights[j][:, None]).T @ columns[j] for j, one in enumerate(new)]
+        count = len(products.normal)
+        within = np.concatenate([one.reshape(len(one), count, -1) for one in along], axis=2)
+        taken = sum(one.T @ before.error[j] for j, one in enumerate(new))
+        return products.without(within, np.asarray(taken))
 
     def fitted(self, term: Term) -> dict[int, tuple[float, ...]]:
         """Numbers of a term at every motor, each in turn where it explains most there."""
@@ -119,7 +182,7 @@ class Left:
             def unexplained(value: float, i: int = i, term: Term = term) -> float:
                 values = [one.value for one in term.numbers]
                 values[i] = float(value)
-                return -float(self._together([term.with_numbers(values)], [motor])[0])
+                return -self.explained_at(term.with_numbers(values), motor)
 
             found, least = minimum_between(unexplained, number.low, number.high, TOLERANCE * abs(number.high))
             values = [one.value for one in term.numbers]
@@ -128,43 +191,53 @@ class Left:
             term = term.with_numbers(values)
         return tuple(one.value for one in term.numbers)
 
-    def _together(self, terms: Sequence[Term], motors: Iterable[int]) -> np.ndarray:
-        """The same for terms of as many parts each."""
-        parts, count = terms[0].parts, len(terms)
+    def _products(self, columns: Sequence[np.ndarray], motors: Sequence[int], parts: int) -> "Products":
+        """Of columns (M, T p) of terms of so many parts at some motors."""
         inner, across, towards, whole = [], [], [], []
-        for j in motors:
-            rows = self._columns(terms, j)
-            own = rows.reshape(len(rows), count, parts)
+        for j, column in zip(motors, columns, strict=True):
+            rows = column * self.weights[j][:, None]
+            own = rows.reshape(len(rows), -1, parts)
+            count = own.shape[1]
             inner.append(np.einsum("mtp,mtq->tpq", own, own, optimize=True))
-            across.append((self._basis[j].T @ rows).reshape(-1, count, parts))
-            towards.append((self._error[j] @ rows).reshape(count, parts))
+            across.append((self.basis[j].T @ rows).reshape(-1, count, parts))
+            towards.append((self.error[j] @ rows).reshape(count, parts))
             whole.append(np.sqrt(np.einsum("tpp->tp", inner[-1])))
-        size = len(inner) * parts
         right, lengths = np.concatenate(towards, axis=1), np.concatenate(whole, axis=1)
-        within = np.concatenate(across, axis=2)  # (r, T, n p)
-        normal = -np.einsum("rti,rtk->tik", within, within, optimize=True)
+        size = len(inner) * parts
+        normal = np.zeros((len(right), size, size))
         for j, one in enumerate(inner):
             at = slice(j * parts, (j + 1) * parts)
-            normal[:, at, at] += one
-        left = np.sqrt(np.maximum(np.einsum("tii->ti", normal), 0.0))
-        gone = left <= INVISIBLE * lengths
-        left[gone] = np.inf
-        scaled = normal / (left[:, :, None] * left[:, None, :])
-        scaled[:, np.arange(size), np.arange(size)] = 1.0 + RIDGE
-        right = right / left
+            normal[:, at, at] = one
+        within = np.concatenate(across, axis=2)  # (r, T, n p)
+        return Products(normal, right, lengths).without(within, np.zeros(len(within)))
+
+
+@dataclass(frozen=True)
+class Products:
+    """Of each of some terms: inner products (T, q, q) of its columns, those with what is left (T, q), lengths (T, q).
+
+    All but the lengths without what the model and other terms take away. q: the parts of a term at all motors.
+    """
+
+    normal: np.ndarray
+    right: np.ndarray
+    lengths: np.ndarray
+
+    def without(self, within: np.ndarray, taken: np.ndarray) -> "Products":
+        """The same with more orthonormal columns taken away: their products (r, T, q), with what is left (r,)."""
+        normal = self.normal - np.einsum("rti,rtk->tik", within, within, optimize=True)
+        return Products(normal, self.right - np.einsum("r,rti->ti", taken, within), self.lengths)
+
+    def explained(self) -> np.ndarray:
+        """Sum of squares that each term explains, (T,)."""
+        left = np.sqrt(np.maximum(np.einsum("tii->ti", self.normal), 0.0))
+        left[left <= INVISIBLE * self.lengths] = np.inf
+        scaled = self.normal / (left[:, :, None] * left[:, None, :])
+        each = np.arange(left.shape[1])
+        scaled[:, each, each] = 1.0 + RIDGE
+        right = self.right / left
         solved = np.linalg.solve(scaled, right[..., None])[..., 0]
         return np.asarray((right * solved).sum(axis=1))
-
-    def _columns(self, terms: Sequence[Term], motor: int) -> np.ndarray:
-        """Weighted columns (M, T p) of terms at a motor."""
-        weights = self._weights[motor][:, None]
-        found = np.empty((len(weights), len(terms), terms[0].parts))
-        for i, term in enumerate(terms):
-            column = weights
-            for one in term.factors:
-                column = column * self._known[motor].values(one)
-            found[:, i] = column
-        return found.reshape(len(found), -1)
 
 
 def left_without(
@@ -205,11 +278,11 @@ def few_rows(samples: int) -> np.ndarray:
 def screened(
     left: Left, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
 ) -> list[Screened]:
-    """The terms that explain most, each structure once, with their numbers adapted at every motor.
+    """Of the known terms those that explain most, each structure once, with their numbers adapted at every motor.
 
     but: structures that are not wanted.
     """
-    explained = left.explained(terms)
+    explained = left.explained()
     rounded = np.round(explained / left.squares, DIGITS)
     best: dict[object, int] = {}
     taken: set[float] = set()
