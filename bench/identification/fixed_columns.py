@@ -84,4 +84,5 @@ def _made_of(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> tuple[Hashable, ...]:
     carried = tuple((name, index.tobytes(), id(payloads[name])) for name, index in layout.payloads.items())
-    return carried, *((id(one.rigid), id(one.payload), one.payload_name) for one in observations)
+    seen = ((id(one.rigid), id(one.payload), id(one.redundant), one.payload_name) for one in observations)
+    return layout.redundant, carried, *seen
