@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -39,7 +40,8 @@ def page(effect: Effect, drawn: Numbers, robots: Numbers, trials: Mapping[str, S
         measured(effect.name),
         command(effect),
     ]
-    return "\n\n".join(part for part in parts if part) + "\n"
+    text = "\n\n".join(part for part in parts if part) + "\n"
+    return re.sub(r"(?<=\d) %", "&nbsp;%", text)
 
 
 def law(effect: Effect) -> str:

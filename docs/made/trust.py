@@ -16,6 +16,8 @@ SEEDS = ("five_bar", "delta", "robots")
 METRICS = ("gain_error", "validate_error_over_noise_floor", "gain_within")
 GAIN_GOAL = "0.1 % five-bar, 0.4 % Delta, 0.3 % others"
 ENCODER_BITS = 20
+CLEAN = {"five_bar": "0.02 %", "delta": "0.1 %"}
+"""Scenarios without noise, and what `tests/test_identify.py` allows them."""
 SHOWN = MAIN | {Figure.ONE_UNDECIDED, Figure.TWO_UNDECIDED, Figure.THREE_UNDECIDED}
 RESULTS = Path(__file__).resolve().parents[2] / "results"
 
@@ -94,6 +96,34 @@ def estimators_table() -> str:
     return rows_in_markdown(("current noise", *(f"`{one}`" for one in methods)), lines)
 
 
+def clean_table() -> str:
+    """The reference scenarios without noise: what their one seed gives."""
+    rows: list[tuple[str, ...]] = []
+    for robot, most in CLEAN.items():
+        path = RESULTS / "reference" / f"{robot}_clean.json"
+        (line,) = json.loads(path.read_text(encoding="utf-8"))["lines"].values()
+        (gain,), (gap,) = line["gain_error"], line["loop_gap"]
+        rows.append((robot, percent(gain), most, f"{1e6 * gap:.2g}&nbsp;µm"))
+    return rows_in_markdown(("", "largest gain error", "at most", "largest opening of a loop"), rows)
+
+
+def peers_table() -> str:
+    """The same problem by other programs: the five-bar without friction."""
+    scores = json.loads((RESULTS / "peers" / "peers.json").read_text(encoding="utf-8"))["scores"]
+    rows = [
+        (
+            one["solver"],
+            str(one["seeds"]),
+            f"{one['seconds']:.2g}&nbsp;s",
+            percent(one["gain_error"]),
+            percent(one["gain_within"]),
+        )
+        for one in scores
+        if one["robot"] == "five_bar" and not one["friction"] and one["mass_error"] is not None
+    ]
+    return rows_in_markdown(("", "seeds", "time", "gain error", "intervals that hold the gain"), rows)
+
+
 def percent(share: float) -> str:
     """In percent, three figures; not to be broken."""
     return f"{100 * float(share):.3g}&nbsp;%"
@@ -114,6 +144,8 @@ def page(text: str) -> str:
     for place, table in (
         ("trials", trial_table(trials())),
         ("gains", gains_table()),
+        ("clean", clean_table()),
+        ("peers", peers_table()),
         ("speed", speed_table()),
         ("estimators", estimators_table()),
     ):

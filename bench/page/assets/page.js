@@ -139,16 +139,10 @@
   function startMachine(holder) {
     const {data, recording} = figures[holder.dataset.machine];
     const section = holder.closest("section");
-    let machine = null;
-    const near = new IntersectionObserver((entries) => {
-      if (machine || !entries.some((one) => one.isIntersecting)) return;
-      machine = window.Machine.create(holder, data);
-      near.disconnect();
-    });
-    near.observe(holder);
+    const machine = window.Machine.create(holder, data);
     section.addEventListener("cursor", (event) => {
       const shown = [...section.querySelectorAll("option:checked, label:has(:checked)")];
-      if (machine && shown.some((one) => one.textContent === recording)) machine.at(event.detail);
+      if (shown.some((one) => one.textContent === recording)) machine.at(event.detail);
     });
   }
 
@@ -171,9 +165,10 @@
   }
 
   startTheme();
-  startFigures();
+  // what has its full height from the beginning comes first: links then land where they should
   for (const one of document.querySelectorAll("[data-machine]")) startMachine(one);
   for (const one of document.querySelectorAll("[data-runs]")) window.Runs.start(one, figures[one.dataset.runs]);
+  startFigures();
   startContents();
   const workbench = document.getElementById("workbench");
   if (workbench && window.Workbench) {
