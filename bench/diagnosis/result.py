@@ -56,7 +56,8 @@ class EffectVerdict:
 class Unexplained:
     """What no effect of the catalogue accounts for. error and noise_floor: relative, on recordings not fitted.
 
-    encoders: relative error that the encoders' noise makes, where it was asked for.
+    encoders: relative error that the encoders' noise makes, where it was asked for. repeats: what the errors do not
+    repeat where the motion returns, likewise; None where it never does or was not asked for.
     """
 
     significant: bool
@@ -65,6 +66,7 @@ class Unexplained:
     depends_on: tuple[str, ...]
     why: str
     encoders: float = 0.0
+    repeats: float | None = None
 
     @property
     def much(self) -> bool:

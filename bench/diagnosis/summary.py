@@ -116,7 +116,7 @@ def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     false = "These names may be false"
     if strange:
         return (f"{false}. {sentence(strange)}",)
-    if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL):
+    if left.significant and left.error > HOPELESS * max(left.noise_floor, REAL, left.repeats or 0.0):
         times = left.error / left.noise_floor
         return (f"{false}: what is left is {times:.0f} times the noise. Check columns, signs and payloads.",)
     return ()

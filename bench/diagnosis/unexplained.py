@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
+from bench.diagnosis.repeats import not_repeated
 from bench.diagnosis.result import Unexplained
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.signals.decimation import noise_bandwidth
@@ -83,14 +84,17 @@ def unexplained(
     noise = f"the noise of the currents leaves {100.0 * floor:.3g} %"
     if shaken > 0.1 * floor:
         noise += f" and that of the encoders {100.0 * shaken:.3g} %"
+    repeats = not_repeated(result.recordings)
+    if repeats is not None:
+        noise += f", and the logs repeat themselves to {100.0 * repeats:.3g} %"
     if not depends:
         why = f"{left} of the current is left where {noise}; it varies with nothing that was looked at"
-        return Unexplained(False, error, floor, (), why, shaken)
+        return Unexplained(False, error, floor, (), why, shaken, repeats)
     why = (
         f"{left} of the current is left where {noise}, and it varies with {', '.join(depends)}: no effect of the "
         "catalogue accounts for it"
     )
-    return Unexplained(True, error, floor, depends, why, shaken)
+    return Unexplained(True, error, floor, depends, why, shaken, repeats)
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:

@@ -1,0 +1,64 @@
+"""What logs do not repeat where their motion repeats itself: no model of that motion explains it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from bench.identification.result import CurrentSeries
+
+SAME = 0.1  # of the deviation of a position: as far a motion that returns may be from what it was
+OTHER = 0.5  # of it: as far it must have been in between
+FEWEST = 30  # rows that are there a second time
+FINER = 20  # places between two rows at which a period is looked for
+
+
+def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
+    """RMS of what the errors of all series do not repeat, over that of the currents there; None if no motion returns.
+
+    Half of the squared difference of the errors one period apart: noise, and whatever else the motion does not decide.
+    """
+    left = measured = 0.0
+    for one in series:
+        period = _period(one.time, one.position)
+        if period is None:
+            continue
+        known = one.time <= one.time[-1] - period
+        later = one.time[known] + period
+        both = one.moving[known] & (CubicSpline(one.time, one.moving.astype(float))(later) > 1.0 - 1e-6)
+        apart = (CubicSpline(one.time, one.error)(later) - one.error[known]) * both
+        left += 0.5 * float((apart**2).sum())
+        measured += float(((one.measured[known] * both) ** 2).sum())
+    return float(np.sqrt(left / measured)) if measured else None
+
+
+def _period(time: np.ndarray, position: np.ndarray) -> float | None:
+    """The shortest time after which positions (M, n) are the same again, s; None where they are not."""
+    spread = position.std(axis=0)
+    turning = spread > 0.0
+    if not turning.any() or len(time) <= FEWEST:
+        return None
+    scaled = position[:, turning] / spread[turning]
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+
+    def apart(lag: float) -> float:
+        known = time <= time[-1] - lag
+        return float(np.sqrt(((course(time[known] + lag) - scaled[known]) ** 2).mean(axis=0)).max())
+
+    lags = np.arange(1, len(time) - FEWEST)
+    by_row = np.array([np.sqrt(((scaled[k:] - scaled[:-k]) ** 2).mean(axis=0)).max() for k in lags])
+    gone = np.flatnonzero(by_row > OTHER)
+    if not len(gone):
+        return None
+    least = [
+        i
+        for i in range(int(gone[0]) + 1, len(lags) - 1)
+        if by_row[i] <= min(by_row[i - 1], by_row[i + 1]) and by_row[i] < OTHER
+    ]
+    course = CubicSpline(time, scaled)
+    for i in least:
+        tried = step * (lags[i] + np.linspace(-1.0, 1.0, 2 * FINER + 1))
+        best = min(tried.tolist(), key=apart)
+        if apart(best) < SAME:
+            return best
+    return None
