@@ -8,6 +8,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
+from bench.identification.finding import Code
 from bench.identification.identify import identify
 from bench.identification.result import Identification
 from bench.identification.robust import degrees_of_freedom
@@ -60,7 +61,15 @@ def test_bad_seconds_move_least_squares_and_not_the_robust_estimator(
 ) -> None:
     clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
     bad = with_bad_second(clean)
-    error, z = off(identify(bad, method="robust"), true)
+    result = identify(bad, method="robust")
+    found = [one for one in result.findings if one.code == Code.BAD_STRETCH]
+    assert {one.names for one in found} == {
+        (joint, f"{name}.csv") for joint in ("left", "right") for name in ("unloaded", "loaded")
+    }
+    for one in found:
+        start, end = (1.5, 2.5) if one.names[0] == "left" else (3.0, 3.5)
+        assert start - 0.1 < one.numbers["start"] < one.numbers["end"] < end + 0.1
+    error, z = off(result, true)
     assert error < 0.005
     assert z < 3.0
     assert off(identify(bad), true)[0] > 10.0 * error
@@ -68,9 +77,11 @@ def test_bad_seconds_move_least_squares_and_not_the_robust_estimator(
 
 def test_on_clean_data_the_robust_estimator_is_least_squares(simulation: Simulation) -> None:
     clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
+    robust = identify(clean, method="robust")
+    assert not [one for one in robust.findings if one.code == Code.BAD_STRETCH]
     for one, other in zip(
         identify(clean).drive_gains.values(),
-        identify(clean, method="robust").drive_gains.values(),
+        robust.drive_gains.values(),
         strict=True,
     ):
         assert other.value == pytest.approx(one.value, abs=0.3 * one.std)

@@ -44,6 +44,7 @@ class Code(StrEnum):
     NEVER_REVERSES = auto()
     POORLY_DETERMINED = auto()
     SHORT = auto()
+    BAD_STRETCH = auto()
     NO_VALUE_OF_ITS_OWN = auto()
     # a sentence of a model file that an earlier version wrote
     TOLD = auto()

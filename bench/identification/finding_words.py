@@ -260,6 +260,10 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.CHECKED_UNLIKE_FITTED: _unlike,
     Code.CHECKED_HAS_OTHER_VALUES: _other_values,
     Code.PHYSICAL: _physical,
+    Code.BAD_STRETCH: lambda one: (
+        f"The current of {one.names[0]} in {one.names[1]} counts little from {one.numbers['start']:.4g} to "
+        f"{one.numbers['end']:.4g} s: it is far from the model there. Look at it, or `exclude` it."
+    ),
     Code.NEVER_REVERSES: lambda one: (
         f"Joint {one.names[0]} never reverses: move it through zero velocity to tell friction apart."
     ),

@@ -1,6 +1,7 @@
 """From a dataset to drive gains, base parameters and effect parameters."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.effects import Effect
+from bench.identification.bad_stretches import bad_stretches
 from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.closed_loop import commanded_currents
 from bench.identification.column_errors import column_errors
@@ -121,7 +123,11 @@ def fit(
     shaped, extended = with_shape_columns(prepared, stack, solution, kept)
     spread = uncertainty(shaped, extended, deviations)
     solution, spread = expanded(solution, spread, kept, layout.size)
-    return summarise(prepared, method, solution, spread, deviations, kept, outside)
+    result = summarise(prepared, method, solution, spread, deviations, kept, outside)
+    if solution.counted is None:
+        return result
+    bad = bad_stretches(prepared.fitted, solution.counted, dataset.robot.joints)
+    return replace(result, findings=(*result.findings, *bad))
 
 
 def gains_can_be_fitted(prepared: Prepared, wanted: bool | None) -> bool:

@@ -64,6 +64,7 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
         weights=1.0 / found.scale,
         made=lambda given: weighted_rows(given, root),
         stretch=stretch,
+        counted=found.weights * found.freedom / (found.freedom + 1.0),
     )
 
 

@@ -19,7 +19,7 @@ class Solution:
     made: how the estimator made its equations from those that it was given, where it did not take them as they are.
     stretch (n,): by what a motor's error in them counts for more in what moves the estimate than in its derivatives
     (1 for least squares). instruments: what stands in these equations' place where the estimate's derivatives are
-    taken, for instrumental variables.
+    taken, for instrumental variables. counted (M, n): what each row counts, 1 where it fits, for a robust estimate.
     """
 
     theta: np.ndarray
@@ -30,6 +30,7 @@ class Solution:
     made: Callable[[Stack], Stack] | None = None
     stretch: np.ndarray | None = None
     instruments: Callable[[Stack], Stack] | None = None
+    counted: np.ndarray | None = None
 
 
 def torque_system(factors: np.ndarray, gains: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,36 @@
+"""Where currents are far from the model, so that the robust estimator lets them count little."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.identification.finding import Code, Finding
+from bench.identification.observation import Observation
+
+LITTLE = 0.1  # of what a row counts that fits
+FEWEST = 5  # rows of a stretch
+BRIDGED = 3  # rows between two stretches that are one
+MOST = 8  # stretches that are told, the longest
+
+
+def bad_stretches(
+    observations: Sequence[Observation], counted: np.ndarray, joints: Sequence[str]
+) -> list[Finding]:
+    """A finding for each stretch of a recording in which a motor's current counts little, in the order of the logs.
+
+    counted (M, n): what every row of all recordings counts, 1 where it fits. Rows of a joint at standstill are no
+    finding.
+    """
+    found: list[tuple[int, Finding]] = []
+    start = 0
+    for one in observations:
+        own = counted[start : start + len(one.time)]
+        start += len(one.time)
+        for j, joint in enumerate(joints):
+            little = np.flatnonzero((own[:, j] < LITTLE) & one.moving[:, j])
+            for part in np.split(little, np.flatnonzero(np.diff(little) > BRIDGED) + 1):
+                if len(part) >= FEWEST:
+                    numbers = {"start": float(one.time[part[0]]), "end": float(one.time[part[-1]])}
+                    found.append((len(part), Finding(Code.BAD_STRETCH, (joint, one.name), numbers=numbers)))
+    longest = sorted(range(len(found)), key=lambda i: -found[i][0])[:MOST]
+    return [found[i][1] for i in sorted(longest)]
