@@ -7,16 +7,19 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.effects.signals import RobotSignals
 
+DIGITS = 4
+
 
 def secant(
     robot: RobotSignals, about: float, least: float, most: float, change: Callable[[float], np.ndarray]
 ) -> np.ndarray:
     """The change of torque (N, n) for a parameter, over the parameter: one column (N, n, 1).
 
-    The parameter's value is `about`, with its size between the bounds. Where the loops cannot be closed with it,
-    the least value of either sign is tried; where they cannot be closed at all, the column is zero.
+    The parameter's value is `about` to DIGITS digits, so that a change is known again when it hardly moves; its size
+    is between the bounds. Where the loops cannot be closed with it, the least value of either sign is tried; where they
+    cannot be closed at all, the column is zero.
     """
-    size = min(max(abs(about), least), most)
+    size = min(max(float(f"{abs(about):.{DIGITS - 1}e}"), least), most)
     for step in (-size if about < 0 else size, least, -least):
         try:
             changed = change(step)

@@ -5,7 +5,7 @@ is computed once for a dataset, at as few samples as the motion needs, of all re
 tried then costs a product with its parameters. A shift of an active joint counts to second order.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
@@ -24,7 +24,7 @@ from bench.identification.perturbed_observation import geometry_key
 from bench.identification.sparse_signals import FEWEST, sparse_gaps, sparse_joint
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import Motion, motion_beside
+from bench.model.motion import BLOCK, Motion, motion_beside
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
@@ -78,15 +78,34 @@ class Nearby:
         keys = [(order, motor, 1)] if order else [(order, motor, 1), (order, motor, 2)]
         kept = [self._kept.get(key) for key in keys]
         found = [rows for rows in kept if rows is not None]
-        if len(found) < len(keys):
-            step = self._step(order, motor)
-            more, less = (self._moved(order, motor, sign * step) for sign in (1.0, -1.0))
-            found = [((more - less) / (2.0 * step)).astype(KEPT)]
+        if len(found) == len(keys):
+            return found
+        motors = range(len(self._model.geometry.active)) if self._may_keep_all else [motor]
+        steps = [self._step(order, one) for one in motors]
+        moves = [(one, sign * step) for one, step in zip(motors, steps, strict=True) for sign in (1.0, -1.0)]
+        moved = self._moved(order, moves)
+        for one, step in zip(motors, steps, strict=True):
+            both = next(moved), next(moved)
+            out_of_reach = [each for each in both if isinstance(each, BenchError)]
+            if out_of_reach:
+                if one == motor:
+                    raise out_of_reach[0]
+                continue
+            more, less = map(np.asarray, both)
+            differences = [((more - less) / (2.0 * step)).astype(KEPT)]
             if not order:
-                found.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT))
-            for key, rows in zip(keys, found, strict=True):
-                self._kept.keep(key, rows)
+                differences.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT))
+            for (_, _, degree), rows in zip(keys, differences, strict=True):
+                self._kept.keep((order, one, degree), rows)
+            if one == motor:
+                found = differences
         return found
+
+    @property
+    def _may_keep_all(self) -> bool:
+        """Whether what all shifts add can be kept beside as much of other changes."""
+        samples, n, columns = self._own.shape
+        return 4 * n * samples * n * columns * np.dtype(KEPT).itemsize < MOST_BYTES / 2
 
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
         """Every recording, `seen` beside the present model, as effects see it that are searched for."""
@@ -143,12 +162,31 @@ class Nearby:
         slides = {joint.v.start for joint in own.joints if joint.kind == "slide"}
         return SLIDE if int(own.active[motor]) in slides else TURN
 
-    def _moved(self, order: int, motor: int, step: float) -> np.ndarray:
-        moved = list(self._active)
-        moved[order] = moved[order].copy()
-        moved[order][:, motor] += step
+    def _moved(self, order: int, moves: Sequence[tuple[int, float]]) -> Iterator[np.ndarray | BenchError]:
+        """The matrix where one active position, velocity or acceleration is another, for each (motor, step).
+
+        Several are worked out together, since much of what it takes is the same for few samples and for many.
+        """
+        most = max(1, BLOCK // len(self._tree.time))
+        for at in range(0, len(moves), most):
+            some = moves[at : at + most]
+            try:
+                yield from self._together(order, some)
+            except BenchError as error:
+                if len(some) == 1:
+                    yield error
+                else:
+                    for one in some:
+                        yield from self._moved(order, [one])
+
+    def _together(self, order: int, moves: Sequence[tuple[int, float]]) -> list[np.ndarray]:
+        count, samples = len(moves), len(self._tree.time)
+        moved = [np.tile(one, (count, 1)) for one in self._active]
+        for k, (motor, step) in enumerate(moves):
+            moved[order][k * samples : (k + 1) * samples, motor] += step
+        tree = self._tree.at(np.tile(np.arange(samples), count))
         geometry = self._model.geometry
-        return self._rows(geometry, motion_beside(geometry, self._tree, *moved))
+        return np.split(self._rows(geometry, motion_beside(geometry, tree, *moved)), count)
 
     def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
         own, beside = self._model.base.columns, redundant_columns(geometry)
