@@ -43,17 +43,15 @@ def test_columns_of_a_search_are_those_of_a_fit(seen, name, share):
         assert np.sqrt(((found - wanted) ** 2).mean()) < 0.01 * scale, joint
 
 
-@pytest.mark.parametrize("name", ["coulomb_friction", "rotor_inertia"])
-def test_effects_without_shape_that_need_no_model_are_the_same_to_the_last_digit(seen, name):
+@pytest.mark.parametrize("name", ["coulomb_friction", "rotor_inertia", "stribeck_friction"])
+def test_effects_without_a_model_or_that_need_every_sample_are_the_same_to_the_last_digit(seen, name):
     exact, near, _ = seen
     one = EffectInstance(CATALOGUE[name], next(iter(exact.joints)), "")
     np.testing.assert_array_equal(effect_rows(near, DECIMATION, [one]), effect_rows(exact, DECIMATION, [one]))
 
 
-@pytest.mark.parametrize(
-    "name", ["cogging_torque", "gain_saturation", "presliding_hysteresis", "thermal_friction_drift"]
-)
-def test_those_with_a_shape_are_seen_at_few_samples(seen, name):
+@pytest.mark.parametrize("name", ["cogging_torque", "gain_saturation", "torque_ripple"])
+def test_those_that_change_little_between_few_samples_are_seen_at_few_samples(seen, name):
     exact, near, _ = seen
     assert len(near.sparsely.time) < len(exact.time) / 4
     one = EffectInstance(CATALOGUE[name], next(iter(exact.joints)), "")

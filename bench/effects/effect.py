@@ -86,8 +86,8 @@ class Effect(ABC):
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
     columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
-    so that the fit goes by derivatives. every_sample: its columns are differences between samples that follow each
-    other, and a search must not take few of them.
+    so that the fit goes by derivatives. every_sample: its columns follow from all samples, as differences do, or change
+    much between few, as friction does where a joint is slow: a search must not take few of them.
     """
 
     name: ClassVar[str]

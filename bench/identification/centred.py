@@ -11,6 +11,7 @@ INDEPENDENT = 1e-9  # least diagonal of the triangular factor of unit columns th
 DEPENDENT = 1e-13  # share of the largest singular value below which columns are dependent
 WORSE = 1e-9  # relative growth of the cost that rounding may make
 LEAST_SHARE = 1e-3  # of a step
+FAR = 2.0  # times a gain: beyond, products are as inexact as the start is far
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,11 @@ class Centred:
         fit_gains: bool,
         converged: float,
         most_steps: int,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Steps of Gauss and Newton with step halving, until the weighted cost falls by less than a share."""
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Steps of Gauss and Newton with step halving, until the weighted cost falls by less than a share.
+
+        None where that is not so after so many steps, or gains are far from those that they are counted from.
+        """
         squares, n = weights**2, len(gains)
         cost = float(self.squares(values, gains) @ squares)
         for _ in range(most_steps):
@@ -57,12 +61,15 @@ class Centred:
                     break
                 share /= 2.0
                 if share < LEAST_SHARE:
-                    return values, gains
+                    return None
             settled = cost - new <= converged * cost and share == 1.0
             values, gains, cost = new_values, new_gains, new
+            ratio = gains / self.gains
+            if ratio.max() > FAR or ratio.min() < 1.0 / FAR:
+                return None
             if settled:
-                break
-        return values, gains
+                return values, gains
+        return None
 
 
 def centred(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray, weights: np.ndarray) -> Centred:

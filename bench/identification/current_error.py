@@ -5,6 +5,9 @@ on the left side, whatever the gains; the problem is bilinear and solved by Gaus
 of the compressed factors, counted from the starting solution, and last on the factors themselves.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from bench.identification.centred import centred
@@ -24,19 +27,41 @@ def current_error(stack: Stack, start: Solution, *, to_the_last_digit: bool = Tr
     False) the gains stay as they are and the problem is linear. to_the_last_digit: or as far as inner products lead,
     which is nearer than any deviation.
     """
-    theta, gains, factors, rows = start.theta, start.gains, stack.factors, len(stack.current)
-    floor = current_floor(stack)
-    weights = 1.0 / np.maximum(np.sqrt(squared_errors(factors, theta, gains) / rows), floor)
-    near = centred(factors, theta, gains, weights)
-    values = np.zeros(near.basis.shape[1])
-    for converged in (NEARLY,) * (REWEIGHTINGS - 1) + (CONVERGED,):
-        values, gains = near.minimised(values, gains, weights, start.gains_fitted, converged, MOST_STEPS)
-        theta, squares = near.theta_at(values), near.squares(values, gains)
-        if to_the_last_digit and converged == CONVERGED:
-            theta, gains = minimised(factors, theta, gains, weights, start.gains_fitted)
-            squares = squared_errors(factors, theta, gains)
-        weights = 1.0 / np.maximum(np.sqrt(squares / rows), floor)
+    theta, gains, passes = start.theta, start.gains, [NEARLY] * (REWEIGHTINGS - 1) + [CONVERGED]
+    weights = _weights(stack, squared_errors(stack.factors, theta, gains))
+    nearly = _from_products(stack, start, weights, passes)
+    if nearly is not None:
+        theta, gains, weights = nearly.theta, nearly.gains, nearly.weights
+        if not to_the_last_digit:
+            return replace(nearly, weights=_weights(stack, squared_errors(stack.factors, theta, gains)))
+        passes = [CONVERGED]
+    for converged in passes:
+        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged)
+        weights = _weights(stack, squared_errors(stack.factors, theta, gains))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
+
+
+def _from_products(
+    stack: Stack, start: Solution, weights: np.ndarray, passes: Sequence[float]
+) -> Solution | None:
+    """The solution with the weights (n,) of the last pass, from inner products about the start; None where that is too
+    far away, and steps on the equations themselves go their own way.
+    """
+    near = centred(stack.factors, start.theta, start.gains, weights)
+    values, gains = np.zeros(near.basis.shape[1]), start.gains
+    for i, converged in enumerate(passes):
+        if i:
+            weights = _weights(stack, near.squares(values, gains))
+        found = near.minimised(values, gains, weights, start.gains_fitted, converged, MOST_STEPS)
+        if found is None:
+            return None
+        values, gains = found
+    return Solution(near.theta_at(values), gains, weights, "current", start.gains_fitted)
+
+
+def _weights(stack: Stack, squares: np.ndarray) -> np.ndarray:
+    """One over each motor's current error (n,), of the sums of their squares."""
+    return np.asarray(1.0 / np.maximum(np.sqrt(squares / len(stack.current)), current_floor(stack)))
 
 
 def squared_errors(factors: np.ndarray, theta: np.ndarray, gains: np.ndarray) -> np.ndarray:

@@ -37,6 +37,7 @@ class HystereticCable(ActuatorEffect):
         ShapeParameter("x0", "{angle}", (0.003, 0.01, 0.03, 0.1, 0.3, 1.0), scale="speed"),
         ShapeParameter("n", "1", (1.0, 2.0, 6.0)),
     )
+    every_sample = True
     contains = ("coulomb_friction", "presliding_hysteresis")
 
     x0: float = 0.1

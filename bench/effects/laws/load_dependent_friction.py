@@ -34,6 +34,7 @@ class LoadDependentFriction(ActuatorEffect):
     seen = ("load", "opposes")
     parameters = (EffectParameter("mu", "1", positive=True, below=MOST),)
     depends_on_model = True
+    every_sample = True
     before_torque = True
 
     mu: float = 0.0

@@ -33,6 +33,7 @@ class PositionDependentFriction(ActuatorEffect):
     seen = ("opposes",)
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
     shape = (ShapeParameter("harmonic", "1/{turn}", (1.0, 2.0, 3.0, 4.0, 6.0, 8.0), discrete=True),)
+    every_sample = True
 
     harmonic: float = 1.0
 

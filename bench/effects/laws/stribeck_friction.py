@@ -36,6 +36,7 @@ class StribeckFriction(ActuatorEffect):
         ShapeParameter("vs", "{angle}/s", (0.02, 0.05, 0.1, 0.2, 0.4, 0.8), scale="speed"),
         ShapeParameter("delta", "1", (1.0, 2.0), discrete=True),
     )
+    every_sample = True
     contains = ("coulomb_friction",)
 
     vs: float = 0.1

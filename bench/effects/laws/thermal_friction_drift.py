@@ -28,6 +28,7 @@ class ThermalFrictionDrift(ActuatorEffect):
     seen = ("fades", "opposes", "velocity")
     parameters = (EffectParameter("Fc", "{effort}"), EffectParameter("Fv", "{effort}*s/{angle}"))
     shape = (ShapeParameter("T", "s", (0.05, 0.1, 0.2, 0.4, 0.8, 2.0), scale="duration"),)
+    every_sample = True
 
     T: float = 10.0
 
