@@ -77,11 +77,10 @@ def _of_one(
     from rich.console import Console
 
     from bench.api.compare import compare as errors_of
-    from bench.api.sources import effects_of
     from bench.dataset.dataset import load_dataset
     from bench.document.terminal.comparison import where_report
     from bench.document.terminal.identification import comparison_report
-    from bench.identification.model_file import comparison_json, read_identification
+    from bench.identification.model_file import comparison_json, load_model
     from bench.residuals.as_json import where_json
 
     data = load_dataset(dataset)
@@ -97,7 +96,7 @@ def _of_one(
         run = Run("compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
         result = found.identified
         if result is None and model_file is not None:
-            result = read_identification(model_file, data, effects_of(data, effect_files))
+            result = load_model(model_file).beside(data, found.recordings)
         written += _pictures_and_page(output, found.motors, result, data, run, model_file)
     console = Console()
     comparison_report(found.comparison, console)
