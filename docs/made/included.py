@@ -39,7 +39,12 @@ def turned(text: str, source: Path, page: Path) -> str:
         return f"[{found[1]}]({up}{PAGES[target]}{found[3] or ''})"
 
     parts = FENCED.split(text)  # what is code stays as it is: every second part
-    return "".join(part if i % 2 else LINK.sub(link, part) for i, part in enumerate(parts))
+    return "".join(part if i % 2 else unbroken(LINK.sub(link, part)) for i, part in enumerate(parts))
+
+
+def unbroken(text: str) -> str:
+    """A number keeps its percent sign, in tables too."""
+    return re.sub(r"(?<=\d) %(?=[\s|.,;:)]|$)", "\u00a0%", text)
 
 
 for source, page in PAGES.items():

@@ -19,6 +19,7 @@ result = bench.identify(data)
 # %%
 table = result.to_dataframe()
 gains = table[table["kind"] == "drive gain"]
+print(gains[["name", "value", "std", "unit"]].round(3).to_string(index=False))
 
 # %% [markdown]
 # ## Where does the model fail?
