@@ -38,6 +38,29 @@ def measured_data(project_root: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with measurements, in `data`, of an arm with friction at one joint; never changed."""
+    from bench.truth.dataset import write_simulation
+    from tests.hidden_kit import run
+
+    folder = tmp_path_factory.mktemp("arm")
+    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
+    design = {"optimise": False, "duration": 10.0, "ramp": 0.5}
+    write_simulation(run("two_link", hidden, design=design), folder / "data")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def diagnosed_arm(arm: Path) -> Path:
+    """The same folder, with all that `bench diagnose` writes about the arm: answer.json, model.json, `found`."""
+    from bench.cli import main
+
+    files = ["--json", str(arm / "answer.json"), "--apply", str(arm / "model.json")]
+    assert main(["diagnose", str(arm / "data"), *files, "-o", str(arm / "found")]) == 0
+    return arm
+
+
+@pytest.fixture(scope="session")
 def chromium():
     """A browser without a window; skips where there is none."""
     from bench.page.browser import browser, browser_program

@@ -26,9 +26,10 @@ def scenario(name, hidden=(), recordings=("free", "held"), **overrides):
 
 
 @functools.cache
-def plain(name, recordings=("free", "held")):
+def plain(name, recordings=("free", "held"), duration=SHORT["duration"]):
     """The simulation without hidden effects."""
-    return simulate(scenario(name, recordings=recordings), threads=1)
+    design = {**SHORT, "duration": duration}
+    return simulate(scenario(name, recordings=recordings, design=design), threads=1)
 
 
 @functools.cache

@@ -29,9 +29,7 @@ from bench.document.terminal.tables import bar
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.result import Quantity, relative_error
-from bench.truth.dataset import write_simulation
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
-from tests.hidden_kit import scenario, simulate
 from tests.shown import dataset_of
 
 
@@ -296,20 +294,8 @@ def test_pictures_are_whole_files_and_no_window_is_prepared(found, nothing, data
     assert plt.get_fignums() == []
 
 
-@pytest.fixture(scope="module")
-def diagnosed(tmp_path_factory):
-    """A short simulation of an arm with friction at one joint, and all that the command writes about it."""
-    folder = tmp_path_factory.mktemp("diagnosed")
-    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
-    longer = {"optimise": False, "duration": 10.0, "ramp": 0.5}
-    write_simulation(simulate(scenario("two_link", [hidden], design=longer), threads=1), folder / "data")
-    files = ["--json", str(folder / "answer.json"), "--apply", str(folder / "model.json")]
-    assert main(["diagnose", str(folder / "data"), *files, "-o", str(folder / "figures")]) == 0
-    return folder
-
-
-def test_the_command_finds_what_was_hidden(diagnosed):
-    answer = json.loads((diagnosed / "answer.json").read_text())
+def test_the_command_finds_what_was_hidden(diagnosed_arm):
+    answer = json.loads((diagnosed_arm / "answer.json").read_text())
     assert answer["missing"] == ["viscous_friction"]
     assert answer["ranking"][0]["actuators"] == ["shoulder"]
     ladder = [step["error"]["validate"] for step in answer["ladder"]]
@@ -317,18 +303,18 @@ def test_the_command_finds_what_was_hidden(diagnosed):
     assert answer["after"]["effect_parameters"]["viscous_friction"]["shoulder"]["Fv"][
         "value"
     ] == pytest.approx(1.5, rel=0.02)
-    assert {path.name for path in (diagnosed / "figures").iterdir()} >= {
+    assert {path.name for path in (diagnosed_arm / "found").iterdir()} >= {
         "ladder.png",
         "errors.png",
         "gains.png",
     }
 
 
-def test_the_applied_model_has_the_effect_and_the_error_of_the_ladder(diagnosed):
-    saved = load_model(diagnosed / "model.json")
+def test_the_applied_model_has_the_effect_and_the_error_of_the_ladder(diagnosed_arm):
+    saved = load_model(diagnosed_arm / "model.json")
     assert saved.model.effects == ("viscous_friction:shoulder",)
-    comparison = apply_model(load_dataset(diagnosed / "data"), saved)
-    answer = json.loads((diagnosed / "answer.json").read_text())
+    comparison = apply_model(load_dataset(diagnosed_arm / "data"), saved)
+    answer = json.loads((diagnosed_arm / "answer.json").read_text())
     assert relative_error(comparison.recordings) < 1.2 * answer["ladder"][-1]["error"]["validate"]
 
 
@@ -344,8 +330,8 @@ def test_the_applied_model_has_the_effect_and_the_error_of_the_ladder(diagnosed)
         (["{data}", "--with", "coulomb_frction"], "did you mean 'coulomb_friction'?"),
     ],
 )
-def test_bad_input_is_one_line_and_exit_code_2(diagnosed, capsys, arguments, culprit):
-    filled = [one.format(data=diagnosed / "data") for one in arguments]
+def test_bad_input_is_one_line_and_exit_code_2(diagnosed_arm, capsys, arguments, culprit):
+    filled = [one.format(data=diagnosed_arm / "data") for one in arguments]
     assert main(["diagnose", *filled]) == 2
     out, err = capsys.readouterr()
     assert out == ""

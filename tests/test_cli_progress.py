@@ -29,11 +29,26 @@ FIRST = {
 }
 
 
+BRIEF = """
+base = "tutorial"
+[design]
+optimise = false
+duration = 6.0
+"""
+
+
 @pytest.fixture(scope="module")
-def data(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("simulated") / "data"
-    assert main(["simulate", "tutorial", "-o", str(folder)]) == 0
-    return folder
+def brief(tmp_path_factory):
+    """A scenario that is soon simulated."""
+    file = tmp_path_factory.mktemp("scenario") / "brief.toml"
+    file.write_text(BRIEF)
+    return file
+
+
+@pytest.fixture(scope="module")
+def data(brief):
+    assert main(["simulate", str(brief), "-o", str(brief.with_name("data"))]) == 0
+    return brief.with_name("data")
 
 
 def shown(arguments, until):
@@ -81,13 +96,16 @@ def test_steps_and_time_left_are_shown(tmp_path, data):
     assert "left" in shown(arguments("simulate", tmp_path, data), ["/132", "left"])
 
 
-def test_nothing_is_shown_when_piped(tmp_path, data, capfd):
-    assert main(arguments("simulate", tmp_path, data)) == 0
+def test_nothing_is_shown_when_piped(tmp_path, brief, capfd):
+    assert main(["simulate", str(brief), "-o", str(tmp_path / "out")]) == 0
     assert capfd.readouterr().err == ""
 
 
-def test_nothing_is_shown_when_quiet(tmp_path, data):
-    assert shown([*arguments("simulate", tmp_path, data), "--quiet"], ["never"]) == ""
+def test_nothing_is_shown_when_quiet(tmp_path, brief):
+    words = ["simulate", str(brief), "-o", str(tmp_path / "out")]
+    assert "starting" in shown(words, ["starting"])
+    assert shown([*words, "--quiet"], ["never"]) == ""
+    assert (tmp_path / "out" / "dataset.toml").is_file()
 
 
 @pytest.mark.parametrize("name", FIRST)

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 
 import pytest
 
@@ -9,22 +10,18 @@ from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.page.browser import opened, scrolled
 from bench.page.folder import read_run
-from bench.truth.dataset import write_simulation
-from bench.truth.simulate import simulate
-from tests.hidden_kit import scenario
 
 DATE_AND_COMMANDS = re.compile(r"<footer>.*?</footer>|<pre tabindex.*?</pre>", flags=re.DOTALL)
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """A short simulation of an arm with friction at one joint, diagnosed, identified, and compared with a model."""
+def runs(diagnosed_arm, tmp_path_factory):
+    """Measurements of an arm with friction at one joint, diagnosed, identified, and compared with a model."""
     folder = tmp_path_factory.mktemp("reported")
-    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
-    longer = {"optimise": False, "duration": 10.0, "ramp": 0.5}
-    write_simulation(simulate(scenario("two_link", [hidden], design=longer), threads=1), folder / "data")
+    shutil.copytree(diagnosed_arm / "data", folder / "data")
+    shutil.copy(diagnosed_arm / "data.truth.json", folder)
+    shutil.copytree(diagnosed_arm / "found", folder / "diagnosed")
     data = str(folder / "data")
-    assert main(["diagnose", data, "-o", str(folder / "diagnosed")]) == 0
     with_friction = ["--with", "viscous_friction:shoulder"]
     assert main(["identify", data, *with_friction, "-o", str(folder / "identified")]) == 0
     model = str(folder / "identified" / "model.json")

@@ -8,12 +8,13 @@ import sys
 import pytest
 
 from bench.cli import main
-from bench.truth.dataset import write_simulation
-from tests.hidden_kit import run
 
 SWEEP = """
 base = "two_link"
 seeds = 2
+[scenario]
+"design.optimise" = false
+"design.duration" = 4.0
 """
 FILES = {
     "identify": ["identify", "{data}", "--json", "{out}/model.json", "-o", "{out}"],
@@ -40,16 +41,6 @@ LAST = {
 }
 
 
-@pytest.fixture(scope="module")
-def data(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("unread") / "data"
-    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
-    write_simulation(
-        run("two_link", hidden, design={"optimise": False, "duration": 6.0, "ramp": 0.5}), folder
-    )
-    return folder
-
-
 def unread(arguments):
     """The command with a standard output that nobody reads: its exit code and what it complains of."""
     reader, writer = os.pipe()
@@ -62,11 +53,11 @@ def unread(arguments):
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_files_are_complete(name, data, tmp_path):
+def test_files_are_complete(name, arm, tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     (tmp_path / "sweep.toml").write_text(SWEEP)
-    arguments = [one.format(data=data, out=out, sweep=tmp_path / "sweep.toml") for one in FILES[name]]
+    arguments = [one.format(data=arm / "data", out=out, sweep=tmp_path / "sweep.toml") for one in FILES[name]]
     assert unread(arguments) == (0, "")
     for file in LAST[name]:
         path = out / file

@@ -8,20 +8,13 @@ import pytest
 
 from bench.cli import main, open_viewer
 from bench.studies.sweep.rerun_runs import run_again, telling_runs
-from bench.truth.dataset import write_simulation
-from tests.hidden_kit import run
 from tests.rrd_reader import numbers, origins, static_value, verified
-
-FRICTION = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
-LONGER = {"optimise": False, "duration": 6.0, "ramp": 0.5}
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory):
+def data(arm):
     """Measurements of a two-link arm with friction at its shoulder, and the truth beside them."""
-    folder = tmp_path_factory.mktemp("view") / "data"
-    write_simulation(run("two_link", FRICTION, design=LONGER), folder)
-    return folder
+    return arm / "data"
 
 
 def viewed(*arguments):
@@ -79,19 +72,18 @@ def test_a_model_file_knows_its_dataset_and_takes_another(data, tmp_path, capsys
     np.testing.assert_array_equal(one, other)
 
 
-def test_a_diagnosis_shows_its_ladder(data, tmp_path, capsys):
-    assert main(["diagnose", str(data), "-o", str(tmp_path / "found")]) == 0
-    path = tmp_path / "found.rrd"
+def test_a_diagnosis_shows_its_ladder(diagnosed_arm, tmp_path, capsys):
+    found, path = diagnosed_arm / "found", tmp_path / "found.rrd"
     capsys.readouterr()
-    viewed(tmp_path / "found", "--save", path)
-    assert f"\nnext: bench figures {tmp_path / 'found'}    " in capsys.readouterr().out
+    viewed(found, "--save", path)
+    assert f"\nnext: bench figures {found}    " in capsys.readouterr().out
     names = [static_value(path, f"/free.csv/steps/shoulder/{k}", "SeriesLines:names")[0] for k in (0, 1)]
     assert names == ["the model as it is", "+ viscous friction"]
     _, hidden = numbers(path, "/free.csv\\ \\(end\\)/torque/shoulder/0_hidden")  # the part that was judged
     assert 0.2 < len(hidden) / len(numbers(path, "/free.csv/torque/shoulder/0_hidden")[1]) < 0.6
     (text,) = static_value(path, "/summary", "TextDocument:text")
     assert "### What is missing" in text
-    content = json.loads((tmp_path / "found" / "report.json").read_text())
+    content = json.loads((found / "report.json").read_text())
     assert content["diagnosis"]["missing"] == ["viscous_friction"]
 
 

@@ -1,6 +1,7 @@
 """Laws that no catalogue has: found exactly, beside known effects, and not where there is none."""
 
 import json
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -21,16 +22,22 @@ from bench.discovery.written import write_laws
 from bench.effects import catalogue_for
 from bench.identification.identify import identify
 from bench.page.folder import read_run
-from bench.truth.dataset import write_simulation
+from bench.truth.dataset import as_dataset, write_simulation
+from bench.truth.simulate import Simulation
 from tests.discover_kit import BRAKED, measured, simulated
 
 FLOOR = 1.15  # times the noise: what may be left
 
 
 @pytest.fixture(scope="module")
-def braked() -> Dataset:
+def machine() -> Simulation:
     """Friction at one motor that grows with the acceleration's size."""
-    return measured({**BRAKED, "joint": "left"})
+    return simulated({**BRAKED, "joint": "left"})
+
+
+@pytest.fixture(scope="module")
+def braked(machine: Simulation) -> Dataset:
+    return as_dataset(machine)
 
 
 @pytest.fixture(scope="module")
@@ -148,11 +155,16 @@ def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:
     assert plain.ladder == diagnose(braked).ladder
 
 
-def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(braked: Dataset, tmp_path: Path) -> None:
+def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(
+    found: Diagnosis, machine: Simulation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That the command finds it by itself is shown by the tutorial."""
+    steps = import_module("bench.api.diagnose")
+    monkeypatch.setattr(steps, "find_missing_effects", lambda *_, **__: found)
     runner = CliRunner()
     folder, out = tmp_path / "data", tmp_path / "out"
     out.mkdir()
-    write_simulation(simulated({**BRAKED, "joint": "left"}), folder)
+    write_simulation(machine, folder)
     named = ["--apply", str(out / "model.json"), "--json", str(out / "found.json"), "-o", str(out / "page")]
     made = runner.invoke(diagnose_command, [str(folder), "-q", *named])
     assert made.exit_code == 0, made.output

@@ -123,8 +123,7 @@ def test_velocity_and_acceleration_are_the_derivatives_of_position(five_bar):
 
 @pytest.mark.parametrize("name", ["five_bar", "delta"])
 def test_loops_stay_closed_for_ten_seconds(name, record_property):
-    scenario = load_scenario(name, {"design": SHORT | {"duration": 10.0}})
-    simulation = simulate(scenario)
+    simulation = simulate(short(name, design=SHORT | {"duration": 10.0}))
     record_property("loop_gap_m", simulation.loop_gap)
     assert 0 < simulation.loop_gap < 1e-5
 
@@ -200,17 +199,6 @@ def test_coulomb_friction_holds_a_joint_at_standstill():
     recording = simulate(scenario).recordings[0]
     assert np.abs(recording.motion.qvel).max() < 1e-3
     assert np.abs(recording.motion.torque).max() < 0.1  # the brake carries the weight, not the motor
-
-
-def test_a_law_in_python_and_the_same_law_in_mujoco_move_alike():
-    """Equal coefficients in both directions are plain viscous friction: two ways to the same motion."""
-    native = short("five_bar", hidden=[{"effect": "viscous_friction", "Fv": 0.2}])
-    python = short(
-        "five_bar", hidden=[{"effect": "asymmetric_viscous_friction", "Fv_plus": 0.2, "Fv_minus": 0.2}]
-    )
-    for one, other in zip(simulate(native).recordings, simulate(python).recordings, strict=True):
-        np.testing.assert_allclose(one.motion.qpos, other.motion.qpos, atol=1e-10)
-        np.testing.assert_allclose(one.current, other.current, atol=1e-8)
 
 
 def test_shorter_and_longer_runs_do_not_disturb_each_other(five_bar):

@@ -1,12 +1,9 @@
-"""Simulations end to end: reproducible, independent of threads, refused where they fail, fast."""
+"""Simulations end to end: reproducible, independent of threads, refused where they fail."""
 
 import json
-import time
 
-import mujoco
 import numpy as np
 import pytest
-from mujoco import rollout
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import load_dataset
@@ -160,25 +157,8 @@ def test_what_fails_is_named_in_one_line(change, told):
     assert "\n" not in str(raised.value)
 
 
-@pytest.mark.parametrize("name", ["five_bar", "delta"])
-def test_time_of_a_step_beside_plain_rollout(name, record_property):
-    """Not a limit, which would depend on the machine: the figures go into the test report."""
-    scenario = load_scenario(name, {"design": {"optimise": False, "duration": 4.0}})
-    simulation = simulate(scenario, threads=1)
-    machine = simulation.machine
-    models = [machine.models[r.table.payload] for r in simulation.recordings]
-    samples = simulation.steps // len(models)
-    steps = np.arange(samples) * scenario.settings.step - scenario.settings.settle
-    control = np.stack([machine.drive.command(*r.trajectory.evaluate(steps)) for r in simulation.recordings])
-    state = np.zeros((len(models), mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)))
-    state[:, 1 : 1 + models[0].nq] = [r.motion.qpos[0] for r in simulation.recordings]
-    start = time.perf_counter()
-    rollout.rollout(models, [mujoco.MjData(models[0])], state, control)
-    plain = time.perf_counter() - start
-    record_property("us_per_step", 1e6 * simulation.seconds / simulation.steps)
-    record_property("rollout_us_per_step", 1e6 * plain / simulation.steps)
-    record_property("ratio", simulation.seconds / plain)
-    assert simulation.steps == len(models) * (4000 + 500) * 4
+def test_the_steps_of_all_recordings_are_counted(simulation):
+    assert simulation.steps == len(RECORDINGS) * (3000 + 500) * 4
 
 
 @pytest.mark.parametrize("hidden", [[], [{"effect": "current_delay", "T": 0.001}]], ids=["none", "laws"])
