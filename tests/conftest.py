@@ -3,8 +3,12 @@
 import os
 from collections.abc import Generator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from bench.truth.simulate import Simulation
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -38,8 +42,19 @@ def measured_data(project_root: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
+def five_bar_simulation() -> "Simulation":
+    """The scenario `five_bar` as it comes along, with nothing hidden; never changed."""
+    from bench.excitation.scenario import designer
+    from bench.scenario.scenario import load_scenario, resolve_trajectories
+    from bench.truth.simulate import simulate
+
+    scenario = load_scenario("five_bar")
+    return simulate(scenario, resolve_trajectories(scenario, designer))
+
+
+@pytest.fixture(scope="session")
 def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with measurements, in `data`, of an arm with friction at one joint; never changed."""
+    """A folder with measurements, in `data`, of an arm with friction at one joint; they are never changed."""
     from bench.truth.dataset import write_simulation
     from tests.hidden_kit import run
 

@@ -26,10 +26,10 @@ def scenario(name, hidden=(), recordings=("free", "held"), **overrides):
 
 
 @functools.cache
-def plain(name, recordings=("free", "held"), duration=SHORT["duration"]):
+def plain(name, recordings=("free", "held"), duration=SHORT["duration"], **overrides):
     """The simulation without hidden effects."""
     design = {**SHORT, "duration": duration}
-    return simulate(scenario(name, recordings=recordings, design=design), threads=1)
+    return simulate(scenario(name, recordings=recordings, design=design, **overrides), threads=1)
 
 
 @functools.cache

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 
 import pytest
 
@@ -15,18 +14,14 @@ DATE_AND_COMMANDS = re.compile(r"<footer>.*?</footer>|<pre tabindex.*?</pre>", f
 
 
 @pytest.fixture(scope="module")
-def runs(diagnosed_arm, tmp_path_factory):
+def runs(diagnosed_arm):
     """Measurements of an arm with friction at one joint, diagnosed, identified, and compared with a model."""
-    folder = tmp_path_factory.mktemp("reported")
-    shutil.copytree(diagnosed_arm / "data", folder / "data")
-    shutil.copy(diagnosed_arm / "data.truth.json", folder)
-    shutil.copytree(diagnosed_arm / "found", folder / "diagnosed")
-    data = str(folder / "data")
+    data = str(diagnosed_arm / "data")
     with_friction = ["--with", "viscous_friction:shoulder"]
-    assert main(["identify", data, *with_friction, "-o", str(folder / "identified")]) == 0
-    model = str(folder / "identified" / "model.json")
-    assert main(["compare", data, "--model", model, "-o", str(folder / "compared")]) == 0
-    return folder
+    assert main(["identify", data, *with_friction, "-o", str(diagnosed_arm / "identified")]) == 0
+    model = str(diagnosed_arm / "identified" / "model.json")
+    assert main(["compare", data, "--model", model, "-o", str(diagnosed_arm / "compared")]) == 0
+    return diagnosed_arm
 
 
 def essence(path):
@@ -37,7 +32,7 @@ def essence(path):
 @pytest.mark.parametrize(
     ("name", "title"),
     [
-        ("diagnosed", "What the model of two_link is missing"),
+        ("found", "What the model of two_link is missing"),
         ("identified", "Drive gains and parameters of two_link"),
         ("compared", "Where a model of two_link fails"),
     ],
@@ -50,10 +45,10 @@ def test_every_run_writes_its_page(runs, name, title):
 
 
 def test_a_diagnosis_says_what_was_hidden(runs):
-    assert "Viscous friction at shoulder is missing" in (runs / "diagnosed" / "report.html").read_text()
+    assert "Viscous friction at shoulder is missing" in (runs / "found" / "report.html").read_text()
 
 
-@pytest.mark.parametrize("name", ["diagnosed", "identified", "compared"])
+@pytest.mark.parametrize("name", ["found", "identified", "compared"])
 def test_a_page_is_written_again_from_its_folder(runs, name, tmp_path):
     again = tmp_path / "again.html"
     assert main(["report", str(runs / name), "-o", str(again)]) == 0
@@ -61,9 +56,9 @@ def test_a_page_is_written_again_from_its_folder(runs, name, tmp_path):
 
 
 def test_a_folder_gives_back_the_numbers_that_it_kept(runs):
-    kept = read_run(runs / "diagnosed")
+    kept = read_run(runs / "found")
     assert kept.diagnosis.missing == ("viscous_friction",)
-    model = json.loads((runs / "diagnosed" / "model_after.json").read_text())
+    model = json.loads((runs / "found" / "model_after.json").read_text())
     gain = kept.after.drive_gains["shoulder"]
     assert (gain.value, gain.std) == tuple(model["drive_gains"]["shoulder"][key] for key in ("value", "std"))
     assert kept.after.error.validate == pytest.approx(model["error"]["validate"], rel=1e-6)

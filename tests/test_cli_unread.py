@@ -30,7 +30,11 @@ FILES = {
         "{out}",
     ],
     "sweep": ["sweep", "{sweep}", "-o", "{out}", "--workers", "1"],
-    "trial": ["trial", "two_link", "--kinds", "nothing", "--seeds", "1", "--workers", "1", "-o", "{out}"],
+    "trial": [
+        "trial",
+        "two_link",
+        *("--kinds", "nothing", "--seeds", "1", "--duration", "6", "--workers", "1", "-o", "{out}"),
+    ],
 }
 LAST = {
     "identify": ["model.json", "report.html"],

@@ -7,14 +7,12 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, places_in, select_effects
-from bench.excitation.scenario import designer
 from bench.identification.identify import fit, identify, prepare
 from bench.identification.model_json import to_json
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import Identification
-from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
-from bench.truth.simulate import simulate
+from bench.truth.simulate import Simulation
 
 MOST_DEVIATIONS = 4.5
 ABSORBED = {("rotor_inertia", "Ia"), ("payload_mass_error", "dm")}
@@ -26,9 +24,8 @@ WITHOUT_COLUMN = {
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Prepared:
-    scenario = load_scenario("five_bar", {})
-    return prepare(as_dataset(simulate(scenario, resolve_trajectories(scenario, designer))))
+def prepared(five_bar_simulation: Simulation) -> Prepared:
+    return prepare(as_dataset(five_bar_simulation))
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ class Loss(ActuatorEffect):
 
 
 def measurements(*hidden: dict[str, float | str]) -> Dataset:
-    scenario = load_scenario("five_bar", {"hidden": list(hidden)})
+    scenario = load_scenario("five_bar", {"hidden": list(hidden), "step": 0.0005})
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
 
 

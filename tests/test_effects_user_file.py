@@ -12,11 +12,9 @@ from bench import cli
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for, load_effects
-from bench.excitation.scenario import designer
 from bench.identification.identify import identify
-from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset, write_simulation
-from bench.truth.simulate import Simulation, simulate
+from bench.truth.simulate import Simulation
 
 HEAD = """
 import numpy as np
@@ -34,14 +32,8 @@ class Mine(ActuatorEffect):
 
 
 @pytest.fixture(scope="module")
-def simulation() -> Simulation:
-    scenario = load_scenario("five_bar", {})
-    return simulate(scenario, resolve_trajectories(scenario, designer))
-
-
-@pytest.fixture(scope="module")
-def dataset(simulation: Simulation) -> Dataset:
-    return as_dataset(simulation)
+def dataset(five_bar_simulation: Simulation) -> Dataset:
+    return as_dataset(five_bar_simulation)
 
 
 @pytest.fixture(scope="module")
@@ -77,10 +69,10 @@ def test_the_documented_example_finds_its_torque_in_measurements(dataset: Datase
 
 
 def test_on_the_command_line_and_in_the_dataset(
-    simulation: Simulation, documented: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    five_bar_simulation: Simulation, documented: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "data"
-    write_simulation(simulation, folder)
+    write_simulation(five_bar_simulation, folder)
     words = ["identify", str(folder), "--with", "fan_torque", "--json", str(tmp_path / "model.json")]
     assert cli.main(words) == 2
     assert "unknown effect 'fan_torque'" in capsys.readouterr().err

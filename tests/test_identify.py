@@ -38,8 +38,8 @@ def clean(request: pytest.FixtureRequest) -> Simulation:
 
 
 @pytest.fixture(scope="module")
-def noisy() -> Simulation:
-    return simulated("five_bar", {})
+def noisy(five_bar_simulation: Simulation) -> Simulation:
+    return five_bar_simulation
 
 
 def test_without_noise_gains_and_base_parameters_are_the_true_ones(clean: Simulation) -> None:

@@ -15,6 +15,7 @@ from tests.hidden_kit import SHORT, cart, plain, run
 # asked for by default; less where a robot's motors or controller would not stand it
 SHARE = 0.03
 SHARES = {"gain_saturation": 0.01, "current_loop_lag": 0.01, "current_delay": 0.01, "backlash": 0.01}
+STEP = 0.0005  # s: nothing here asks for a finer one
 ROUGH = {"drive_flexibility", "torque_drift"}  # springs that swing; long waves in two seconds
 
 
@@ -49,15 +50,15 @@ def test_every_effect_has_one_rule():
 @pytest.mark.parametrize("robot", ["five_bar", "delta"])
 @pytest.mark.parametrize("effect", HIDDEN_EFFECTS)
 def test_a_simulation_shows_the_share_that_was_asked_for(effect, robot):
-    reference, hidden = Reference(plain(robot)), entry(effect, robot)
+    reference, hidden = Reference(plain(robot, step=STEP)), entry(effect, robot)
     share = SHARES.get(effect, SHARE)
     hidden |= typical(effect, reference, share, hidden.get("joint"))
     if "rotor_inertia" in hidden:
-        found = share_of_current(*with_rotor(lambda *h: run(robot, *h), hidden))
+        found = share_of_current(*with_rotor(lambda *h: run(robot, *h, step=STEP), hidden))
     elif "joint" in hidden:
-        found = measured_share(run(robot, hidden), reference)[0]
+        found = measured_share(run(robot, hidden, step=STEP), reference)[0]
     else:
-        simulation = run(robot, hidden)
+        simulation = run(robot, hidden, step=STEP)
         weight = np.mean(reference.torque() ** 2, axis=0)
         found = np.sqrt(np.average(measured_share(simulation, reference) ** 2, weights=weight))
     low, high = (0.3, 3.0) if effect in ROUGH else (0.8, 1.25)
