@@ -74,7 +74,7 @@ def test_a_model_file_is_shown_beside_the_recordings_that_it_is_from(runs, tmp_p
     assert step.startswith(f"next: bench export {model} --to mjcf -o {model.with_suffix('.xml')}    ")
 
 
-@pytest.mark.parametrize("name", ["diagnosed", "identified", "compared"])
+@pytest.mark.parametrize("name", ["found", "identified", "compared"])
 def test_the_robot_stands_in_every_report(runs, name):
     text = (runs / name / "report.html").read_text(encoding="utf-8")
     assert "window.Machine =" in text
@@ -87,7 +87,7 @@ def test_the_robot_stands_in_every_report(runs, name):
 
 
 def test_the_robot_follows_the_cursor_of_its_recording_alone(runs, chromium):
-    page = scrolled(opened(chromium, runs / "diagnosed" / "report.html"))
+    page = scrolled(opened(chromium, runs / "found" / "report.html"))
     section = page.locator("#currents")
     before = section.locator("output").inner_text()
     section.locator(".charts svg[role=img]").first.hover()

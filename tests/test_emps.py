@@ -52,6 +52,7 @@ def test_import_and_identify_give_the_published_table(measured_data: Path, tmp_p
     assert model["drive_gains"]["axis"] == {"value": 35.15065, "std": 0.0, "unit": "N/V", "nominal": 35.15065}
 
 
+@pytest.mark.slow
 def test_diagnosis_climbs_from_inertia_alone_with_signs_that_can_be(
     measured_data: Path, tmp_path: Path
 ) -> None:

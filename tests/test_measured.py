@@ -165,6 +165,7 @@ def test_an_unknown_machine_and_absent_logs_are_one_line(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_the_slide_is_measured(measured_data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Diagnosed from the published model on; what comes from inertia alone is looked at in test_emps.py."""
     if not (measured_data / "emps").is_dir():

@@ -73,6 +73,7 @@ def import_by_mouse(page, log, payload):
     expect(page.locator("#add-log .done")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with opened(tmp_path, cwd=tmp_path) as site:
