@@ -64,7 +64,10 @@ def moving_robot(
     time, *active = movement(model.geometry, samples=samples, duration=(samples - 1) / RATE, size=size)
     n = active[0].shape[1]
     current = 0.5 + np.sin(3.0 * time[:, None] + np.arange(n))
-    logged = Recording("movement.csv", "identify", payload, time, active[0], current)
+    extra = model.geometry.robot.redundant
+    given = np.cos(2.0 * time[:, None] + np.arange(len(extra))) if extra else None
+    logged = Recording("movement.csv", "identify", payload, time, active[0], current, redundant=given)
+    tree = motion_of(model.geometry, time, *active)
     measured = Measured(
         recording=replace(logged, time=time),
         settings=FilterSettings(position_cutoff=100.0, decimation=20),
@@ -73,7 +76,7 @@ def moving_robot(
         velocity=active[1],
         acceleration=active[2],
         current=current,
-        tree=motion_of(model.geometry, time, *active),
+        tree=tree,
         gaps=no_gaps(n),
     )
     payloads = {} if payload is None else {payload: PAYLOAD}
@@ -82,7 +85,8 @@ def moving_robot(
         base=model.base.grouping @ guessed_parameters(model.geometry),
         payloads=payloads,
         declared=payloads,
-        speeds=np.sqrt((active[1] ** 2).mean(axis=0)),
+        speeds=np.sqrt((np.hstack((active[1], tree.v[:, model.geometry.redundant])) ** 2).mean(axis=0)),
+        redundant_gains=np.array([one.gain for one in extra]),
     )
     return robot_signals(model, measured, present), model, measured, present
 

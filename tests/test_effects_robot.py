@@ -64,7 +64,7 @@ def test_columns_are_finite_of_the_right_shape_and_the_same_again(robot_name: st
     for (name, place), columns in seen.items():
         assert np.array_equal(columns, columns_at(again, name, place)), name
     motors = {place for name, place in seen if name == "viscous_friction"}
-    assert motors == set(robot.joints)
+    assert motors == {*robot.joints, *robot.redundant}
 
 
 @pytest.mark.parametrize("robot_name", ["five_bar", "delta", "tilted"])

@@ -10,6 +10,7 @@ from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
 SHORT = {"optimise": False, "duration": 6.0}
+SPAN = {"dualv": 0.2}  # rad: random movements, where the design's own would leave what can be reached
 EXACT = 0.02  # of a parameter's true value
 
 
@@ -25,6 +26,9 @@ class Case:
 
 
 CASES = {
+    "dry friction at the redundant motor of a DualV": Case(
+        "dualv", "coulomb_friction", ("motor_4",), {"Fc": 0.03}, {"Fc": 0.03}
+    ),
     "a spring at the elbow of a palletiser": Case(
         "palletiser", "passive_spring", ("elbow",), {"k": 400.0, "q0": -1.5}, {"k": 400.0, "kq0": -600.0}
     ),
@@ -45,7 +49,8 @@ CASES = {
 def test_what_is_hidden_is_named_where_it_is(name: str) -> None:
     case = CASES[name]
     hidden = [{"effect": case.effect, "joint": joint, **case.hidden} for joint in case.joints]
-    scenario = load_scenario(case.robot, {"hidden": hidden, "design": SHORT})
+    design = SHORT | {"span": SPAN[case.robot]} if case.robot in SPAN else SHORT
+    scenario = load_scenario(case.robot, {"hidden": hidden, "design": design})
     found = diagnose(as_dataset(simulate(scenario)))
     assert found.missing == (case.effect,)
     assert found.ranking[0].verdict == "missing"

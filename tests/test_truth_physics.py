@@ -30,9 +30,11 @@ def short(name, **overrides):
     return load_scenario(name, {"design": SHORT, "recordings": recordings} | overrides)
 
 
-def motor_torque_needed(model, motion, dofs, samples):
-    """(len(samples), n): what the motors have to supply at the true states, loops eliminated."""
+def motor_torque_needed(model, motion, driven, samples, leading=None):
+    """(len(samples), leading): what the first motors have to supply at the true states, beside redundant ones."""
     data = mujoco.MjData(model)
+    leading = len(driven) if leading is None else leading
+    dofs = driven[:leading]
     passive = np.setdiff1d(np.arange(model.nv), dofs)
     mass = np.zeros((model.nv, model.nv))
     needed = []
@@ -44,6 +46,7 @@ def motor_torque_needed(model, motion, dofs, samples):
         loops = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
         jacobian = np.asarray(data.efc_J).reshape(data.nefc, model.nv)[loops]
         force = mass @ motion.qacc[k] + data.qfrc_bias
+        force[driven[leading:]] -= motion.torque[k, leading:]
         multipliers = np.linalg.lstsq(jacobian[:, passive].T, force[passive], rcond=None)[0]
         rest = force - jacobian.T @ multipliers
         assert np.abs(rest[passive]).max(initial=0.0) < 1e-9 * np.abs(force).max()
@@ -91,9 +94,10 @@ def test_applied_torque_is_what_the_rigid_body_needs(name):
     for recording in simulation.recordings:
         samples = np.arange(0, len(recording.motion.time), 7)
         model = machine.models[recording.table.payload]
-        needed = motor_torque_needed(model, recording.motion, machine.dofs, samples)
-        applied = recording.motion.torque[samples]
-        open_forces = motor_torque_undetermined(model, recording, machine.dofs, samples)
+        leading = machine.leading
+        needed = motor_torque_needed(model, recording.motion, machine.dofs, samples, leading)
+        applied = recording.motion.torque[samples, :leading]
+        open_forces = motor_torque_undetermined(model, recording, machine.dofs[:leading], samples)
         assert np.abs(needed - applied).max() < 1e-12 * np.abs(applied).max() + open_forces
 
 
