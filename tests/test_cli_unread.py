@@ -33,7 +33,8 @@ FILES = {
     "trial": [
         "trial",
         "two_link",
-        *("--kinds", "nothing", "--seeds", "1", "--duration", "6", "--workers", "1", "-o", "{out}"),
+        *("--kinds", "one", "--effects", "viscous_friction", "--seeds", "1", "--duration", "6"),
+        *("--workers", "1", "-o", "{out}"),
     ],
 }
 LAST = {
