@@ -13,6 +13,7 @@ FINENESS = 5.0  # steps of the search in what one more period within the travel 
 MOST_STEPS = 4000
 SLOW = 0.2  # of the RMS speed: a joint spends enough time below it
 PEAKS = 3
+TOGETHER = 500_000  # values of a wave that are worked out at a time: they stay in the processor's cache
 
 
 def phase(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
@@ -41,9 +42,7 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
     Science 39, 1976.
     """
     joint = samples[0]
-    one = (2.0 * np.pi if joint.rotates else 1.0) / max(
-        joint.travel, np.finfo(float).tiny
-    )  # period in the travel
+    one = _one_in_the_travel(joint)
     rate = (1.0 if joint.rotates else 2.0 * np.pi) * max(SLOW * joint.speed, np.finfo(float).tiny)
     last = max(2.0 * np.pi * joint.band / rate, 4.0 * FEWEST * one)
     step = one / FINENESS
@@ -52,15 +51,9 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
     explained = np.zeros(len(grid))
     moments = np.zeros((len(grid), 5))
     for sample, carrier in zip(samples, carriers, strict=True):
-        angle = np.outer(grid, phase(sample.position, 1.0, sample.rotates)).astype(np.float32)
-        pace = np.abs(phase(sample.velocity, 1.0, sample.rotates))
-        most = 2.0 * np.pi * sample.band / np.maximum(pace, np.finfo(float).tiny)
-        passed = np.where(grid[:, None] < most, carrier.astype(np.float32), np.float32(0.0))
-        cosine, sine = passed * np.cos(angle), passed * np.sin(angle)
-        error = sample.error.astype(np.float32)
-        pairs = ((cosine, cosine), (cosine, sine), (sine, sine))
-        products = [np.einsum("ij,ij->i", one, other) for one, other in pairs]
-        moments += np.column_stack((*products, cosine @ error, sine @ error))
+        size = max(1, TOGETHER // len(sample.position))
+        for at in range(0, len(grid), size):
+            moments[at : at + size] += _moments(grid[at : at + size], sample, carrier.astype(np.float32))
     cc, cs, ss, ce, se = moments.T
     determinant = cc * ss - cs * cs
     usable = determinant > 1e-6 * cc * ss
@@ -69,3 +62,26 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
     peaks = np.flatnonzero((explained >= padded[:-2]) & (explained >= padded[2:]))
     best = peaks[np.argsort(explained[peaks])[::-1][:PEAKS]]
     return tuple((float(grid[i] - step), float(grid[i]), float(grid[i] + step)) for i in sorted(best))
+
+
+def next_to(value: float, samples: Sequence[JointSamples]) -> Bracket:
+    """About so many periods, as far as the peak of a periodogram reaches: one more or fewer within the travel."""
+    one = _one_in_the_travel(samples[0])
+    return min(value, max(value - one, FEWEST * one)), value, value + one
+
+
+def _one_in_the_travel(joint: JointSamples) -> float:
+    return (2.0 * np.pi if joint.rotates else 1.0) / max(joint.travel, float(np.finfo(float).tiny))
+
+
+def _moments(grid: np.ndarray, sample: JointSamples, carrier: np.ndarray) -> np.ndarray:
+    """Inner products (G, 5) of waves of so many periods each, with themselves and with the error."""
+    angle = np.outer(grid, phase(sample.position, 1.0, sample.rotates)).astype(np.float32)
+    pace = np.abs(phase(sample.velocity, 1.0, sample.rotates))
+    most = 2.0 * np.pi * sample.band / np.maximum(pace, np.finfo(float).tiny)
+    passed = np.where(grid[:, None] < most, carrier, np.float32(0.0))
+    cosine, sine = passed * np.cos(angle), passed * np.sin(angle)
+    error = sample.error.astype(np.float32)
+    pairs = ((cosine, cosine), (cosine, sine), (sine, sine))
+    products = [np.einsum("ij,ij->i", one, other) for one, other in pairs]
+    return np.column_stack((*products, cosine @ error, sine @ error))

@@ -78,7 +78,7 @@ def _reach(prepared: Prepared, left: PartialRegression, i: int, name: str) -> tu
     instance = prepared.effects[i]
     parameter = next(one for one in instance.effect.shape if one.name == name)
     value = instance.effect.shape_values()[name]
-    brackets = instance.effect.brackets(parameter, joint_samples(prepared, instance, left))
+    brackets = instance.effect.beside(parameter, joint_samples(prepared, instance, left))
     return within_reach(value, brackets)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import ActuatorEffect, Bracket, EffectParameter, ShapeParameter
-from bench.effects.periods import PERIODS, followed_wave, strongest_periods
+from bench.effects.periods import PERIODS, followed_wave, next_to, strongest_periods
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
@@ -51,3 +51,6 @@ class TorqueRipple(ActuatorEffect):
         if not samples:
             return super().brackets(parameter, samples)
         return strongest_periods(samples, [one.motor_torque for one in samples])
+
+    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+        return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects.effect import Bracket, Effect, EffectParameter, ShapeParameter
 from bench.effects.motor_link_difference import slopes
-from bench.effects.periods import phase, strongest_periods, wave
+from bench.effects.periods import next_to, phase, strongest_periods, wave
 from bench.effects.samples import JointSamples
 from bench.effects.signals import WIDER, RobotSignals
 
@@ -77,3 +77,6 @@ class TransmissionError(Effect):
             return super().brackets(parameter, samples)
         pace = max(samples[0].speed, np.finfo(float).tiny)
         return strongest_periods(samples, [1.0 + (one.velocity / pace) ** 2 for one in samples])
+
+    def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
+        return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)
