@@ -229,16 +229,18 @@ def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start
     torque = phi @ start.theta + known_rows(observation, prepared.dataset.payloads)
     error = observation.current - torque / start.gains
     parts = (phi, added, torque[:, :, None], error[:, :, None])
-    return np.concatenate(parts, axis=2) * observation.moving[:, :, None]
+    rows = np.concatenate(parts, axis=2)
+    rows *= observation.moving[:, :, None]
+    return rows
 
 
 def _triangle(blocks: Sequence[np.ndarray], start: Solution) -> np.ndarray:
     """Triangular factor of all columns but torque and error, every motor's rows weighted."""
     triangle = np.zeros((0, blocks[0].shape[2] - 2))
     for rows in blocks:
-        weighted = rows[:, :, :-2] * (start.weights / start.gains)[:, None]
-        together = np.concatenate((triangle, weighted.reshape(-1, triangle.shape[1])))
-        triangle = np.asarray(np.linalg.qr(together, mode="r"))
+        for j, weight in enumerate(start.weights / start.gains):  # one by one, since all at once take much memory
+            together = np.concatenate((triangle, rows[:, j, :-2] * weight))
+            triangle = np.asarray(np.linalg.qr(together, mode="r"))
     return triangle
 
 
