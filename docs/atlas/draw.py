@@ -24,6 +24,7 @@ from bench.document.figures.comparison_panels import (
     draw_around_reversals,
     draw_position_spectrum,
     draw_time_spectrum,
+    small_title,
 )
 from bench.document.figures.currents import STYLE
 from bench.effects import CATALOGUE, places_in, select_effects
@@ -33,6 +34,7 @@ from bench.identification.identify import fit, prepare
 from bench.identification.prepare import with_effects
 from bench.identification.result import Identification
 from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
+from bench.residuals.periods import position_spectrum, time_spectrum
 from bench.residuals.profile import Variable, profile, values_of
 from bench.residuals.residuals import errors_by_motor
 from bench.residuals.words import finding_sentences
@@ -149,9 +151,10 @@ def _figure(what: Compared, joint: str) -> Figure:
             place.set(xlabel=label, ylabel=f"error [{current}]")
         draw_around_reversals(axes[5], series)
         axes[5].set(xlabel="time from the nearest reversal [s]", ylabel=f"error [{current}]")
-        draw_position_spectrum(axes[6], series)
+        draw_position_spectrum(axes[6], position_spectrum(series))
         axes[6].set(xlabel=f"cycles per {unit}", ylabel=f"amplitude of the error [{current}]")
-        draw_time_spectrum(axes[7], series)
+        draw_time_spectrum(axes[7], time_spectrum(series))
+        small_title(axes[7], "grey: noise of the current")
         axes[7].set(xlabel="frequency [Hz]", ylabel=f"density [{current}²/Hz]")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper right", ncols=len(labels), frameon=False)

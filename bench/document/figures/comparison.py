@@ -19,11 +19,14 @@ from bench.document.figures.comparison_panels import (
     draw_recordings,
     draw_shares,
     draw_time_spectrum,
+    small_title,
 )
 from bench.document.figures.currents import DPI, PAGE_WIDTH, STYLE, currents_page
 from bench.document.numbers import USES, percent
 from bench.files.atomic import atomic_path
+from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
+from bench.residuals.periods import position_spectrum, time_spectrum
 from bench.residuals.profile import Variable
 from bench.residuals.regions import regions
 from bench.residuals.words import motor_words
@@ -90,11 +93,13 @@ def errors_figure(what: Compared, joint: str) -> Figure:
         rest = iter(axes.flat[len(labels) :])
         draw_around_reversals(place := next(rest), series)
         place.set(xlabel="time from the nearest reversal [s]", ylabel=f"error [{current}]")
-        draw_time_spectrum(place := next(rest), series)
+        draw_time_spectrum(place := next(rest), time_spectrum(series))
+        small_title(place, "grey: noise of the current")
         place.set(xlabel="frequency [Hz]", ylabel=f"density of the error [{current}²/Hz]")
-        draw_position_spectrum(place := next(rest), series)
+        draw_position_spectrum(place := next(rest), position_spectrum(series))
         place.set(xlabel=f"cycles per {unit}", ylabel=f"amplitude of the error [{current}]")
-        draw_autocorrelation(place := next(rest), series)
+        draw_autocorrelation(place := next(rest), autocorrelation(series))
+        small_title(place, "grey: 95 % of what is there by chance")
         place.set(xlabel="lag [s]", ylabel="autocorrelation of the error")
         draw_shares(place := next(rest), series, found)
         place.set(xlabel="share of the squared error [%]")

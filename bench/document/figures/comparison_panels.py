@@ -10,11 +10,11 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.document.colours import ON_WHITE
-from bench.residuals.autocorrelation import autocorrelation
+from bench.residuals.autocorrelation import Autocorrelation
 from bench.residuals.concentration import shares
 from bench.residuals.motor import MotorSeries, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import by_load, over_warm_up
-from bench.residuals.periods import position_spectrum, time_spectrum
+from bench.residuals.periods import PositionSpectrum, Spectrum
 from bench.residuals.profile import Profile, Variable, binned, profile, values_of
 from bench.residuals.regions import Region
 
@@ -101,7 +101,7 @@ def draw_around_reversals(axes: Axes, series: Sequence[MotorSeries], scale: floa
     draw_clouds(axes, found, scale)
     if not found:
         axes.text(0.5, 0.5, "never reverses while it moves", transform=axes.transAxes, ha="center")
-    _small_title(axes, "colour: the direction afterwards")
+    small_title(axes, "colour: the direction afterwards")
 
 
 def draw_clouds(axes: Axes, found: Sequence[Cloud], scale: float = 1.0) -> None:
@@ -129,7 +129,8 @@ def draw_clouds(axes: Axes, found: Sequence[Cloud], scale: float = 1.0) -> None:
         _set_limits(axes, found, scale)
 
 
-def _small_title(axes: Axes, text: str) -> None:
+def small_title(axes: Axes, text: str) -> None:
+    """What grey and the like stand for, above a panel without a legend."""
     size = 0.85 * float(mpl.rcParams["font.size"])
     axes.set_title(text, fontsize=size, color="#4A525C", loc="right")
 
@@ -162,31 +163,30 @@ def _set_limits(axes: Axes, found: Sequence[Cloud], scale: float) -> None:
                 )
 
 
-def draw_time_spectrum(axes: Axes, series: Sequence[MotorSeries]) -> None:
+def draw_time_spectrum(axes: Axes, found: Spectrum, scale: float = 1.0) -> None:
     """Density of the error over frequency, and that of the current's noise."""
-    found = time_spectrum(series)
-    axes.axhline(found.noise, color=NOISE, linewidth=3.0, alpha=0.6)
-    axes.semilogy(found.frequency[1:], found.density[1:], color=ON_WHITE.error, linewidth=1.0)
+    axes.axhline(found.noise, color=NOISE, linewidth=3.0 * scale, alpha=0.6, label="noise of the current")
+    axes.semilogy(
+        found.frequency[1:], found.density[1:], color=ON_WHITE.error, linewidth=scale, label="error"
+    )
     if found.noise > 0:
         axes.set_ylim(bottom=found.noise / 30.0)
-    _small_title(axes, "grey: noise of the current")
 
 
-def draw_position_spectrum(axes: Axes, series: Sequence[MotorSeries]) -> None:
+def draw_position_spectrum(axes: Axes, found: PositionSpectrum, scale: float = 1.0) -> None:
     """Amplitude of the sinusoid over position that suits the error best, by its wave number."""
-    found = position_spectrum(series)
-    axes.plot(found.cycles, found.amplitude, color=ON_WHITE.error, linewidth=0.9, marker=".", markersize=2.5)
+    (line,) = axes.plot(found.cycles, found.amplitude, color=ON_WHITE.error, linewidth=0.9 * scale)
+    line.set(marker=".", markersize=2.5 * scale)
     axes.set_ylim(bottom=0.0)
 
 
-def draw_autocorrelation(axes: Axes, series: Sequence[MotorSeries]) -> None:
+def draw_autocorrelation(axes: Axes, found: Autocorrelation, scale: float = 1.0) -> None:
     """Autocorrelation of the error, and what chance gives."""
-    found = autocorrelation(series)
-    axes.axhspan(-found.band, found.band, color=NOISE, alpha=0.45, linewidth=0.0)
-    axes.vlines(found.lag, 0.0, found.value, color=ON_WHITE.error, linewidth=1.0)
-    axes.plot(found.lag, found.value, "o", color=ON_WHITE.error, markersize=2.5)
-    _small_title(axes, "grey: 95 % of what is there by chance")
-    axes.set_ylim(min(-0.25, float(found.value.min()) - 0.05), 1.05)
+    chance = axes.axhspan(-found.band, found.band, color=NOISE, alpha=0.45, linewidth=0.0)
+    chance.set_label("95 % of what chance gives")
+    axes.vlines(found.lag, 0.0, found.value, color=ON_WHITE.error, linewidth=scale)
+    axes.plot(found.lag, found.value, "o", color=ON_WHITE.error, markersize=2.5 * scale, label="error")
+    axes.set_ylim(min(-0.25, float(np.min(found.value)) - 0.05), 1.05)
 
 
 def draw_recordings(axes: Axes, series: Sequence[MotorSeries]) -> None:
@@ -197,7 +197,7 @@ def draw_recordings(axes: Axes, series: Sequence[MotorSeries]) -> None:
     axes.barh(at, [100.0 * relative_noise([one]) for one in series], 0.8, color=NOISE, alpha=0.75)
     axes.set_yticks(at, names)
     axes.invert_yaxis()
-    _small_title(axes, "grey: noise of the current")
+    small_title(axes, "grey: noise of the current")
 
 
 def shortened(name: str, most: int = 16) -> str:
@@ -236,4 +236,4 @@ def draw_shares(axes: Axes, series: Sequence[MotorSeries], found: Sequence[Regio
     axes.barh(at, [100.0 * time for _, time in both], 0.85, color=NOISE, alpha=0.75)
     axes.set_yticks(at, [one.name for one in found])
     axes.set_ylim(len(found) - 0.4, -0.6)
-    _small_title(axes, "grey: share of the time")
+    small_title(axes, "grey: share of the time")

@@ -14,13 +14,16 @@ from bench.document.figures.comparison_panels import (
     Cloud,
     clouds,
     clouds_at_reversals,
+    draw_autocorrelation,
     draw_clouds,
     draw_noise_band,
+    draw_position_spectrum,
+    draw_time_spectrum,
 )
 from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
-from bench.residuals.autocorrelation import autocorrelation
+from bench.residuals.autocorrelation import Autocorrelation, autocorrelation
 from bench.residuals.motor import Compared, MotorSeries
-from bench.residuals.periods import Spectrum, position_spectrum, time_spectrum
+from bench.residuals.periods import PositionSpectrum, Spectrum, position_spectrum, time_spectrum
 from bench.residuals.profile import Variable
 
 CURRENT, ERROR, CLOUD, LINE = 26.0, 14.0, 42.0, 36.0  # heights of panels, mm
@@ -172,10 +175,7 @@ def _spectrum(what: Compared, joints: Sequence[str]) -> PaperFigure:
 
 
 def _draw_spectrum(found: Spectrum, joint: str, unit: str, axes: Axes) -> None:
-    axes.axhline(found.noise, color=NOISE, linewidth=1.6, alpha=0.6, label="noise of the current")
-    axes.semilogy(found.frequency[1:], found.density[1:], color=ON_WHITE.error, linewidth=0.6, label="error")
-    if found.noise > 0:
-        axes.set_ylim(bottom=found.noise / 30.0)
+    draw_time_spectrum(axes, found, SCALE)
     axes.set(title=joint, xlabel="frequency [Hz]", ylabel=f"density [{unit}²/Hz]")
 
 
@@ -184,7 +184,7 @@ def _over_position(what: Compared, joints: Sequence[str]) -> PaperFigure:
     for joint in joints:
         found, (current, unit) = position_spectrum(what.of(joint)), what.units[joint]
         cycles, amplitude = np.asarray(found.cycles), np.asarray(found.amplitude)
-        panels.append(Panel(partial(_draw_cycles, cycles, amplitude, joint, (current, unit)), LINE))
+        panels.append(Panel(partial(_draw_cycles, found, joint, (current, unit)), LINE))
         numbers.append(
             {
                 "motor": [joint] * len(cycles),
@@ -195,11 +195,8 @@ def _over_position(what: Compared, joints: Sequence[str]) -> PaperFigure:
     return PaperFigure("error_over_position_spectrum", tuple(panels), {"": _joined(numbers)})
 
 
-def _draw_cycles(
-    cycles: np.ndarray, amplitude: np.ndarray, joint: str, units: tuple[str, str], axes: Axes
-) -> None:
-    axes.plot(cycles, amplitude, color=ON_WHITE.error, linewidth=0.5, marker=".", markersize=1.6)
-    axes.set_ylim(bottom=0.0)
+def _draw_cycles(found: PositionSpectrum, joint: str, units: tuple[str, str], axes: Axes) -> None:
+    draw_position_spectrum(axes, found, SCALE)
     axes.set(title=joint, xlabel=f"cycles per {units[1]}", ylabel=f"amplitude [{units[0]}]")
 
 
@@ -208,7 +205,7 @@ def _autocorrelation(joints: Sequence[str], what: Compared) -> PaperFigure:
     for joint in joints:
         found = autocorrelation(what.of(joint))
         lag, value = np.asarray(found.lag), np.asarray(found.value)
-        panels.append(Panel(partial(_draw_autocorrelation, lag, value, found.band, joint), LINE))
+        panels.append(Panel(partial(_draw_autocorrelation, found, joint), LINE))
         numbers.append(
             {
                 "motor": [joint] * len(lag),
@@ -220,11 +217,8 @@ def _autocorrelation(joints: Sequence[str], what: Compared) -> PaperFigure:
     return PaperFigure("error_autocorrelation", tuple(panels), {"": _joined(numbers)})
 
 
-def _draw_autocorrelation(lag: np.ndarray, value: np.ndarray, band: float, joint: str, axes: Axes) -> None:
-    axes.axhspan(-band, band, color=NOISE, alpha=0.45, linewidth=0.0, label="95 % of what chance gives")
-    axes.vlines(lag, 0.0, value, color=ON_WHITE.error, linewidth=0.5)
-    axes.plot(lag, value, "o", color=ON_WHITE.error, markersize=1.3, label="error")
-    axes.set_ylim(min(-0.25, float(value.min()) - 0.05), 1.05)
+def _draw_autocorrelation(found: Autocorrelation, joint: str, axes: Axes) -> None:
+    draw_autocorrelation(axes, found, SCALE)
     axes.set(title=joint, xlabel="lag [s]", ylabel="autocorrelation")
 
 
