@@ -48,3 +48,36 @@ def test_what_an_arm_s_model_lacks_is_in_its_deviations(arm_by_logs):
     payload_says_much = slice(1, None)  # of the vertical first joint a payload says little
     off = np.abs(value - KNOWN)[payload_says_much]
     assert np.all(off < (2.0 * std + 0.02 * KNOWN)[payload_says_much])
+
+
+@pytest.fixture(scope="module")
+def greased_by_logs(measured_data: Path) -> list[Identification]:
+    """The arm with grease that thins, from one day's logs and from another's."""
+    folder = measured_data / "ur10e"
+    if not folder.is_dir():
+        pytest.skip("the measured UR10e data are not here (set PARABENCH_DATA)")
+    dataset = load_dataset(folder)
+    days = (
+        tuple(replace(one, use=use) for one, use in zip(dataset.recordings, uses, strict=True))
+        for uses in PAIRS
+    )
+    return [
+        fit(prepare(replace(dataset, recordings=day), ("coulomb_friction", "shear_thinning_friction", LOAD)))
+        for day in days
+    ]
+
+
+def test_an_arm_s_grease_thins_alike_on_two_days(arm_by_logs, greased_by_logs):
+    one, other = (result.effect_parameters["shear_thinning_friction"] for result in greased_by_logs)
+    for joint in one:
+        for name in ("Fa", "va"):
+            a, b = one[joint][name], other[joint][name]
+            assert min(a.value, b.value) > 0.0
+            assert abs(a.value - b.value) < 2.5 * np.hypot(a.std, b.std), (joint, name)
+    for greased, viscous in zip(greased_by_logs, arm_by_logs, strict=True):
+        assert greased.error.validate < 0.85 * viscous.error.validate
+
+
+def test_an_arm_s_gains_with_grease_that_thins(greased_by_logs):
+    value, _ = gains(greased_by_logs[0])
+    assert np.all(np.abs(value / KNOWN - 1.0) < [0.10, 0.05, 0.05, 0.05, 0.05, 0.05])

@@ -5,22 +5,48 @@ from dataclasses import replace
 import numpy as np
 
 from bench.effects import EffectInstance
-from bench.identification.nonlinear import settled
+from bench.identification.findings import FAR
+from bench.identification.nonlinear import present_model, settled
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.solve_only import solved_quickly
+from bench.identification.solution import Solution
+from bench.identification.solve_only import linearised, solved_quickly
+
+LINEARISATIONS = 4
+STILL = 1e-3  # relative change of gains
 
 
 def beyond_bounds(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, ...]:
-    """The effects of a settled model with a parameter that its data ask to be at its bound or beyond."""
+    """The effects of a settled model with a parameter that its data ask to be at its bound or beyond.
+
+    So are those whose motor's gain runs away beside them: the two grow together, or swing from one linearisation to the
+    next and never settle, so that a few more are looked at.
+    """
     if not any(np.isfinite(one.below) for each in prepared.effects for one in each.effect.parameters):
         return ()
-    _, solution = solved_quickly(prepared, fit_gains)
+    before = None
+    for _ in range(LINEARISATIONS):
+        _, solution = solved_quickly(prepared, fit_gains)
+        found = _outside(prepared, solution, fit_gains)
+        if found or (before is not None and np.allclose(solution.gains, before, rtol=STILL, atol=0.0)):
+            return found
+        before = solution.gains
+        about = linearised(prepared.effects, solution.theta[prepared.layout.size - prepared.layout.effects :])
+        prepared = with_effects(prepared, about, present_model(prepared, solution), fitted_only=True)
+    return ()
+
+
+def _outside(prepared: Prepared, solution: Solution, fit_gains: bool) -> tuple[EffectInstance, ...]:
+    robot = prepared.dataset.robot
+    ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
     found, at = [], prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
-        parameters = instance.effect.parameters
-        values = solution.theta[at : at + len(parameters)]
-        at += len(values)
-        if any(abs(value) >= one.below for value, one in zip(values, parameters, strict=True)):
+        bounds = [one.below for one in instance.effect.parameters]
+        values = solution.theta[at : at + len(bounds)]
+        at += len(bounds)
+        if not np.any(np.isfinite(bounds)):
+            continue
+        wild = fit_gains and not 1.0 / FAR <= ratios.get(instance.joint, 1.0) <= FAR
+        if wild or np.any(np.abs(values) >= bounds):
             found.append(instance)
     return tuple(found)
 
@@ -34,7 +60,7 @@ def within_bounds(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, tuple[
     gone: set[tuple[str, str]] = set()
     while beyond := beyond_bounds(prepared, fit_gains):
         gone |= {_place(one) for one in beyond}
-        kept = [one for one in prepared.effects if one not in beyond]
+        kept = [one for one in prepared.effects if _place(one) not in gone]
         prepared = settled(with_effects(whole, kept), fit_gains)
     if not gone:
         return whole, ()
