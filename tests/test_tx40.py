@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from bench.dataset.dataset import load_dataset
+from bench.diagnosis.split import with_judged_parts
 from bench.identification.identify import identify
 from bench.measured.machines import GEARS, dataset_of
 
@@ -33,3 +34,12 @@ def test_the_coupling_is_understood(tx40: Path, settings: dict[str, float] | Non
         # a torque of a motor is felt at every joint that turns with it, times the gear; so is its speed
         felt = sum(by_motor[motor] * turns.get(joint, 0.0) ** 2 for motor, turns in GEARS.items())
         assert felt == pytest.approx(published, rel=0.15), f"joint_{joint}"
+
+
+def test_a_part_of_the_log_is_filtered_as_the_whole_is(tx40: Path) -> None:
+    """A diagnosis fits the first 70 % and judges on the rest; jitter at one motor was taken for motion there."""
+    parts, _ = with_judged_parts(load_dataset(tx40))
+    found = identify(parts, ["viscous_friction", "coulomb_friction", "constant_offset"])
+    assert found.settings.position_cutoff < 150.0  # Hz; motion ends at 12 Hz
+    assert found.error.identify < 0.10
+    assert found.error.validate < 0.10
