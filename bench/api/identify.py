@@ -7,7 +7,6 @@ from typing import Any
 
 from bench.api.sources import Data, as_dataset, effects_of
 from bench.diagnosis.mounting import mounted_otherwise
-from bench.export.constrained import physically_consistent
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.identify import believed, prepare
 from bench.identification.result import Identification
@@ -47,4 +46,8 @@ def identify(
     mounted = mounted_otherwise(prepared, fit_gains=result.gains_fitted)
     short = short_recordings(dataset.recordings, result.settings)
     found = replace(result, findings=(*swapped, *mounted, *result.findings, *short))
-    return physically_consistent(found, dataset, catalogue) if physical else found
+    if not physical:
+        return found
+    from bench.export.constrained import physically_consistent  # noqa: PLC0415 - slow, and for this alone
+
+    return physically_consistent(found, dataset, catalogue)
