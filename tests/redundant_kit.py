@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 
 from bench.dataset.dataset import Dataset
-from bench.dataset.recording import Recording
 from bench.dataset.robot import load_robot
 from bench.scenario.scenario import load_scenario
 from bench.truth.assembly import following
@@ -38,6 +37,7 @@ def _plain() -> Simulation:
     return simulate(load_scenario("five_bar", {"design": design, "sensors": sensors}))
 
 
+@cache
 def by_hand(folder: Path, noise: float = 0.0, seed: int = 0) -> Dataset:
     """A dataset of the robot in this folder. noise: of every current, as a share of its RMS."""
     simulation, robot = _plain(), load_robot(folder)
@@ -67,6 +67,3 @@ def elbow_speeds(model: mujoco.MjModel, dofs: np.ndarray, poses: np.ndarray, ste
         rows[k] = following(model, data, dofs)[index]
     every = np.arange(len(poses))
     return np.column_stack([np.interp(every, at, row) for row in rows.T])
-
-
-__all__ = ["TRUE", "Recording", "by_hand", "with_third_motor"]

@@ -9,9 +9,14 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.robot import load_robot
-from bench.identification.identify import identify
+from bench.excitation.experiment.plan import nominal_machine
+from bench.excitation.experiment.request import ExperimentTable
+from bench.export.identified import load_identified
+from bench.identification.estimators import ESTIMATORS
+from bench.identification.identify import identify, prepare
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.model_json import from_json, to_json
+from bench.identification.perturbations import Nearby
 from bench.identification.result import Identification
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, write_simulation
@@ -26,6 +31,13 @@ NOISE = 0.01
 @pytest.fixture(scope="module")
 def third_motor(project_root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return with_third_motor(project_root, tmp_path_factory.mktemp("robots"))
+
+
+@pytest.fixture(scope="module")
+def friction() -> Dataset:
+    """A DualV with viscous friction at its redundant motor."""
+    hidden = [{"effect": "viscous_friction", "joint": "motor_4", "Fv": 0.05}]
+    return as_dataset(simulate(load_scenario("dualv", {"design": SHORT, "hidden": hidden})))
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +72,14 @@ def test_with_noise_gains_are_within_their_deviations(found_by_hand: Identificat
         assert gain.std < 0.003 * true, joint
     gains = [one.place for one in found_by_hand.covariance_rows if one.kind == "gain"]
     assert sorted(gains) == sorted(TRUE)
+
+
+@pytest.mark.parametrize("method", sorted({*ESTIMATORS} - {"oe"}))
+def test_every_estimator_finds_the_gains_of_redundant_motors(third_motor: Path, method: str) -> None:
+    found = identify(by_hand(third_motor, NOISE), method=method)
+    for joint, true in TRUE.items():
+        gain = found.drive_gains[joint]
+        assert abs(gain.value - true) < 4 * gain.std, joint
 
 
 def test_without_a_weighed_payload_all_gains_stay_nominal(third_motor: Path) -> None:
@@ -112,16 +132,36 @@ def test_gains_of_a_simulated_dualv(simulated: Simulation) -> None:
         assert gain.value == pytest.approx(true, rel=0.02), joint
 
 
-def friction_at(joint: str) -> Dataset:
-    hidden = [{"effect": "viscous_friction", "joint": joint, "Fv": 0.05}]
-    return as_dataset(simulate(load_scenario("dualv", {"design": SHORT, "hidden": hidden})))
-
-
-@pytest.mark.parametrize("joint", ["motor_2", "motor_4"])
-def test_friction_is_found_at_any_motor(joint: str) -> None:
-    found = identify(friction_at(joint), ["viscous_friction"]).effect_parameters["viscous_friction"]
+def test_friction_at_a_redundant_motor_is_an_effect_like_any_other(friction: Dataset) -> None:
+    found = identify(friction, ["viscous_friction"]).effect_parameters["viscous_friction"]
     assert list(found) == ["motor_1", "motor_2", "motor_3", "motor_4"]
     for place, values in found.items():
-        true = 0.05 if place == joint else 0.0
+        true = 0.05 if place == "motor_4" else 0.0
         assert abs(values["Fv"].value - true) < 5 * values["Fv"].std, place
         assert values["Fv"].std < 0.005
+
+
+def test_changes_nearby_are_those_worked_out_whole_with_redundant_motors(friction: Dataset) -> None:
+    """What another gravity or position does to the torque, redundant motors' powers included."""
+    prepared = prepare(friction)
+    near = Nearby(prepared.model, prepared.measured).signals(prepared.present, prepared.signals)[1]
+    whole = prepared.signals[1]
+    shift = np.zeros((3, *whole.coarse.position.shape))
+    shift[0, :, 1] = 1e-3
+    tilted = whole.geometry.gravity + np.array([0.5, 0.0, 0.0])
+    for seen in ({"shift": shift}, {"gravity": tilted}):
+        expected, found = whole.coarse_change(**seen), near.coarse_change(**seen)
+        off = np.sqrt(((found - expected)[5:-5] ** 2).mean())
+        assert off < 0.1 * np.sqrt((expected[5:-5] ** 2).mean())
+
+
+@pytest.mark.parametrize("what", ["export", "plan"])
+def test_what_needs_every_motors_torque_refuses_the_robot(
+    what: str, third_motor: Path, found_by_hand: Identification, tmp_path: Path
+) -> None:
+    save_model(found_by_hand, tmp_path / "model.json")
+    with pytest.raises(BenchError, match=r"is not for redundant motors \(left_elbow\)"):
+        if what == "export":
+            load_identified(tmp_path / "model.json", third_motor)
+        else:
+            nominal_machine(load_robot(third_motor), ExperimentTable(), (), {})
