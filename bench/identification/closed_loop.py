@@ -68,7 +68,7 @@ def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> 
             if abs(factor - 1.0) > UNLIKE * deviation + NEGLIGIBLE:
                 raise BenchError(
                     f"controller of joint {joint}: the logged current has {factor:.4g} ± {deviation:.2g} times the "
-                    f"law's term with {TERMS[k]}: another law, or another unit?"
+                    f"law's term with {TERMS[k]}: another law, another unit, or noise that the filter lets through?"
                 )
 
 
