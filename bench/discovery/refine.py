@@ -1,21 +1,25 @@
 """Found terms with an exponent or a frequency set free, where that does better or makes others superfluous."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
-from bench.diagnosis.rounds import Problem
+from bench.diagnosis.rounds import Problem, at_its_solution
 from bench.diagnosis.search import MATERIAL
 from bench.discovery.screen import Screened, at_place
 from bench.discovery.source import law_effect
 from bench.discovery.term import Term, freed
 from bench.discovery.variables import Place
 from bench.effects import EffectInstance
-from bench.identification.prepare import Prepared
+from bench.identification.nonlinear import settled
+from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import relative_error
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 
+MOST = 12  # models that are tried
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
+FAR_LESS = 1.5  # times the best error: a model that starts from there is not settled
 
 
 @dataclass(frozen=True)
@@ -42,39 +46,61 @@ def instances_of(name: str, one: Screened, places: Sequence[Place]) -> tuple[Eff
 def refined(problem: Problem, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
     """The best of the found model and those with one number more to be adapted, with fewer other effects or as many.
 
-    Each is settled by itself and judged on recordings that were not fitted.
+    Each is settled by itself and judged on recordings that were not fitted; MOST of them, those beside all or none of
+    the other effects first.
     """
     own = len(problem.start.effects)
-    best = Refined(model, terms, _error(problem, model))
-    for name in list(terms):
-        for variant in freed(terms[name]):
-            others = [one for one in model.effects[own:] if one.effect.name != name]
-            free = f"{name}_free"
-            added = instances_of(free, Screened(variant, {}, 0.0), places)
-            for kept in _fewer(others):
-                instances = [one for one in others if one.effect.name in kept]
-                tried = problem.with_instances([*instances, *added])
-                known = {key: one for key, one in terms.items() if key in kept} | {free: variant}
-                new = Refined(tried, known, _error(problem, tried))
-                if _better(new, best, own):
-                    best = new
+    best = Refined(model, terms, error_of(problem, model))
+    for new in islice(_tried(problem, best, places), MOST):
+        if new.size(own) <= best.size(own) and better(new, best, own):
+            best = new
     return best
 
 
-def _fewer(others: Sequence[EffectInstance]) -> list[Collection[str]]:
-    """Which of the other effects stay: none, all but one of them, or all."""
-    names = {one.effect.name for one in others}
-    sets = [set[str](), *(names - {name} for name in sorted(names)), names]
-    return list({frozenset(one): one for one in sets}.values())
+def _tried(problem: Problem, found: Refined, places: Sequence[Place]) -> Iterator[Refined]:
+    """Settled models with a number of one term set free, with all other effects, none of them, and all but one."""
+    own = len(problem.start.effects)
+    wholes = []
+
+    def told(model: Prepared, name: str, variant: Term) -> Refined:
+        kept = {one.effect.name for one in model.effects[own:]}
+        terms = {key: one for key, one in found.terms.items() if key in kept} | {name: variant}
+        return Refined(model, terms, error_of(problem, model))
+
+    for name, term in found.terms.items():
+        others = [one for one in found.model.effects[own:] if one.effect.name != name]
+        for variant in freed(term):
+            free = f"{name}_free"
+            added = instances_of(free, Screened(variant, {}, 0.0), places)
+            if others:
+                yield told(problem.with_instances(added), free, variant)
+            whole = problem.with_instances([*others, *added])
+            yield told(whole, free, variant)
+            wholes.append((whole, free, variant, {one.effect.name for one in others}))
+    for whole, free, variant, names in wholes:
+        for name in sorted(names) if len(names) > 1 else ():
+            fewer = _without(problem, whole, {*names, free} - {name}, found.error)
+            if fewer is not None:
+                yield told(fewer, free, variant)
 
 
-def _better(new: Refined, old: Refined, own: int) -> bool:
-    if new.size(own) < old.size(own):
-        return new.error < (1.0 + AS_GOOD) * old.error
-    return new.size(own) == old.size(own) and new.error < (1.0 - MATERIAL) * old.error
+def _without(problem: Problem, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:
+    """A settled model without some of its effects; None where that explains far less, the others as they are."""
+    own = len(problem.start.effects)
+    left = [one for i, one in enumerate(whole.effects) if i < own or one.effect.name in kept]
+    fewer = with_effects(whole, left)
+    if error_of(problem, fewer) > FAR_LESS * error:
+        return None
+    return at_its_solution(settled(fewer, problem.fit_gains, nearly=True), problem.fit_gains)
 
 
-def _error(problem: Problem, model: Prepared) -> float:
+def better(new: Refined, old: Refined, own: int) -> bool:
+    """Whether a model's error is clearly smaller, or as small with fewer effects beyond the first `own` instances."""
+    fewer = new.size(own) < old.size(own)
+    return new.error < ((1.0 + AS_GOOD) if fewer else (1.0 - MATERIAL)) * old.error
+
+
+def error_of(problem: Problem, model: Prepared) -> float:
     """Relative error of a settled model on recordings that were not fitted, without anything else of its answer."""
     _, solution = solved_quickly(model, problem.fit_gains)
     judged = [modelled_series(model, one, solution) for one in model.observations if one.use == "validate"]

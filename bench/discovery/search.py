@@ -13,7 +13,7 @@ from bench.diagnosis.search import NEEDED, Found, score
 from bench.discovery.choose import best_set
 from bench.discovery.grammar import grammar
 from bench.discovery.named import BASICS, name_of
-from bench.discovery.refine import Refined, instances_of, refined
+from bench.discovery.refine import Refined, better, error_of, instances_of, refined
 from bench.discovery.screen import Known, few_rows, left_without
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.states import State, best_states
@@ -45,9 +45,11 @@ def search_laws(
 ) -> tuple[Laws, Refined] | None:
     """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
 
-    last: of a search among the effects of the catalogue, with its settled model; barred: names that may not be found.
+    Rounds end where the settled model is no better than the last one. last: of a search among the effects of the
+    catalogue, with its settled model; barred: names that may not be found.
     """
-    laws = Laws(last, {})
+    laws, own = Laws(last, {}), len(problem.start.effects)
+    best = Refined(last.model, {}, error_of(problem, last.model))
     for number in range(ROUNDS):
         progress.phase(f"searching for laws, round {number + 1}")
         states, count = _states(problem, laws)
@@ -55,12 +57,15 @@ def search_laws(
             break
         if number:
             laws = replace(laws, last=replace(laws.last, proposals=reshaped(problem, laws.last, SILENT)))
-        before = laws.last.names
-        laws = _round(problem, laws, barred, states, count)
-        if laws.last.names == before:
+        new = _round(problem, laws, barred, states, count)
+        if new.last.names == laws.last.names:
+            laws = new
             break
-        model = problem.with_proposals(laws.last.proposals, laws.last.chosen)
-        laws = replace(laws, last=replace(laws.last, model=model))
+        model = problem.with_proposals(new.last.proposals, new.last.chosen)
+        settled = Refined(model, new.found, error_of(problem, model))
+        if not better(settled, best, own):
+            break
+        laws, best = replace(new, last=replace(new.last, model=model)), settled
     if not laws.found:
         return None
     return laws, refined(problem, laws.last.model, laws.found, places_of(problem.start))
