@@ -114,6 +114,7 @@ def test_worse_is_an_alarm_that_names_scenario_metric_and_size(with_reference):
     assert "method = current" not in text
     assert "σ" in row
     assert "1 worse, 0 better, 1 as before" in text
+    assert "\nnext: bench check --full --verbose --only small    " in text
 
 
 def test_better_is_told_and_no_alarm(with_reference):

@@ -116,12 +116,12 @@ def after_trial(table: Path) -> str:
 def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Path]) -> list[str]:
     """After an export: the bodies that were written, beside the recordings; a feed-forward, compiled.
 
-    A model that does not know its recordings has no next step.
+    A model whose recordings are not known, or not there any more, has no next step.
     """
     if form == "c":
         return [f"next: cc -O2 -c {quoted(output)}    compiles it, to be linked with a controller"]
     data = dataset_behind(model)
-    if data is None:
+    if data is None or not data.is_dir():
         return []
     words = ["replay", data, "--model", model, *_files(effect_files)]
     return [next_line(words, "simulates these bodies along the recorded motions")]

@@ -80,6 +80,11 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
         counts += [f"{count} {name}"] if count or verdict != "new" else []
     took = duration_text(time.monotonic() - start)
     console.print(f"{len(comparisons)} figures in {took}: {', '.join(counts)}", highlight=False)
+    changed = list(dict.fromkeys(one.sweep for one in comparisons if one.verdict in ALARMS))
+    if changed and not (options.full and options.verbose):
+        only = " ".join(f"--only {name}" for name in changed)
+        line = f"next: bench check --full --verbose {only}    runs all of their seeds and shows every figure"
+        console.print(line, highlight=False, soft_wrap=True)
     return 1 if worse or alarms else 0
 
 
