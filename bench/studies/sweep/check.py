@@ -83,8 +83,8 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
     changed = list(dict.fromkeys(one.sweep for one in comparisons if one.verdict in ALARMS))
     if changed and not (options.full and options.verbose):
         only = " ".join(f"--only {name}" for name in changed)
-        line = f"next: bench check --full --verbose {only}    runs all of their seeds and shows every figure"
-        console.print(line, highlight=False, soft_wrap=True)
+        step = f"next: bench check --full --verbose {only}    runs all of their seeds and shows every figure"
+        console.print(step, highlight=False, soft_wrap=True)
     return 1 if worse or alarms else 0
 
 
