@@ -61,6 +61,7 @@ class Nearby:
         self._kept = KeptRows(MOST_BYTES)
         self.rows = tuple(KeptRows() for _ in measured)
         self._barred: dict[bytes, str] = {}
+        self._sparse: dict[int, tuple[NearbySignals, RobotSignals]] = {}
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
     def shifted(self, order: int, motor: int) -> np.ndarray:
@@ -112,6 +113,13 @@ class Nearby:
         if self._seen is None or self._seen[0] is not present:
             self._seen = present, tuple(self._nearby(present, i, one) for i, one in enumerate(seen))
         return self._seen[1]
+
+    def sparsely(self, seen: "NearbySignals") -> RobotSignals:
+        """A recording at its coarse samples: of each the last is kept here, so that it goes with its model."""
+        known = self._sparse.get(seen.index)
+        if known is None or known[0] is not seen:
+            known = self._sparse[seen.index] = seen, seen.at_coarse_samples()
+        return known[1]
 
     def _nearby(self, present: PresentModel, index: int, seen: RobotSignals) -> RobotSignals:
         given = {one.name: getattr(seen, one.name) for one in fields(RobotSignals) if one.name not in OWN}
@@ -217,9 +225,13 @@ class NearbySignals(RobotSignals):
     beside: np.ndarray | None
     knots: np.ndarray
 
-    @cached_property
+    @property
     def sparsely(self) -> RobotSignals:
         """See `RobotSignals`: at the coarse samples."""
+        return self if self.sparse is not None else self.nearby.sparsely(self)
+
+    def at_coarse_samples(self) -> RobotSignals:
+        """The same at the coarse samples; itself where these are all, or few."""
         every, length = self.every, len(self.time)
         if every == 1 or length < FEWEST * every:
             return self
