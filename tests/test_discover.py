@@ -18,8 +18,9 @@ from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
 from bench.discovery import find
 from bench.discovery.find import diagnose_and_discover, find_missing_effects
+from bench.discovery.merged import fewer
 from bench.discovery.written import write_laws
-from bench.effects import catalogue_for
+from bench.effects import CATALOGUE, EffectInstance, catalogue_for
 from bench.identification.identify import identify
 from bench.page.folder import read_run
 from bench.truth.dataset import as_dataset, write_simulation
@@ -147,6 +148,26 @@ def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch:
         "As measured, it is a smooth function of the acceleration that turns with the direction" in sentence
     )
     assert {one.effect for one in found.ranking} == set(catalogue_for())
+
+
+def test_one_power_of_the_velocity_stands_for_several_frictions_that_are_near_it() -> None:
+    """Three effects of the catalogue together leave no more than noise of it, and once were named for sure."""
+    dataset = measured({"effect": "product_law", "joint": "left", "c": 0.14, "direction": 1.0, "v": 0.57})
+    found = find_missing_effects(dataset)
+    assert found.missing == ()
+    (law,) = found.discovered
+    assert law.numbers["p"].value == pytest.approx(0.57, abs=0.02)
+    assert law.terms[0].value == pytest.approx(0.14, rel=0.02)
+    assert left_over_floor(found) < FLOOR
+
+
+def test_a_law_that_saves_no_unknown_stands_for_nothing() -> None:
+    coulomb, viscous, shear = (
+        EffectInstance(CATALOGUE[name], "left", name)
+        for name in ("coulomb_friction", "viscous_friction", "shear_thinning_friction")
+    )
+    assert list(fewer([coulomb, viscous], 2)) == []
+    assert list(fewer([coulomb, viscous, shear], 2)) == [[], [coulomb], [viscous]]
 
 
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:

@@ -15,7 +15,7 @@ from bench.discovery.screen import Known, Left, few_rows, left_without, screened
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.source import law_effect, law_source
 from bench.discovery.table import Table, table_over
-from bench.discovery.term import Term, freed
+from bench.discovery.term import Term, at_other_harmonics, freed
 from bench.discovery.units import times, written
 from bench.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
@@ -191,6 +191,13 @@ def test_a_table_is_its_values_with_straight_lines_between(seen: Seen):
     values = np.sin(np.array(table.knots))
     wanted = np.interp(seen.values[V], table.knots, values)
     np.testing.assert_allclose(table.values(seen) @ values, wanted, atol=1e-12)
+
+
+def test_a_wave_is_tried_at_other_harmonics_of_the_turn():
+    term = Term((Power(V), Wave(Q, 6.0, 0.5)))
+    assert [one.factors[-1].rate for one in at_other_harmonics(term)] == pytest.approx([2.0, 3.0, 12.0])
+    assert [one.factors[-1].rate for one in at_other_harmonics(Term((Wave(Q, 1.0, 0.5),)))] == [2.0]
+    assert at_other_harmonics(Term((Wave(T, 4.0, 0.5, free=True),))) == ()
 
 
 def test_a_law_of_the_load_is_a_part_of_that_load(context):

@@ -118,15 +118,22 @@ def close(one: Scored, other: Scored) -> bool:
 
 
 def simplest(system: System, one: Scored, rivals: Sequence[Scored]) -> Scored:
-    """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest columns."""
+    """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest unknowns."""
+    size = _unknowns(system, one)
     simpler = [
         rival
         for rival in rivals
-        if len(rival.fit.columns) < len(one.fit.columns)
+        if _unknowns(system, rival) < size
         and _special_case(system, rival.fit.chosen, one.fit.chosen)
         and close(one, rival)
     ]
-    return min(simpler, key=lambda rival: (len(rival.fit.columns), -rival.total), default=one)
+    return min(simpler, key=lambda rival: (_unknowns(system, rival), -rival.total), default=one)
+
+
+def _unknowns(system: System, one: Scored) -> int:
+    """Its columns, and the shape parameters of its effects."""
+    shapes = (instance.effect.shape for i in one.fit.chosen for instance in system.candidates[i].instances)
+    return len(one.fit.columns) + sum(map(len, shapes))
 
 
 def _special_case(system: System, simple: Sequence[int], general: Sequence[int]) -> bool:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
@@ -16,8 +18,9 @@ from bench.diagnosis.rounds import judged
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.diagnosis.verdicts import checked_error
 from bench.discovery.laws import Law, laws_of
+from bench.discovery.merged import merged
 from bench.discovery.named import name_of
-from bench.discovery.refine import Refined
+from bench.discovery.refine import AS_GOOD, Refined
 from bench.discovery.search import Laws, search_laws
 from bench.discovery.seen import places_of
 from bench.discovery.smooth import tabled_laws
@@ -29,6 +32,7 @@ from bench.identification.prepare import Prepared
 from bench.signals.settings import FilterSettings
 
 LEFT = 1.15  # times the noise floor: where more is left, laws are looked for, whatever it varies with
+TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
 HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
 
 
@@ -70,9 +74,11 @@ def diagnose_and_discover(
     plain = answered(case, finding, progress)
     left = plain.unexplained
     wanted = left.significant or left.error > LEFT * left.noise_floor
-    if not (wanted if discover is None else discover):
-        return plain
     answer = _Answer(finding, (), plain)
+    if discover is not False and not wanted:
+        answer = _with_one_for_several(case, answer, progress)
+    if answer.laws or not (wanted if discover is None else discover):
+        return answer.diagnosis
     found_laws = search_laws(finding.problem, finding.last, finding.barred, progress)
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
@@ -88,8 +94,21 @@ class _Answer:
     diagnosis: Diagnosis
 
 
-def _with_laws(case: Case, plain: _Answer, searched: Laws, refined: Refined, progress: Progress) -> _Answer:
-    """The answer with the laws that were found, settled and judged beside all effects; without, if they do not stay."""
+def _with_laws(
+    case: Case,
+    plain: _Answer,
+    searched: Laws,
+    refined: Refined,
+    progress: Progress,
+    prior: float | None = None,
+    *,
+    fewer: bool = False,
+) -> _Answer:
+    """The answer with the laws that were found, settled and judged beside all effects; without, if they do not stay.
+
+    prior: of the laws, by default that of the terms they were found with. fewer: as small an error is enough, since
+    they stand for several effects.
+    """
     problem, last = plain.finding.problem, searched.last
     own = len(problem.start.effects)
     result = fit(refined.model, fit_gains=problem.fit_gains)
@@ -98,15 +117,31 @@ def _with_laws(case: Case, plain: _Answer, searched: Laws, refined: Refined, pro
     )
     named = [one for one in refined.model.effects[own:] if one.effect.name not in refined.terms]
     model = problem.with_instances([*named, *(one for law in laws for one in law.instances)])
-    prior = max(one.prior for one in last.proposals)
+    if prior is None:
+        prior = max(one.prior for one in last.proposals)
     proposals = [one for one in last.proposals if one.name not in searched.terms]
     proposals += _proposed(model, laws, prior)
     here = judged(problem, model, proposals, plain.finding.barred)
     finding = found_from(case, problem, here, progress, plain.finding.barred)
     staying = tuple(law for law in laws if law.name in finding.names)
-    if not staying or not _better(finding, plain.diagnosis):
+    if fewer:
+        good = len(finding.names) < len(plain.finding.names) and _better(finding, plain.diagnosis, -AS_GOOD)
+    else:
+        good = _better(finding, plain.diagnosis)
+    if not staying or not good:
         return plain
     return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
+
+
+def _with_one_for_several(case: Case, plain: _Answer, progress: Progress) -> _Answer:
+    """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
+    progress.phase("trying one law for several frictions")
+    finding = plain.finding
+    single = merged(finding)
+    if single is None:
+        return plain
+    prior = NEEDED + float(np.log(TRIED))
+    return _with_laws(case, plain, Laws(finding.last, {}), single, progress, prior=prior, fewer=True)
 
 
 def _with_tables(case: Case, plain: _Answer, progress: Progress) -> _Answer:
@@ -148,9 +183,9 @@ def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Propos
     ]
 
 
-def _better(finding: Finding, plain: Diagnosis) -> bool:
+def _better(finding: Finding, plain: Diagnosis, by: float = MATERIAL) -> bool:
     error = finding.after.error.validate
-    return error is not None and error < (1.0 - MATERIAL) * plain.unexplained.error
+    return error is not None and error < (1.0 - by) * plain.unexplained.error
 
 
 def _told(finding: Finding, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagnosis:

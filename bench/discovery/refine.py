@@ -8,7 +8,7 @@ from bench.diagnosis.rounds import Problem, at_its_solution
 from bench.diagnosis.search import MATERIAL
 from bench.discovery.screen import Screened, at_place
 from bench.discovery.source import law_effect
-from bench.discovery.term import Term, freed
+from bench.discovery.term import Term, at_other_harmonics, freed
 from bench.discovery.variables import Place
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import settled
@@ -17,7 +17,7 @@ from bench.identification.result import relative_error
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 
-MOST = 12  # models that are tried
+MOST = 18  # models that are tried
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
 FAR_LESS = 1.5  # times the best error: a model that starts from there is not settled
 
@@ -44,7 +44,9 @@ def instances_of(name: str, one: Screened, places: Sequence[Place]) -> tuple[Eff
 
 
 def refined(problem: Problem, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
-    """The best of the found model and those with one number more to be adapted, with fewer other effects or as many.
+    """The best of the found model and those with one number more to be adapted, or with a wave at another harmonic.
+
+    They have fewer other effects or as many.
 
     Each is settled by itself and judged on recordings that were not fitted; MOST of them, those beside all or none of
     the other effects first.
@@ -69,7 +71,7 @@ def _tried(problem: Problem, found: Refined, places: Sequence[Place]) -> Iterato
 
     for name, term in found.terms.items():
         others = [one for one in found.model.effects[own:] if one.effect.name != name]
-        for variant in freed(term):
+        for variant in (*at_other_harmonics(term), *freed(term)):
             free = f"{name}_free"
             added = instances_of(free, Screened(variant, {}, 0.0), places)
             if others:

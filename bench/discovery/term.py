@@ -84,6 +84,23 @@ def _structure(factor: Factor) -> tuple[object, ...]:
     return type(factor).__name__, *factor.variables
 
 
+WHOLE = 1e-6
+
+
+def at_other_harmonics(term: Term) -> tuple[Term, ...]:
+    """The term with a fixed wave over a turn at a third, half and double its number of periods, where that is whole.
+
+    Over a narrow range they are much alike, and which is chosen first depends on what is beside it.
+    """
+    return tuple(
+        Term((*term.factors[:i], replace(one, rate=ratio * one.rate), *term.factors[i + 1 :]))
+        for i, one in enumerate(term.factors)
+        if isinstance(one, Wave) and not one.free
+        for ratio in (1.0 / 3.0, 0.5, 2.0)
+        if abs(ratio * one.rate - round(ratio * one.rate)) < WHOLE
+    )
+
+
 def freed(term: Term) -> tuple[Term, ...]:
     """The term with one of its fixed exponents or frequencies free to be adapted, for each of them."""
     variants = []

@@ -1,0 +1,66 @@
+"""One power of the velocity in place of several frictions of the catalogue that only together come near it."""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+from bench.diagnosis.diagnose import Finding
+from bench.discovery.factors import Power
+from bench.discovery.grammar import V
+from bench.discovery.refine import AS_GOOD, Refined, error_of, instances_of
+from bench.discovery.screen import Screened
+from bench.discovery.seen import places_of
+from bench.discovery.term import Term
+from bench.effects import EffectInstance
+
+OVER_THE_VELOCITY = (
+    "coulomb_friction",
+    "quadratic_drag",
+    "shear_thinning_friction",
+    "stribeck_friction",
+    "viscous_friction",
+)
+"""Effects that are odd functions of the velocity alone: a sum of some is near to almost any other."""
+
+EXPONENTS = (0.5, 1.5, 2.5)
+NAME = "power"
+
+
+def merged(finding: Finding) -> Refined | None:
+    """The found model with a power of the velocity for some of its frictions, if that has fewer unknowns and leaves as
+    little; None where there is nothing to be saved, or it leaves more.
+    """
+    problem = finding.problem
+    added = finding.model.effects[len(problem.start.effects) :]
+    sits = [one for one in added if one.effect.name in OVER_THE_VELOCITY]
+    motors = [one.joint for one in sits]
+    alike = [one for one in sits if motors.count(one.joint) > 1]
+    if not alike:
+        return None
+    others = [one for one in added if one not in alike]
+    places = [one for one in places_of(problem.start) if one.name in {each.joint for each in alike}]
+    enough = (1.0 + AS_GOOD) * error_of(problem, finding.model)
+    for kept in fewer(alike, 2 * len(places)):
+        found = []
+        for exponent in EXPONENTS:
+            term = Term((Power(V, exponent, free=True),))
+            instances = instances_of(NAME, Screened(term, {}, 0.0), places)
+            model = problem.with_instances([*others, *kept, *instances])
+            found.append(Refined(model, {NAME: term}, error_of(problem, model)))
+        best = min(found, key=lambda one: one.error)
+        if best.error < enough:
+            return best
+    return None
+
+
+def fewer(alike: Sequence[EffectInstance], own: int) -> Iterator[list[EffectInstance]]:
+    """The frictions that may stay beside a law with `own` unknowns, the fewest first, so that unknowns are saved."""
+    names = sorted({one.effect.name for one in alike})
+    for size in range(len(names)):
+        for stay in combinations(names, size):
+            kept = [one for one in alike if one.effect.name in stay]
+            if _unknowns(kept) + own < _unknowns(alike):
+                yield kept
+
+
+def _unknowns(instances: Sequence[EffectInstance]) -> int:
+    return sum(len(one.effect.parameters) + len(one.effect.shape) for one in instances)
