@@ -140,6 +140,7 @@ def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch:
     (law,) = found.discovered
     assert (law.place, law.law) == ("left", "measured_left")
     assert all(one.term.startswith("sign(v)*hat(a, ") for one in law.terms)
+    assert law.formula == "sign(v)*table(a)"
     assert law.without is not None
     assert law.validate is not None
     assert law.validate < 0.3 * law.without

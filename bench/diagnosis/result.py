@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import hypot
@@ -120,6 +121,10 @@ class LawTerm:
     looks_at: tuple[LooksAt, ...] = ()
 
 
+HAT = re.compile(r"hat\((\w+), [^)]*\)")
+"""An entry of a table in a term."""
+
+
 @dataclass(frozen=True)
 class Discovered:
     """A law at one motor that is in no catalogue.
@@ -144,8 +149,14 @@ class Discovered:
 
     @property
     def formula(self) -> str:
-        """Of the whole law, in SI units."""
-        parts = [f"{one.value:.4g}" + ("" if one.term == "1" else f"*{one.term}") for one in self.terms]
+        """Of the whole law, in SI units; of a table what it goes by."""
+        parts = [
+            HAT.sub(r"table(\1)", one.term)
+            if HAT.search(one.term)
+            else f"{one.value:.4g}" + ("" if one.term == "1" else f"*{one.term}")
+            for one in self.terms
+        ]
+        parts = list(dict.fromkeys(parts))
         return " + ".join(parts).replace("+ -", "- ")
 
 
