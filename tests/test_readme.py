@@ -21,7 +21,7 @@ def test_the_python_example_runs_on_what_the_demo_leaves(blocks, project_root, t
     monkeypatch.chdir(tmp_path)
     assert main(["demo"]) == 0
     shown = capsys.readouterr().out
-    assert shown.rstrip().splitlines()[-1].startswith("Open results/demo/")
+    assert shown.rstrip().splitlines()[-1].startswith("next: bench open results/demo/dataset ")
     (example,) = [code for language, code in blocks if language == "python"]
     (reference,) = python_of(project_root / "docs" / "pages" / "reference" / "python.md")
     (twin,) = python_of(project_root / "docs" / "pages" / "howto" / "export.md")

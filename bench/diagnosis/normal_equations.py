@@ -238,7 +238,7 @@ def _triangle(blocks: Sequence[np.ndarray], start: Solution) -> np.ndarray:
     """Triangular factor of all columns but torque and error, every motor's rows weighted."""
     triangle = np.zeros((0, blocks[0].shape[2] - 2))
     for rows in blocks:
-        for j, weight in enumerate(start.weights / start.gains):  # one by one, since all at once take much memory
+        for j, weight in enumerate(start.weights / start.gains):  # motor by motor, for less memory
             together = np.concatenate((triangle, rows[:, j, :-2] * weight))
             triangle = np.asarray(np.linalg.qr(together, mode="r"))
     return triangle

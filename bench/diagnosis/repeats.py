@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from bench.identification.result import CurrentSeries
 
@@ -18,6 +17,8 @@ def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
 
     Half of the squared difference of the errors one period apart: noise, and whatever else the motion does not decide.
     """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - slow to import, and seldom needed
+
     left = measured = 0.0
     for one in series:
         period = _period(one.time, one.position)
@@ -34,6 +35,8 @@ def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
 
 def _period(time: np.ndarray, position: np.ndarray) -> float | None:
     """The shortest time after which positions (M, n) are the same again, s; None where they are not."""
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - slow to import, and seldom needed
+
     spread = position.std(axis=0)
     turning = spread > 0.0
     if not turning.any() or len(time) <= FEWEST:
@@ -46,7 +49,7 @@ def _period(time: np.ndarray, position: np.ndarray) -> float | None:
         return float(np.sqrt(((course(time[known] + lag) - scaled[known]) ** 2).mean(axis=0)).max())
 
     lags = np.arange(1, len(time) - FEWEST)
-    by_row = np.array([np.sqrt(((scaled[k:] - scaled[:-k]) ** 2).mean(axis=0)).max() for k in lags])
+    by_row = _shifted_apart(scaled)[lags].max(axis=1)
     gone = np.flatnonzero(by_row > OTHER)
     if not len(gone):
         return None
@@ -62,3 +65,15 @@ def _period(time: np.ndarray, position: np.ndarray) -> float | None:
         if apart(best) < SAME:
             return best
     return None
+
+
+def _shifted_apart(signals: np.ndarray) -> np.ndarray:
+    """RMS distance (M, n) of signals (M, n) from themselves, shifted by 0 to M - 1 rows, by way of their spectrum."""
+    signals = signals - signals.mean(axis=0)
+    rows = len(signals)
+    spectrum = np.fft.rfft(signals, 2 * rows, axis=0)
+    products = np.fft.irfft(spectrum * spectrum.conj(), 2 * rows, axis=0)[:rows]
+    squares = np.cumsum(signals**2, axis=0)[::-1]  # of the first M - k rows, at k
+    ends = np.cumsum(signals[::-1] ** 2, axis=0)[::-1]  # of the last M - k rows
+    count = np.arange(rows, 0, -1)[:, None]
+    return np.asarray(np.sqrt(np.maximum(squares + ends - 2.0 * products, 0.0) / count))
