@@ -11,6 +11,7 @@ from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.trial.markdown import MAIN, target_cells
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Figure
+from bench.studies.trial.unknown_page import unknown_table
 
 SEEDS = ("five_bar", "delta", "robots")
 METRICS = ("gain_error", "validate_error_over_noise_floor", "gain_within")
@@ -19,6 +20,7 @@ ENCODER_BITS = 20
 CLEAN = {"five_bar": 0.0002, "delta": 0.001}
 """Scenarios without noise, and what `tests/test_identify.py` allows them."""
 SHOWN = MAIN | {Figure.ONE_UNDECIDED, Figure.TWO_UNDECIDED, Figure.THREE_UNDECIDED}
+UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
 RESULTS = Path(__file__).resolve().parents[2] / "results"
 
 
@@ -27,7 +29,25 @@ def trials() -> list[TrialSummary]:
     return [
         summarised(path.stem, pq.read_table(path).to_pylist())
         for path in sorted((RESULTS / "trial").glob("*.parquet"))
+        if not path.stem.endswith(UNKNOWN)
     ]
+
+
+def unknown_laws() -> str:
+    """What was found of laws that no catalogue has, robot by robot."""
+    found = {}
+    for path in sorted((RESULTS / "trial").glob(f"*{UNKNOWN}.parquet")):
+        rows = pq.read_table(path).to_pylist()
+        laws = [row for row in rows if row["kind"] == "unknown"]
+        table = unknown_table(laws, [row for row in rows if row["kind"] == "nothing"])
+        found[path.stem.removesuffix(UNKNOWN)] = {column.header: column.cells for column in table.columns}
+    first = next(iter(found.values()))
+    heads = ["", *(f"[{robot}](trust/trial_{robot}{UNKNOWN}.md)" for robot in found), "goal"]
+    lines = [
+        [figure, *(f"{of['reached'][i]}: {of['cases'][i]}" for of in found.values()), first["goal"][i]]
+        for i, figure in enumerate(first["figure"])
+    ]
+    return rows_in_markdown(heads, lines)
 
 
 def trial_table(summaries: list[TrialSummary]) -> str:
@@ -143,6 +163,7 @@ def page(text: str) -> str:
     """The text with its tables in their places."""
     for place, table in (
         ("trials", trial_table(trials())),
+        ("unknown laws", unknown_laws()),
         ("gains", gains_table()),
         ("clean", clean_table()),
         ("peers", peers_table()),
