@@ -30,7 +30,7 @@ LEVEL, WHILE = (
     30.0,
     4.0,
 )  # by which it has faded where it is noise that is level, and over which ratio of frequencies
-FALLS = 2.0  # by which an acceleration of bodies falls over that ratio at least: of a step in a force, by 16
+FALLS = 3.0  # by which an acceleration of bodies falls from there to the end of the spectrum at least
 OUTLIER = 3.0  # a density this many times the floor is a signal, not noise
 
 
@@ -212,8 +212,8 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
 
     A motion's acceleration fades with the frequency; that of noise rises, since it is differentiated twice. So the
     noise begins where the acceleration is least, if it has faded to a hundredth by there and rises again; or, where a
-    controller's jitter keeps it level, where it first does not fall any more over two octaves, faded to a thirtieth;
-    infinite where neither is so. What counts is the largest density within an octave, as a repeated motion has lines
+    controller's jitter keeps it level up to the end of the spectrum, over two octaves at least, from where on it is so,
+    faded to a thirtieth; infinite where neither is so. What friction and cogging torques move is level for a while. What counts is the largest density within an octave, as a repeated motion has lines
     with nothing between them.
 
     Args:
@@ -241,13 +241,11 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
 
 
 def _level_from(octaves: FloatArray, first: int) -> int | None:
-    """From which frequency (index) on an acceleration that has faded stays level; octaves (K,): its largest value
-    within an octave from each frequency on, `first` the lowest.
+    """From which frequency (index) on an acceleration that has faded stays level up to the end; octaves (K,): its
+    largest value within an octave from each frequency on, `first` the lowest.
     """
     index = first + np.arange(len(octaves))
-    later = (WHILE * index).astype(int) - first
-    inside = later < len(octaves)
-    level = octaves[later[inside]] * FALLS > octaves[inside]
-    level &= octaves[inside] * LEVEL < octaves[0]
+    least = np.minimum.accumulate(octaves[::-1])[::-1]
+    level = (least * FALLS > octaves) & (octaves * LEVEL < octaves[0]) & (index * WHILE <= index[-1])
     places = np.flatnonzero(level)
     return int(index[places[0]]) if len(places) else None
