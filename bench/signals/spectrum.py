@@ -212,9 +212,10 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
 
     A motion's acceleration fades with the frequency; that of noise rises, since it is differentiated twice. So the
     noise begins where the acceleration is least, if it has faded to a hundredth by there and rises again; or, where a
-    controller's jitter keeps it level up to the end of the spectrum, over two octaves at least, from where on it is so,
-    faded to a thirtieth; infinite where neither is so. What friction and cogging torques move is level for a while. What counts is the largest density within an octave, as a repeated motion has lines
-    with nothing between them.
+    controller's jitter keeps it level up to the end of the spectrum, over two octaves at least, from where on it is
+    so, faded to a thirtieth; infinite where neither is so. What friction and cogging torques move is level for a
+    while only. What counts is the largest density within an octave, as a repeated motion has lines with nothing
+    between them.
 
     Args:
         frequency: uniform from 0, shape (F,) [Hz].
