@@ -68,6 +68,7 @@ def test_diagnosis_climbs_from_inertia_alone_with_signs_that_can_be(
         answer["ladder"][-1]["error"]["validate"] < 0.0408
     )  # the published model's, on the data it was fitted to
     for name, joints in answer["after"]["effect_parameters"].items():
-        for parameter in CATALOGUE[name].parameters:
+        known = CATALOGUE[name].parameters if name in CATALOGUE else ()  # of a law that was found, none
+        for parameter in known:
             value = joints["axis"][parameter.name]
             assert not parameter.positive or value["value"] > -3.0 * value["std"], (name, parameter.name)

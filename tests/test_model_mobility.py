@@ -137,7 +137,8 @@ def test_cables_are_refused(tmp_path):
 
 def test_coupling_that_is_open_at_home(tmp_path):
     equality = '<equality><joint name="gear" joint1="a" joint2="b" polycoef="0.1 1 0 0 0"/></equality>'
-    assert "coupling 'gear' is open by 0.1" in refusal(tmp_path, COUPLED + equality, ("a",))
+    said = refusal(tmp_path, COUPLED + equality, ("a",))
+    assert "equality 'gear' of joint 'a' and 'b' is open by 0.1" in said
 
 
 def test_equality_that_is_switched_off_is_none(tmp_path):

@@ -10,7 +10,9 @@ from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
 SHORT = {"optimise": False, "duration": 6.0}
-SPAN = {"dualv": 0.2}  # rad: random movements, where the design's own would leave what can be reached
+# Random movements (rad), where the design's own would leave what can be reached; long enough that friction along the
+# position is another thing than friction.
+OTHER = {"dualv": {"span": 0.2, "duration": 10.0}}
 EXACT = 0.02  # of a parameter's true value
 
 
@@ -49,8 +51,7 @@ CASES = {
 def test_what_is_hidden_is_named_where_it_is(name: str) -> None:
     case = CASES[name]
     hidden = [{"effect": case.effect, "joint": joint, **case.hidden} for joint in case.joints]
-    design = SHORT | {"span": SPAN[case.robot]} if case.robot in SPAN else SHORT
-    scenario = load_scenario(case.robot, {"hidden": hidden, "design": design})
+    scenario = load_scenario(case.robot, {"hidden": hidden, "design": SHORT | OTHER.get(case.robot, {})})
     found = diagnose(as_dataset(simulate(scenario)))
     assert found.missing == (case.effect,)
     assert found.ranking[0].verdict == "missing"

@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.effects.effect import Bracket, ShapeParameter
 from bench.effects.samples import JointSamples
+from bench.effects.signals import JointSignals
 
 PERIODS = ShapeParameter("periods", "1/{turn}", (4.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0))
 FEWEST = 0.75  # periods within the travel; slower changes look like gravity
@@ -27,10 +28,10 @@ def wave(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def followed_wave(position: np.ndarray, periods: float, rotates: bool) -> np.ndarray:
-    """The same along samples that follow each other, nothing where they are too far apart for a wave so fast."""
-    pace = np.abs(np.gradient(phase(position, periods, rotates)))
-    return wave(position, periods, rotates) * (pace < np.pi)[:, None]
+def followed_wave(joint: JointSignals, periods: float) -> np.ndarray:
+    """The same (N, 2) along a joint's samples, nothing where they are too far apart for a wave so fast."""
+    seen = joint.follows(phase(joint.position, periods, joint.rotates))
+    return wave(joint.position, periods, joint.rotates) * seen[:, None]
 
 
 def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.ndarray]) -> tuple[Bracket, ...]:

@@ -54,6 +54,10 @@ class JointSignals:
         """Gain times current (N,), N*m or N, without the noise above the fit's band."""
         return self._smooth(self.gain * self.current)
 
+    def follows(self, phase: np.ndarray) -> np.ndarray:
+        """Whether the samples (N,) are near enough to each other for what has this phase (N,), rad: all of a log's."""
+        return np.ones(len(phase), dtype=bool)
+
     def _smooth(self, values: np.ndarray) -> np.ndarray:
         cutoff = WIDER * self.band
         return values if cutoff >= 0.45 * self.rate else low_pass(values, self.rate, cutoff)

@@ -28,6 +28,10 @@ class SparseJoint(JointSignals):
         """See `JointSignals`."""
         return self.whole.motor_torque[:: self.every]
 
+    def follows(self, phase: np.ndarray) -> np.ndarray:
+        """See `JointSignals`: less than half a period from one of the few samples to the next."""
+        return np.asarray(np.abs(np.gradient(phase)) < np.pi)
+
 
 def sparse_joint(whole: JointSignals, every: int) -> SparseJoint:
     """The joint at every so many-th sample."""

@@ -6,7 +6,7 @@ from bench.basics.errors import BenchError
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
 from bench.model.follow import SLACK
-from bench.model.geometry import Geometry
+from bench.model.geometry import Coupling, Geometry
 from bench.model.nodes import robot_length
 
 DEPENDENT = 1e-4  # of the largest singular value: smaller ones are the slack of drawings, and count as zero
@@ -33,11 +33,17 @@ def check_assembled(geometry: Geometry) -> None:
     if residual[widest] <= allowed:
         return
     owners = [f"loop {loop.name!r}" for loop in geometry.loops for _ in range(loop.size)]
-    owners += [f"coupling {coupling.name!r}" for coupling in geometry.couplings]
+    owners += [_named(geometry, coupling) for coupling in geometry.couplings]
     raise BenchError(
         f"robot {geometry.robot.name}: {owners[widest]} is open by {residual[widest]:.3g} (m or rad) in the "
         "home pose; bench robot check tells the assembled one"
     )
+
+
+def _named(geometry: Geometry, coupling: Coupling) -> str:
+    """An equality with the joints that it couples or holds."""
+    joints = tuple(geometry.joints[joint].name for joint, _ in (*coupling.first, *coupling.second))
+    return f"equality {coupling.name!r} of joint {_quoted(joints)}"
 
 
 def check_mobility(geometry: Geometry) -> None:

@@ -8,6 +8,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.model.base import base_parameters
 from bench.model.geometry import Geometry, read_geometry
+from bench.model.mobility import check_assembled
 from bench.model.motion import LARGEST_AMPLIFICATION
 from bench.model.states import random_motion
 from bench.robot_check import agreement
@@ -89,6 +90,7 @@ def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
         return report
     report = _with(report, *coupling_lines(geometry), *spin_notes(geometry))
     try:
+        check_assembled(geometry)
         swept = sweep(geometry) if geometry.closed else None
         motion = random_motion(geometry, POSES, SEED)
         base = base_parameters(geometry)

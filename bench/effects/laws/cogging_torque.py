@@ -34,7 +34,7 @@ class CoggingTorque(ActuatorEffect):
     periods: float = 12.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
-        return followed_wave(joint.position, self.periods, joint.rotates)
+        return followed_wave(joint, self.periods)
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         if not samples:

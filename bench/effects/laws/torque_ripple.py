@@ -43,7 +43,7 @@ class TorqueRipple(ActuatorEffect):
     b: float = 0.0
 
     def torque(self, joint: JointSignals) -> np.ndarray:
-        waves = followed_wave(joint.position, self.periods, joint.rotates)
+        waves = followed_wave(joint, self.periods)
         given = np.maximum(1.0 + waves @ np.array([self.a, self.b]), LEAST)
         return -(joint.needed_torque / given)[:, None] * waves
 
