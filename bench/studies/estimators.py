@@ -64,7 +64,7 @@ CASES = (
     Case("filter too narrow: 5 Hz", {}, {}, {"position_cutoff": 5.0}),
     Case("one bad second in ten", bad_seconds=1),
     Case("two bad seconds in ten", bad_seconds=2),
-    Case("soft controller: 5 Hz", {}, {"natural_frequency": 5.0}),
+    Case("soft controller: 5 Hz", {}, {"natural_frequency": 5.0, "tracking_limit": 1.0}),
     Case("stiff controller: 20 Hz", {}, {"natural_frequency": 20.0}),
 )
 

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import mkdocs_gen_files
 import numpy as np
@@ -19,6 +20,7 @@ GAIN_GOAL = "0.1 % five-bar, 0.4 % Delta, 0.3 % others"
 ENCODER_BITS = 20
 CLEAN = {"five_bar": 0.0002, "delta": 0.001}
 """Scenarios without noise, and what `tests/test_identify.py` allows them."""
+METHODS = ("current", "robust", "iv", "oe", "wtls", "tls", "wls", "ls")
 SHOWN = MAIN | {Figure.ONE_UNDECIDED, Figure.TWO_UNDECIDED, Figure.THREE_UNDECIDED}
 UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
 RESULTS = Path(__file__).resolve().parents[2] / "results"
@@ -144,6 +146,24 @@ def peers_table() -> str:
     return rows_in_markdown(("", "seeds", "time", "gain error", "intervals that hold the gain"), rows)
 
 
+def cases_table(robot: str) -> str:
+    """Median of the largest gain error and coverage of every estimator, case by case."""
+    rows = json.loads((RESULTS / "estimators" / f"{robot}.json").read_text(encoding="utf-8"))["rows"]
+    lines = []
+    for case in dict.fromkeys(row["case"] for row in rows):
+        of = {row["method"]: row for row in rows if row["case"] == case}
+        lines.append((case, *(_cell(of[method]) for method in METHODS)))
+    return rows_in_markdown(("", *(f"`{method}`" for method in METHODS)), lines)
+
+
+def _cell(row: dict[str, Any]) -> str:
+    if row["error"] is None or row["error"] != row["error"]:
+        return "refused"
+    error = 100 * row["error"]
+    told = "over 100" if error > 100.0 else f"{error:.2g}" if error < 10.0 else f"{error:.0f}"
+    return f"{told}&nbsp;% ({100 * row['within']:.0f}&nbsp;%)"
+
+
 def percent(share: float) -> str:
     """In percent, three figures; not to be broken."""
     return f"{100 * float(share):.3g}&nbsp;%"
@@ -169,6 +189,7 @@ def page(text: str) -> str:
         ("peers", peers_table()),
         ("speed", speed_table()),
         ("estimators", estimators_table()),
+        ("cases", cases_table("five_bar")),
     ):
         text = text.replace(f"<!-- {place} -->", table)
     return text
