@@ -1,10 +1,7 @@
 """A user's own effects: classes in a Python file, treated like built-in ones."""
 
-import hashlib
 import inspect
 import sys
-import traceback
-import types
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -13,18 +10,9 @@ from typing import get_args
 from bench.basics.errors import BenchError
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import Effect, EffectParameter, Place, ShapeParameter, unit_at
+from bench.files.python_file import module_of, read_source
 
 PREFIX = "bench_user_effects_"
-MISTAKES = (
-    ArithmeticError,
-    AttributeError,
-    ImportError,
-    LookupError,
-    NameError,
-    OSError,
-    TypeError,
-    ValueError,
-)
 
 
 def catalogue_for(*files: Iterable[Path]) -> Mapping[str, Effect]:
@@ -49,24 +37,12 @@ def load_effects(path: str | Path) -> dict[str, Effect]:
     The file is run. Raises BenchError that names the file, and the line where it can.
     """
     path = Path(path)
-    try:
-        source = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BenchError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
-    return effects_in(source, path)
+    return effects_in(read_source(path), path)
 
 
 def effects_in(source: str, path: Path) -> dict[str, Effect]:
     """The effects that the text of such a file defines, of a file that is there or is yet to be written."""
-    module = types.ModuleType(PREFIX + hashlib.sha256(f"{path}\n{source}".encode()).hexdigest()[:16])
-    module.__file__ = str(path)
-    sys.modules[module.__name__] = module  # dataclasses look their module up
-    try:
-        exec(compile(source, str(path), "exec"), module.__dict__)
-    except SyntaxError as error:
-        raise BenchError(f"{path}, line {error.lineno}: {error.msg}") from None
-    except MISTAKES as error:
-        raise BenchError(described(error, path)) from None
+    module = module_of(source, path, PREFIX)
     classes = [
         one
         for one in vars(module).values()
@@ -84,15 +60,6 @@ def effects_in(source: str, path: Path) -> dict[str, Effect]:
     if len(set(names)) < len(names):
         raise BenchError(f"{path}: two effects have the same name: {', '.join(names)}")
     return dict(zip(names, effects, strict=True))
-
-
-def described(error: Exception, path: Path) -> str:
-    """An error that a user's file raised, in one line with the file and the line."""
-    lines = [
-        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
-    ]
-    at = f", line {lines[-1]}" if lines else ""
-    return f"{path}{at}: {type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def user_file_of(effect: Effect) -> Path | None:

@@ -1,0 +1,61 @@
+"""A Python file of the user's: read, run as a module of its own, its mistakes told with their line."""
+
+import hashlib
+import sys
+import traceback
+import types
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+
+MISTAKES = (
+    ArithmeticError,
+    AttributeError,
+    ImportError,
+    LookupError,
+    NameError,
+    OSError,
+    TypeError,
+    ValueError,
+)
+
+
+def read_source(path: Path) -> str:
+    """Its text. Raises BenchError naming the file where it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+
+
+def module_name(source: str, path: Path, prefix: str) -> str:
+    """The name of the module that such a text at this path becomes: another text, another name."""
+    return prefix + hashlib.sha256(f"{path}\n{source}".encode()).hexdigest()[:16]
+
+
+def module_of(source: str, path: Path, prefix: str) -> types.ModuleType:
+    """Run the text of a file that is there or is yet to be written; the module stays in `sys.modules`.
+
+    Raises BenchError that names the file, and the line where it can.
+    """
+    module = types.ModuleType(module_name(source, path, prefix))
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # dataclasses look their module up
+    try:
+        exec(compile(source, str(path), "exec"), module.__dict__)
+    except SyntaxError as error:
+        del sys.modules[module.__name__]
+        raise BenchError(f"{path}, line {error.lineno}: {error.msg}") from None
+    except MISTAKES as error:
+        del sys.modules[module.__name__]
+        raise BenchError(described(error, path)) from None
+    return module
+
+
+def described(error: Exception, path: Path) -> str:
+    """An error that a user's file raised, in one line with the file and the line."""
+    lines = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
+    ]
+    at = f", line {lines[-1]}" if lines else ""
+    return f"{path}{at}: {type(error).__name__}: {' '.join(str(error).split())}"
