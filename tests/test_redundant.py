@@ -1,6 +1,7 @@
 """More motors than degrees of freedom: of all their torques the motion tells the powers, and that is enough."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,11 +9,13 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.recording import Recording
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment.plan import nominal_machine
 from bench.excitation.experiment.request import ExperimentTable
 from bench.export.identified import load_identified
 from bench.identification.estimators import ESTIMATORS
+from bench.identification.finding import Code, Finding
 from bench.identification.identify import identify, prepare
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.model_json import from_json, to_json
@@ -165,3 +168,46 @@ def test_what_needs_every_motors_torque_refuses_the_robot(
             load_identified(tmp_path / "model.json", third_motor)
         else:
             nominal_machine(load_robot(third_motor), ExperimentTable(), (), {})
+
+
+def test_an_encoder_that_the_loop_closures_deny_is_told(simulated: Simulation, tmp_path: Path) -> None:
+    """A redundant motor's position follows from the others': a zero that is off shows without any current."""
+    write_simulation(simulated, tmp_path / "data")
+    given = load_dataset(tmp_path / "data")
+    assert _denied(given) == []
+    turned, moved = (
+        replace(given, recordings=tuple(map(change, given.recordings))) for change in (_mirrored, _shifted)
+    )
+    (found,) = _denied(turned)
+    assert found.names[0] == "motor_4"
+    assert found.numbers["difference"] > 0.1 * found.numbers["travel"]
+    (found,) = _denied(moved)
+    assert found.names[0] == "motor_4"
+    assert found.numbers["mean"] == pytest.approx(found.numbers["difference"], rel=0.01)
+    assert 0.002 < found.numbers["difference"] < 0.05
+    assert "The loop closures put motor_4 elsewhere" in "\n".join(identify(moved).notes)
+    unlogged = [replace(one, extra={}) for one in moved.recordings]
+    assert _denied(replace(moved, recordings=tuple(unlogged))) == []
+
+
+def _denied(dataset: Dataset) -> list[Finding]:
+    return [one for one in prepare(dataset).contradicted if one.code is Code.CLOSURE_CONTRADICTED]
+
+
+def _mirrored(recording: Recording) -> Recording:
+    """As with the sign of the redundant motor's encoder reversed."""
+    return replace(recording, extra={"position.motor_4": -recording.extra["position.motor_4"]})
+
+
+def _shifted(recording: Recording) -> Recording:
+    """As with the zero of another motor's encoder 0.01 rad off."""
+    return replace(recording, position=recording.position + np.array([0.01, 0.0, 0.0]))
+
+
+def test_a_part_of_a_recording_has_its_samples_of_every_motor(simulated: Simulation) -> None:
+    one = as_dataset(simulated).recordings[0]
+    part = one.part(slice(10, 30))
+    for values in (part.time, part.position, part.current, part.redundant_current, *part.extra.values()):
+        assert len(values) == 20
+    assert set(part.extra) == {"position.motor_4"}
+    np.testing.assert_array_equal(part.redundant_current, one.redundant_current[10:30])

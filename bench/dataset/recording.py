@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -29,7 +29,7 @@ class Recording:
     time      (N,) s, uniform
     position  (N, n) rad or m, in the order of the robot's actuators
     current   (N, n) current reference in the drive's unit (A or V), same order
-    extra     other columns of numbers, each (N,), for plots
+    extra     other columns of numbers, each (N,), for plots; positions of the joints of redundant motors
     part_of   the log that this is a part of, by name; empty: a log by itself
     started   when that log begins, s; None: with the first sample
     redundant (N, r) current references of the robot's redundant motors, in their order; None: it has none
@@ -70,6 +70,22 @@ class Recording:
     def rate(self) -> float:
         """Samples per second, Hz, to twelve digits."""
         return float(f"{(self.time.size - 1) / (self.time[-1] - self.time[0]):.12g}")
+
+    def part(self, where: slice) -> Recording:
+        """Some of its samples, as a recording of the same name."""
+        return replace(
+            self,
+            time=self.time[where],
+            position=self.position[where],
+            current=self.current[where],
+            extra={name: values[where] for name, values in self.extra.items()},
+            redundant=None if self.redundant is None else self.redundant[where],
+        )
+
+
+def position_column(joint: str) -> str:
+    """The column of a recording with the position of a joint, rad or m."""
+    return f"position.{joint}"
 
 
 def write_recording(

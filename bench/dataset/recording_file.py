@@ -11,7 +11,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.joint_facts import JointFacts
-from bench.dataset.recording import Recording, Use
+from bench.dataset.recording import Recording, Use, position_column
 from bench.dataset.recording_checks import Channel, Finding, find
 from bench.dataset.recording_window import WHOLE, Window
 from bench.dataset.sampling import on_uniform_grid, time_fault
@@ -60,7 +60,8 @@ def recording_from_table(
 ) -> Recording:
     """The columns of a table as a recording of the driven `joints`, on a uniform time grid.
 
-    The redundant motors' joints come last; their positions, which the others give, are kept among the extra columns.
+    The redundant motors' joints come last; their positions, which the others give, are kept among
+    the extra columns.
     Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, but for the accepted ones.
 
     Errors: BenchError "FILE: column COLUMN, line N: ..." for the first fault, and how many more there are.
@@ -80,7 +81,7 @@ def recording_from_table(
     first = n - sum(joint.redundant for joint in joints)
     if first == n:
         return Recording(name, use, payload, time, position, current, extra)
-    extra |= {f"position.{joints[j].name}": position[:, j] for j in range(first, n)}
+    extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
     own, theirs = (np.ascontiguousarray(one[:, :first]) for one in (position, current))
     return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
 

@@ -26,15 +26,10 @@ def with_judged_parts(dataset: Dataset) -> tuple[Dataset, str]:
 
 
 def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:
-    return Recording(
+    return replace(
+        recording.part(where),
         name=name,
         use="identify" if use == "identify" else "validate",
-        payload=recording.payload,
-        time=recording.time[where],
-        position=recording.position[where],
-        current=recording.current[where],
-        extra={key: values[where] for key, values in recording.extra.items()},
         part_of=recording.log,
         started=recording.began,
-        redundant=None if recording.redundant is None else recording.redundant[where],
     )

@@ -20,6 +20,7 @@ from bench.identification.wording import in_percent
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
+CAUSES = {Code.COLUMNS_SWAPPED, Code.CLOSURE_CONTRADICTED, Code.MOUNTED_OTHERWISE}  # of false names
 REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
 
 
@@ -110,7 +111,7 @@ def doubts(diagnosis: Diagnosis) -> list[str]:
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Recordings that do not fit, or far more left than noise."""
     result = diagnosis.after
-    causes = [one for one in result.findings if one.code in {Code.COLUMNS_SWAPPED, Code.MOUNTED_OTHERWISE}]
+    causes = [one for one in result.findings if one.code in CAUSES]
     strange = causes[0] if causes else runaway(result) or unlike(result)
     left = diagnosis.unexplained
     false = "These names may be false"

@@ -33,6 +33,7 @@ class Code(StrEnum):
     GAIN_NEGATIVE = auto()
     GAIN_FAR = auto()
     GAINS_NEGATIVE = auto()
+    CLOSURE_CONTRADICTED = auto()
     CHECKED_UNLIKE_FITTED = auto()
     CHECKED_HAS_OTHER_VALUES = auto()
     MOUNTED_OTHERWISE = auto()

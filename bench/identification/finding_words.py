@@ -133,6 +133,16 @@ def _negative(one: Finding) -> str:
     )
 
 
+def _contradicted(one: Finding) -> str:
+    joint, recording = one.names
+    n, unit = one.numbers, one.unit
+    return (
+        f"The loop closures put {joint} elsewhere than its own encoder says: by {n['difference']:.2g} {unit} RMS in "
+        f"{recording}, {n['mean']:+.2g} {unit} in the mean, where it travels {n['travel']:.2g} {unit}. The zero or the "
+        "sign of an encoder, a column or a length is wrong."
+    )
+
+
 def _unlike(one: Finding) -> str:
     worst, *payload = one.names
     load = f"the payload {payload[0]}" if payload else "no payload"
@@ -257,6 +267,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         "All drive gains came out negative, which cannot be: the recordings with and without payload are probably "
         "swapped in dataset.toml, or the currents' sign is."
     ),
+    Code.CLOSURE_CONTRADICTED: _contradicted,
     Code.CHECKED_UNLIKE_FITTED: _unlike,
     Code.CHECKED_HAS_OTHER_VALUES: _other_values,
     Code.PHYSICAL: _physical,

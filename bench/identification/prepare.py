@@ -13,11 +13,13 @@ from bench.effects import Effect, EffectInstance, RobotSignals, catalogue_for, p
 from bench.identification.effect_columns import PresentModel, declared_parameters, robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import Measured, measure
+from bench.identification.finding import Finding
 from bench.identification.fixed_columns import FixedColumns
 from bench.identification.layout import ParameterLayout, parameter_layout
 from bench.identification.observation import Observation, observe
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby
+from bench.identification.redundant_encoders import contradicted_closures
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
 from bench.signals.settings import FilterSettings, choose_settings
@@ -30,7 +32,8 @@ class Prepared:
     measured and observations go together, one for each recording that can be used. present: the model that
     effects are linearised about; signals: what they see of each recording. settled: whether effects that are not
     linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
-    taken from, in place of what effects compute exactly. kept: what models of these recordings have in common.
+    taken from, in place of what effects compute exactly. contradicted: loop closures that other encoders deny. kept:
+    what models of these recordings have in common.
     """
 
     dataset: Dataset
@@ -44,6 +47,7 @@ class Prepared:
     signals: tuple[RobotSignals, ...]
     settled: bool = False
     nearby: Nearby | None = None
+    contradicted: tuple[Finding, ...] = ()
     kept: dict[str, FixedColumns | None] = field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -112,6 +116,7 @@ def prepare(
         layout=layout,
         present=present,
         signals=tuple(robot_signals(model, one, present) for one in measured),
+        contradicted=contradicted_closures(model.geometry, measured),
     )
     return with_effects(prepared, instances)
 

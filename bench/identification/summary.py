@@ -92,6 +92,7 @@ def summarise(
         prepared.left_aside,
         outside,
         [
+            *prepared.contradicted,
             *without_own_values(prepared),
             *([Finding(Code.NOT_SETTLED, of=tuple(one for _, one in loose))] if loose else []),
             *hardly_apart(prepared.effects, spread.covariance, rows),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.controller import Controller, reference_column
 from bench.dataset.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
-from bench.dataset.recording import Recording, write_recording
+from bench.dataset.recording import Recording, position_column, write_recording
+from bench.dataset.robot import Robot
 from bench.files.atomic import whole_folder, write_json_atomically
 from bench.scenario.scenario import payload_declared
 from bench.truth.report import truth
@@ -34,7 +34,7 @@ def as_dataset(simulation: Simulation) -> Dataset:
                 r.log.time,
                 r.log.position[:, :m],
                 r.log.current[:, :m],
-                _references(r, scenario.robot.joints) if declared else {},
+                _beside(r, scenario.robot, references=declared),
                 redundant=r.log.current[:, m:] if redundant else None,
             )
             for r in simulation.recordings
@@ -51,9 +51,17 @@ def _law(simulation: Simulation) -> Controller:
     return Controller(kp, kv, ka, 0.5 * simulation.scenario.settings.step)
 
 
-def _references(recording: SimulatedRecording, joints: Sequence[str]) -> dict[str, np.ndarray]:
-    wanted = recording.trajectory.evaluate(recording.motion.time)[0]
-    return {reference_column(joint): wanted[:, j] for j, joint in enumerate(joints)}
+def _beside(recording: SimulatedRecording, robot: Robot, *, references: bool) -> dict[str, np.ndarray]:
+    """Positions of redundant motors' joints; references: of the others, where the controller's law is declared."""
+    first = len(robot.joints)
+    columns = {
+        position_column(one.joint): recording.log.position[:, first + r]
+        for r, one in enumerate(robot.redundant)
+    }
+    if references:
+        wanted = recording.trajectory.evaluate(recording.motion.time)[0]
+        columns |= {reference_column(joint): wanted[:, j] for j, joint in enumerate(robot.joints)}
+    return columns
 
 
 def truth_path(folder: str | Path) -> Path:

@@ -129,6 +129,4 @@ def _diagnosing(dataset: Dataset, run: Run) -> float:
 
 def _beginning(recording: Recording) -> Recording:
     """The first part of a recording."""
-    end = round(PART * len(recording.time))
-    cut = {name: getattr(recording, name)[:end] for name in ("time", "position", "current")}
-    return replace(recording, **cut)
+    return recording.part(slice(0, round(PART * len(recording.time))))

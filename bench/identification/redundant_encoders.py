@@ -1,0 +1,62 @@
+"""Encoders of redundant motors: each measures what the loop closures make of the other joints' positions."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.dataset.recording import position_column
+from bench.identification.filtered import Measured
+from bench.identification.finding import Code, Finding
+from bench.model.geometry import Geometry, Joint
+from bench.signals.filtering import low_pass
+from bench.signals.processing import trim
+from bench.signals.settings import signal_bands
+
+SLACK = 1e-3  # of a joint's travel: tolerances of a machine's lengths, which shift its parameters as little
+CLEAR = 5.0  # times the noise of the encoders
+TURN = 2.0 * np.pi
+
+
+def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> tuple[Finding, ...]:
+    """Joints of redundant motors that were logged elsewhere than the loop closures put them, the worst recording each.
+
+    Told where the difference, filtered as the positions are, is more than the encoders' noise and than tolerances are.
+    Joints of which a recording has no position are passed over.
+    """
+    found = []
+    for actuator in geometry.robot.redundant:
+        joint = geometry.joints[geometry.joint_index(actuator.joint)]
+        logged = [one for one in measured if position_column(actuator.joint) in one.recording.extra]
+        each = [_contradiction(joint, one) for one in logged]
+        clear = [one for one in each if one is not None]
+        if clear:
+            found.append(max(clear, key=lambda one: one.numbers["difference"]))
+    return tuple(found)
+
+
+def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
+    recording, settings = measured.recording, measured.settings
+    logged = recording.extra[position_column(joint.name)]
+    filtered = low_pass(logged, recording.rate, settings.position_cutoff, settings.filter_order)
+    closed = measured.tree.q[:, joint.q.start] + joint.offset
+    difference = trim(filtered, settings) - closed
+    if joint.kind != "slide":
+        difference = difference - TURN * np.round(np.median(difference) / TURN)
+    size, travel = float(np.sqrt((difference**2).mean())), float(np.ptp(closed))
+    if size <= max(SLACK * travel, CLEAR * _noise(joint, measured, logged)):
+        return None
+    return Finding(
+        Code.CLOSURE_CONTRADICTED,
+        (joint.name, recording.name),
+        numbers={"difference": size, "mean": float(difference.mean()), "travel": travel},
+        unit="m" if joint.kind == "slide" else "rad",
+    )
+
+
+def _noise(joint: Joint, measured: Measured, logged: np.ndarray) -> float:
+    """RMS of the noise that the filter lets through, of this encoder and, through the closures, of the others."""
+    recording = measured.recording
+    positions = np.column_stack((recording.position, logged))
+    density = signal_bands([positions], [recording.current], recording.rate).position_noise
+    follow = (measured.tree.jacobian[:, joint.v.start] ** 2).mean(axis=0)
+    return float(np.sqrt((follow @ density[:-1] + density[-1]) * measured.settings.position_cutoff))
