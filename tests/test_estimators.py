@@ -9,6 +9,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.identification.finding import Code
+from bench.identification.findings import runaway
 from bench.identification.identify import identify
 from bench.identification.result import Identification
 from bench.identification.robust import degrees_of_freedom
@@ -191,3 +192,35 @@ def test_effects_and_nominal_gains_are_fitted_by_every_estimator(
     nominal = identify(clean, method=method, fit_gains=False)
     assert not nominal.gains_fitted
     assert all(one.value == one.nominal for one in nominal.drive_gains.values())
+
+
+@pytest.mark.parametrize("method", ["current", "ls", "robust"])
+def test_noise_that_given_filters_let_through_is_told_and_held_by_the_intervals(
+    simulation: Simulation, true: np.ndarray, method: str
+) -> None:
+    coarse = sensed(simulation, encoder_bits=14, current_noise_ratio=0.01)
+    wide = {"position_cutoff": 160.0, "decimation": 4}
+    loud = identify(coarse, method=method, filters=wide)
+    error, in_stds = off(loud, true)
+    assert error > 0.1
+    assert in_stds < 2.0
+    assert runaway(loud) == loud.findings[0]
+    assert loud.findings[0].code == Code.NOISE_DECIDES
+    assert "instrumental variables" in loud.notes[0]
+    quiet = identify(coarse, method=method)
+    assert not {one.code for one in quiet.findings} & {Code.NOISE_DECIDES, Code.NOISE_LET_THROUGH}
+    assert off(quiet, true)[0] < 0.01
+
+
+def test_a_little_noise_biases_least_squares_and_its_intervals_hold_that(
+    simulation: Simulation, true: np.ndarray
+) -> None:
+    fine = sensed(simulation, encoder_bits=20, current_noise_ratio=0.001)
+    result = identify(fine, method="ls", filters={"position_cutoff": 160.0, "decimation": 4})
+    assert result.findings[0].code == Code.NOISE_LET_THROUGH
+    assert runaway(result) is None
+    assert result.std_from == "models"
+    assert off(result, true)[1] < 2.0
+    std = np.sqrt(np.diag(result.covariance))
+    gains = [i for i, one in enumerate(result.covariance_rows) if one.kind == "gain"]
+    assert np.allclose(std[gains], [one.std for one in result.drive_gains.values()])

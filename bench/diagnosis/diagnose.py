@@ -33,6 +33,7 @@ from bench.diagnosis.verdicts import checked_error, verdicts
 from bench.effects import CATALOGUE, Effect, EffectInstance
 from bench.identification.identify import fit, gains_can_be_fitted
 from bench.identification.impossible_payload import with_possible_payloads
+from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.result import Identification, relative_error
@@ -156,7 +157,8 @@ def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagn
     progress.phase("judging every effect")
     dataset, start, fit_gains = case.dataset, case.start, case.before.gains_fitted
     model = finding.model
-    after = with_possible_payloads(model, finding.after, partial(fit, fit_gains=fit_gains))
+    fitted = partial(fit, fit_gains=fit_gains)
+    after = with_noise_heard(model, with_possible_payloads(model, finding.after, fitted), fitted)
     proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
     places: dict[str, tuple[str, ...]] = {}
     for one in finding.new:

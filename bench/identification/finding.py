@@ -13,10 +13,12 @@ class Code(StrEnum):
     GAIN_RUNAWAY = auto()
     PARAMETER_WITHOUT_DEVIATION = auto()
     ROUNDING_DECIDES = auto()
+    NOISE_DECIDES = auto()
     COLUMNS_SWAPPED = auto()
     NOT_REAL = auto()
     # what the data cannot tell
     NOT_FROM_GAIN = auto()
+    NOISE_LET_THROUGH = auto()
     PAYLOAD_NOT_DECLARED = auto()
     GAINS_NOMINAL = auto()
     REDUNDANT = auto()

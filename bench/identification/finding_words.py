@@ -7,7 +7,9 @@ from bench.effects.select import ROBOT
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.wording import in_percent
 
-UNBELIEVABLE = frozenset({Code.GAIN_RUNAWAY, Code.PARAMETER_WITHOUT_DEVIATION, Code.ROUNDING_DECIDES})
+UNBELIEVABLE = frozenset(
+    {Code.GAIN_RUNAWAY, Code.PARAMETER_WITHOUT_DEVIATION, Code.ROUNDING_DECIDES, Code.NOISE_DECIDES}
+)
 
 
 def note(one: Finding) -> str:
@@ -217,6 +219,16 @@ def _taken_as_point(one: Finding) -> str:
     )
 
 
+def _noise_through(one: Finding) -> str:
+    unit, n = one.unit.replace("*", "·"), one.numbers
+    return (
+        "The filters let the encoders' noise through: within the band of the fit it has "
+        f"{in_percent(n['share'])} of an acceleration's power. By instrumental variables, which it does not bias, the "
+        f"drive gain of {one.names[0]} is {n['other']:.4g} {unit} instead of {n['value']:.4g}. Leave the filters to be "
+        "chosen, or take `--method iv`."
+    )
+
+
 WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_RUNAWAY: _gain_runaway,
     Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
@@ -228,6 +240,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         "negative mass or inertia most of all. An effect may be missing from the model."
     ),
     Code.NOT_FROM_GAIN: _not_from_gain,
+    Code.NOISE_DECIDES: _noise_through,
+    Code.NOISE_LET_THROUGH: _noise_through,
     Code.PAYLOAD_NOT_DECLARED: lambda one: (
         f"Left aside: {', '.join(one.names)}. Their payload is not declared in full, and no fitted recording carries "
         "it."

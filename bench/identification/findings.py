@@ -93,6 +93,9 @@ def unlike(result: Identification) -> Finding | None:
 
 def runaway(result: Identification) -> Finding | None:
     """Why an answer is not to be believed, whatever its error: a drive gain far off, or what rounding has decided."""
+    for found in result.findings:
+        if found.code == Code.NOISE_DECIDES:
+            return found
     for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
         if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
             return _gain(Code.GAIN_RUNAWAY, joint, gain)

@@ -24,6 +24,7 @@ from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.layout import payload_rows
 from bench.identification.newton import with_shape_columns
+from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.prepare import Prepared as Prepared
 from bench.identification.prepare import prepare as prepare
 from bench.identification.result import Identification
@@ -67,12 +68,12 @@ def believed(
     fit_gains: bool | None = None,
     essential: bool = False,
 ) -> Identification:
-    """Estimate from prepared equations, see `identify`, with payloads that can be."""
+    """Estimate from prepared equations, see `identify`, with payloads that can be and with what noise does to it."""
 
-    def fitted(one: Prepared) -> Identification:
-        return fit(one, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
+    def fitted(one: Prepared, by: str = method) -> Identification:
+        return fit(one, by, deviations=deviations, fit_gains=fit_gains, essential=essential)
 
-    return with_possible_payloads(prepared, fitted(prepared), fitted)
+    return with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
 
 
 @on_one_thread

@@ -28,3 +28,34 @@ def gains_widened(result: Identification, others: Sequence[Identification]) -> I
     )
     covariance = result.covariance * np.outer(scale, scale)
     return replace(result, drive_gains=gains, covariance=covariance, std_from="models")
+
+
+def all_widened(result: Identification, other: Identification) -> Identification:
+    """The answer with standard errors of its gains and parameters at least as large as what they differ by in another
+    one of the same equations; correlations stay.
+    """
+    there = {one.name: one.value for one in other.parameters}
+    gains = {
+        joint: replace(gain, std=max(gain.std, abs(other.drive_gains[joint].value - gain.value)))
+        for joint, gain in result.drive_gains.items()
+    }
+    parameters = tuple(
+        replace(one, std=max(one.std, abs(there.get(one.name, one.value) - one.value)))
+        for one in result.parameters
+    )
+    wanted = {("gain", joint): one.std for joint, one in gains.items()}
+    wanted |= {("parameter", one.name): one.std for one in parameters}
+    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
+    wide = np.array(
+        [
+            wanted.get((one.kind, one.place if one.kind == "gain" else one.name), old)
+            for one, old in zip(result.covariance_rows, std, strict=True)
+        ]
+    )
+    if not (wide > std).any():
+        return result
+    known = std > 0.0
+    times = np.divide(wide, std, out=np.ones_like(std), where=known)
+    covariance = result.covariance * np.outer(times, times)
+    covariance[np.diag_indices(len(std))] = np.where(known, np.diag(covariance), wide**2)
+    return replace(result, drive_gains=gains, parameters=parameters, covariance=covariance, std_from="models")

@@ -26,7 +26,7 @@ from bench.dataset.dataset import Dataset
 from bench.excitation.scenario import designer
 from bench.files.atomic import finite, write_json_atomically, write_text_atomically
 from bench.identification.estimators import ESTIMATORS
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import believed, prepare
 from bench.scenario.scenario import Scenario, load_scenario, resolve_trajectories
 from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.sweep.versions import versions
@@ -154,7 +154,7 @@ def rows_of(robot: str, case: Case, methods: Sequence[str], seeds: int) -> list[
         for method in methods:
             start = time.process_time()
             try:
-                gains = fit(prepared, method).drive_gains.values()
+                gains = believed(prepared, method).drive_gains.values()
             except BenchError as error:
                 reasons[method].append(str(error))
                 continue

@@ -1,0 +1,61 @@
+"""Noise of the encoders that the filters let through: where it moves the answer, the answer says so.
+
+Differentiated twice, the noise of a position grows with the fourth power of the frequency. In the observation matrix it
+biases every estimate that takes that matrix for exact. Whether it does is seen as Hausman does ("Specification tests in
+econometrics", 1978): by the distance to an estimate that holds with errors in the variables, too, though it is less
+exact without them. Here that is instrumental variables, see `bench.identification.instrumental`.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from bench.identification.finding import Code, Finding
+from bench.identification.prepare import Prepared
+from bench.identification.result import Identification
+from bench.identification.widened import all_widened
+from bench.signals.settings import FIT_NOISE, signal_bands
+
+HEARD = 1e-4  # share of an acceleration's power: ten times what filters that were chosen let through
+LOUD = 0.1  # of an acceleration's power: noise that is told of in any case
+MOVES = 2.0  # standard errors by which the two estimates differ where noise is seen to move the answer
+DECIDES = 0.1  # of a drive gain: an answer that noise moves by so much is not to be believed
+CONSISTENT = ("iv",)  # that do not take the observation matrix of the measured motion for exact
+
+Fit = Callable[[Prepared, str], Identification]
+
+
+def noise_share(prepared: Prepared) -> float:
+    """Power of the encoders' noise in the band of the fit, as a share of the acceleration's; of the joint and recording
+    with the largest.
+    """
+    recordings = [one.recording for one in prepared.measured if one.recording.use == "identify"]
+    rate, settings = recordings[0].rate, prepared.settings
+    bands = signal_bands([one.position for one in recordings], [one.current for one in recordings], rate)
+    band = min(settings.band(rate), settings.position_cutoff)
+    return float(FIT_NOISE * (band / bands.fit_limit) ** 5)
+
+
+def with_noise_heard(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
+    """The answer with standard errors that hold what instrumental variables make of the same equations, where the
+    filters let noise through; with a finding, where that moves a drive gain. fitted: makes an answer by a method.
+    """
+    if result.method in CONSISTENT or not result.gains_fitted:
+        return result
+    share = noise_share(prepared)
+    if share < HEARD:
+        return result
+    other = fitted(prepared, "iv")
+    gains, others = result.drive_gains, other.drive_gains
+    moved = {joint: abs(others[joint].value - gain.value) for joint, gain in gains.items()}
+    seen = any(moved[joint] > MOVES * np.hypot(gain.std, others[joint].std) for joint, gain in gains.items())
+    answer = all_widened(result, other)
+    if not seen and share < LOUD:
+        return answer
+    worst = max(gains, key=lambda joint: moved[joint] / abs(others[joint].value))
+    gain = gains[worst]
+    numbers = {"share": share, "value": gain.value, "other": others[worst].value}
+    decides = moved[worst] > DECIDES * min(abs(gain.value), abs(numbers["other"]))
+    code = Code.NOISE_DECIDES if decides else Code.NOISE_LET_THROUGH
+    return replace(answer, findings=(Finding(code, (worst,), (), numbers, gain.unit), *answer.findings))
