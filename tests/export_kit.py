@@ -7,6 +7,8 @@ from pathlib import Path
 from bench.export.identified import load_identified
 from bench.identification.identify import identify
 from bench.identification.model_file import save_model
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.truth.dataset import as_dataset
 from tests.hidden_kit import run
 
@@ -27,7 +29,7 @@ def simulated(name, hidden=(), **overrides):
 def identified_file(name, hidden=False, effects=(), **overrides):
     """A model file of it."""
     path = Path(tempfile.mkdtemp()) / f"{name}.json"
-    save_model(identify(simulated(name, hidden, **overrides), effects), path)
+    save_model(identify(prepare(problem_of(simulated(name, hidden, **overrides), effects))), path)
     return path
 
 

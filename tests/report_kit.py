@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bench.dataset.robot import load_robot
 from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.identification.problem import problem_of
 from bench.page.pages import diagnosis_page, identification_page
 from bench.page.render import render_page
 from bench.page.section_run import Made
@@ -56,12 +57,12 @@ def diagnosis(data=None, name="five_bar"):
 
 def diagnosed_page():
     data = dataset()
-    return diagnosis_page(diagnosis(data), data, AGAIN)
+    return diagnosis_page(diagnosis(data), problem_of(data), AGAIN)
 
 
 def identified_page(**changes):
     data = dataset()
-    return identification_page(replace(identification_of(data), **changes), data, AGAIN)
+    return identification_page(replace(identification_of(data), **changes), problem_of(data), AGAIN)
 
 
 def write(path: Path, page) -> Path:

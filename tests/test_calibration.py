@@ -8,6 +8,8 @@ from bench.effects import catalogue_for, places_in, select_effects
 from bench.identification.finding import Code, Unknown
 from bench.identification.hardly_apart import hardly_apart
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.model.model import build_model
 from bench.truth.dataset import as_dataset
 from tests.export_kit import RICH
@@ -24,7 +26,9 @@ def test_zeros_tilt_and_a_length_are_found_together():
         {"effect": "geometric_error", "joint": "left", "error": 0.002},
     )
     dataset = as_dataset(run("five_bar", *hidden, design={**RICH, "duration": 10.0}))
-    result = identify(dataset, ["encoder_offset", "base_tilt", "geometric_error:left_crank"])
+    result = identify(
+        prepare(problem_of(dataset, ["encoder_offset", "base_tilt", "geometric_error:left_crank"]))
+    )
     found = result.effect_parameters
     for quantity, true in (
         (found["encoder_offset"]["left"]["offset"], 0.012),
@@ -41,7 +45,9 @@ def test_zeros_tilt_and_a_length_are_found_together():
 
 
 def test_the_zero_of_a_first_joint_and_a_tilt_are_told_only_together():
-    result = identify(as_dataset(run("two_link", TILT, design=RICH)), ["encoder_offset", "base_tilt"])
+    result = identify(
+        prepare(problem_of(as_dataset(run("two_link", TILT, design=RICH)), ["encoder_offset", "base_tilt"]))
+    )
     (finding,) = [one for one in result.findings if one.code in {Code.HARDLY_APART, Code.NOT_SETTLED}]
     assert {(one.effect, one.place) for one in finding.of} == {
         ("encoder_offset", "shoulder"),
@@ -54,7 +60,7 @@ def test_the_zero_of_a_first_joint_and_a_tilt_are_told_only_together():
     else:
         assert finding.numbers["wider"] > 10.0
     assert any("measure it another way" in note and "at shoulder" in note for note in result.notes)
-    alone = identify(as_dataset(run("two_link", TILT, design=RICH)), ["base_tilt"])
+    alone = identify(prepare(problem_of(as_dataset(run("two_link", TILT, design=RICH)), ["base_tilt"])))
     tilt = alone.effect_parameters["base_tilt"]["robot"]["tilt_y"]
     assert tilt.value == pytest.approx(-0.015, abs=3.5 * tilt.std)
 

@@ -28,6 +28,7 @@ from bench.document.terminal.diagnosis import diagnosis_report
 from bench.document.terminal.tables import bar
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.model_file import apply_model, load_model
+from bench.identification.problem import problem_of
 from bench.identification.result import Quantity, relative_error
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
@@ -313,7 +314,7 @@ def test_the_command_finds_what_was_hidden(diagnosed_arm):
 def test_the_applied_model_has_the_effect_and_the_error_of_the_ladder(diagnosed_arm):
     saved = load_model(diagnosed_arm / "model.json")
     assert saved.model.effects == ("viscous_friction:shoulder",)
-    comparison = apply_model(load_dataset(diagnosed_arm / "data"), saved)
+    comparison = apply_model(problem_of(load_dataset(diagnosed_arm / "data")), saved)
     answer = json.loads((diagnosed_arm / "answer.json").read_text())
     assert relative_error(comparison.recordings) < 1.2 * answer["ladder"][-1]["error"]["validate"]
 

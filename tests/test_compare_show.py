@@ -17,6 +17,8 @@ from bench.document.figures.comparison import currents_figure, errors_figure, wr
 from bench.document.figures.comparison_panels import BINS, draw_against, worth_drawing
 from bench.document.terminal.comparison import where_report
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.residuals.motor import compared
 from bench.residuals.profile import profile, values_of
 from bench.residuals.residuals import errors_by_motor, where_it_fails
@@ -152,7 +154,7 @@ def test_a_saved_model_is_compared_as_it_is(dataset, tmp_path):
     assert main(["compare", str(dataset), "--model", str(model), "--json", str(answer)]) == 0
     content = json.loads(answer.read_text())
     assert content["model"] == str(model)
-    whole = where_it_fails(data := load_dataset(dataset), identify(data))
+    whole = where_it_fails(data := load_dataset(dataset), identify(prepare(problem_of(data))))
     assert content["where"]["shoulder"]["error"] == pytest.approx(whole.motors[0].error, rel=1e-6)
 
 

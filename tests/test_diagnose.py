@@ -12,6 +12,7 @@ from bench.excitation.scenario import designer
 from bench.identification.identify import fit
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -47,7 +48,7 @@ def cogging() -> Dataset:
 
 
 def test_strong_cogging_of_two_motors_needs_no_other_effect_beside_it(cogging: Dataset) -> None:
-    found = diagnose(cogging)
+    found = diagnose(problem_of(cogging))
     assert found.missing == ("cogging_torque",)
     assert left_over_floor(found) < NOISE_LEFT
     for joint in ("left", "right"):
@@ -57,14 +58,14 @@ def test_strong_cogging_of_two_motors_needs_no_other_effect_beside_it(cogging: D
 
 def test_a_neighbour_of_the_same_periods_does_not_drive_an_effect_from_its_place(cogging: Dataset) -> None:
     """Torque ripple of the same periods takes most of the cogging up; what is left peaks elsewhere."""
-    start = prepare(cogging)
+    start = prepare(problem_of(cogging))
     known = {joint: (31.55, 31.61)[joint == "right"] for joint in ("left", "right")}
     instances = [
         EffectInstance(replace(CATALOGUE[name], periods=periods), joint, f"{name}:{joint}")
         for name in ("cogging_torque", "torque_ripple")
         for joint, periods in known.items()
     ]
-    result = fit(settled(with_effects(start, instances), True))
+    result = fit(settled(with_effects(start, instances)))
     for joint in known:
         periods = result.effect_parameters["cogging_torque"][joint]["periods"]
         assert periods.value == pytest.approx(PERIODS, rel=1e-3)
@@ -73,9 +74,11 @@ def test_a_neighbour_of_the_same_periods_does_not_drive_an_effect_from_its_place
 def test_a_passive_joint_that_sticks_does_not_look_like_other_effects() -> None:
     """The motors give way where an elbow sticks; sliding friction alone would leave twice the noise there."""
     found = diagnose(
-        measured(
-            {"effect": "passive_coulomb_friction", "joint": "right_elbow", "Fc": 0.1647},
-            {"effect": "quadratic_drag", "joint": "left", "c": 0.068},
+        problem_of(
+            measured(
+                {"effect": "passive_coulomb_friction", "joint": "right_elbow", "Fc": 0.1647},
+                {"effect": "quadratic_drag", "joint": "left", "c": 0.068},
+            )
         )
     )
     assert set(found.missing) == {"passive_coulomb_friction", "quadratic_drag"}
@@ -87,7 +90,11 @@ def test_a_passive_joint_that_sticks_does_not_look_like_other_effects() -> None:
 def test_the_shadow_of_an_unknown_effect_is_not_taken_for_a_known_one() -> None:
     """Viscous friction that varies around the turn: most of it looks like plain viscous friction."""
     found = diagnose(
-        measured({"effect": "position_dependent_viscous_friction", "joint": "left", "a": -0.197, "b": 0.0035})
+        problem_of(
+            measured(
+                {"effect": "position_dependent_viscous_friction", "joint": "left", "a": -0.197, "b": 0.0035}
+            )
+        )
     )
     assert found.unexplained.significant
     named = {one.effect: one.verdict for one in found.ranking if one.effect in found.missing}
@@ -100,7 +107,7 @@ def test_a_friction_shows_beside_a_drift_that_has_taken_its_part() -> None:
         {"effect": "thermal_friction_drift", "Fv": 0.1, "T": 2.4},
         {"effect": "viscous_friction", "Fv": 0.06},
     )
-    found = diagnose(measured(*hidden))
+    found = diagnose(problem_of(measured(*hidden)))
     assert set(found.missing) == {one["effect"] for one in hidden}
     assert left_over_floor(found) < NOISE_LEFT
     for place in found.after.effect_parameters["thermal_friction_drift"].values():

@@ -13,9 +13,9 @@ from bench.diagnosis.differs import differing
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
 from bench.effects import CATALOGUE
-from bench.identification.identify import gains_can_be_fitted
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
@@ -39,13 +39,12 @@ def unlike(alike: Dataset) -> Dataset:
 
 @pytest.fixture(scope="module")
 def told(unlike: Dataset) -> Diagnosis:
-    return diagnose(unlike)
+    return diagnose(problem_of(unlike))
 
 
 def found_in(dataset: Dataset, effects: tuple[str, ...] = ()) -> list[str]:
-    prepared = prepare(dataset, effects)
-    fit_gains = gains_can_be_fitted(prepared, None)
-    return [one.request for one in differing(settled(prepared, fit_gains), fit_gains, CATALOGUE)]
+    prepared = prepare(problem_of(dataset, effects))
+    return [one.request for one in differing(settled(prepared), CATALOGUE)]
 
 
 @pytest.mark.parametrize("effects", [(), FRICTION, ("stribeck_friction", "constant_offset:right")])

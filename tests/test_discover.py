@@ -17,11 +17,13 @@ from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
 from bench.discovery import find
-from bench.discovery.find import diagnose_and_discover, find_missing_effects
+from bench.discovery.find import find_missing_effects
 from bench.discovery.merged import fewer
 from bench.discovery.written import write_laws
 from bench.effects import CATALOGUE, EffectInstance, catalogue_for
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import Problem, problem_of
 from bench.page.folder import read_run
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import Simulation
@@ -43,7 +45,7 @@ def braked(machine: Simulation) -> Dataset:
 
 @pytest.fixture(scope="module")
 def found(braked: Dataset) -> Diagnosis:
-    return diagnose_and_discover(braked)
+    return find_missing_effects(problem_of(braked))
 
 
 def left_over_floor(diagnosis: Diagnosis) -> float:
@@ -97,7 +99,7 @@ def test_a_law_is_written_as_an_effect_that_everything_takes(
     written = write_laws(found, tmp_path)
     assert [one.file for one in written.discovered] == ["law_left.py"]
     catalogue = catalogue_for([tmp_path / "law_left.py"])
-    result = identify(braked, ["law_left:left"], catalogue=catalogue)
+    result = identify(prepare(Problem(braked, catalogue, ("law_left:left",))))
     value = result.effect_parameters["law_left"]["left"]["c1"].value
     assert value == pytest.approx(found.discovered[0].terms[0].value, rel=0.01)
     assert result.error.validate == pytest.approx(found.discovered[0].validate, rel=0.01)
@@ -105,19 +107,19 @@ def test_a_law_is_written_as_an_effect_that_everything_takes(
 
 def test_where_the_catalogue_explains_all_nothing_is_discovered() -> None:
     dataset = measured({"effect": "viscous_friction", "Fv": 0.1})
-    found = find_missing_effects(dataset, discover=True)
+    found = find_missing_effects(problem_of(dataset), discover=True)
     assert found.missing == ("viscous_friction",)
     assert found.discovered == ()
 
 
 def test_without_anything_hidden_no_law_is_claimed() -> None:
-    found = find_missing_effects(measured(), discover=True)
+    found = find_missing_effects(problem_of(measured()), discover=True)
     assert (found.missing, found.discovered) == ((), ())
 
 
 def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:
     dataset = measured({**BRAKED, "c": 0.01}, {"effect": "viscous_friction", "Fv": 0.1})
-    found = diagnose_and_discover(dataset)
+    found = find_missing_effects(problem_of(dataset))
     assert found.missing == ("viscous_friction",)
     assert [(one.place, one.law) for one in found.discovered] == [("left", "law"), ("right", "law")]
     assert {one.terms[0].term for one in found.discovered} == {"sign(v)*abs(a)"}
@@ -127,7 +129,7 @@ def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:
 def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() -> None:
     """Once it was called viscous friction and friction that varies with the position, for sure."""
     hidden = {"effect": "position_dependent_viscous_friction", "joint": "left", "a": -0.1, "b": -0.15}
-    found = diagnose_and_discover(measured(hidden))
+    found = find_missing_effects(problem_of(measured(hidden)))
     assert found.missing == ()
     (law,) = found.discovered
     assert [one.term for one in law.terms] == ["v*cos(q)", "v*sin(q)"]
@@ -136,7 +138,7 @@ def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() ->
 
 def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bench.discovery.find.search_laws", lambda *_: None)
-    found = diagnose_and_discover(braked)
+    found = find_missing_effects(problem_of(braked))
     (law,) = found.discovered
     assert (law.place, law.law) == ("left", "measured_left")
     assert all(one.term.startswith("sign(v)*hat(a, ") for one in law.terms)
@@ -154,7 +156,7 @@ def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch:
 def test_one_power_of_the_velocity_stands_for_several_frictions_that_are_near_it() -> None:
     """Three effects of the catalogue together leave no more than noise of it, and once were named for sure."""
     dataset = measured({"effect": "product_law", "joint": "left", "c": 0.14, "direction": 1.0, "v": 0.57})
-    found = find_missing_effects(dataset)
+    found = find_missing_effects(problem_of(dataset))
     assert found.missing == ()
     (law,) = found.discovered
     assert law.numbers["p"].value == pytest.approx(0.57, abs=0.02)
@@ -172,9 +174,9 @@ def test_a_law_that_saves_no_unknown_stands_for_nothing() -> None:
 
 
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:
-    plain = diagnose_and_discover(braked, discover=False)
+    plain = find_missing_effects(problem_of(braked), discover=False)
     assert plain.discovered == ()
-    assert plain.ladder == diagnose(braked).ladder
+    assert plain.ladder == diagnose(problem_of(braked)).ladder
 
 
 def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(
@@ -199,7 +201,7 @@ def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(
     kept = read_run(out / "page")
     assert kept.diagnosis is not None
     assert [one.formula for one in kept.diagnosis.discovered] == [law["formula"]]
-    assert "law_left" in kept.catalogue
+    assert "law_left" in kept.problem.catalogue
     page = (out / "page" / "report.html").read_text(encoding="utf-8")
     assert "which no effect of the catalogue is" in page
     assert "Laws that were found" in page

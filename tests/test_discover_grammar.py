@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bench.diagnosis.rounds import problem_of
+from bench.diagnosis.rounds import origin_of
 from bench.discovery.factors import Decay, Memory, Power, Step, Wave
 from bench.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
 from bench.discovery.named import NAMED, name_of
@@ -21,6 +21,7 @@ from bench.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
 from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from tests.discover_kit import BRAKED, measured
 
 MIXED = Place(("left", "right", "slide"), (True, True, False), 0)
@@ -29,7 +30,7 @@ SCOPE = Scope(2, True, 10.0, -1.0, 2.0, (1.0, 2.0, 3.0, 4.0), (7.0,), 0.01)
 
 @pytest.fixture(scope="module")
 def context():
-    start = problem_of(prepare(measured({**BRAKED, "joint": "left"})), fit_gains=True)
+    start = origin_of(prepare(problem_of(measured({**BRAKED, "joint": "left"}))))
     return start.context(start.start)
 
 

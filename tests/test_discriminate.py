@@ -16,6 +16,7 @@ from bench.excitation.discrimination.discriminate import discriminate
 from bench.excitation.discrimination.figure import discrimination_figure, write_discrimination_figure
 from bench.excitation.discrimination.files import write_discrimination
 from bench.excitation.discrimination.sentences import motion_words, next_step, sentences, warnings
+from bench.identification.problem import Problem, problem_of
 from bench.model.geometry import read_geometry
 from bench.model.states import active_ranges
 from bench.scenario.scenario import load_scenario, resolve_trajectories
@@ -52,7 +53,7 @@ def given():
 
 @pytest.fixture(scope="module")
 def found(given):
-    return discriminate(as_dataset(given), PAIR, duration=12.0, widen=2.0)
+    return discriminate(problem_of(as_dataset(given)), PAIR, duration=12.0, widen=2.0)
 
 
 @pytest.fixture(scope="module")
@@ -63,14 +64,14 @@ def written(found, tmp_path_factory):
 
 
 def test_the_designed_motion_tells_what_the_given_data_cannot(given, found, written):
-    before = diagnose(as_dataset(given), catalogue=RIVALS)
+    before = diagnose(Problem(as_dataset(given), RIVALS))
     (verdict,) = [one for one in before.ranking if one.effect == "coulomb_friction"]
     assert (verdict.verdict, verdict.alternatives) == ("indistinguishable", ("position_dependent_friction",))
     assert max(found.given.values()) < 10.0
     assert found.tells
     trajectory = {"trajectory_file": str(written / "trajectory.toml")}
     new = [{"name": f"telling_{use}", "use": use, **trajectory} for use in ("identify", "validate")]
-    after = diagnose(as_dataset(machine([*narrow_recordings(), *new])), catalogue=RIVALS)
+    after = diagnose(Problem(as_dataset(machine([*narrow_recordings(), *new])), RIVALS))
     assert after.missing == ("coulomb_friction",)
     assert after.ranking[0].verdict == "missing"
     assert after.ranking[0].actuators == ("shoulder",)
@@ -173,7 +174,7 @@ def test_a_model_that_is_known_to_be_wrong_is_told(given, tmp_path, capsys):
 
 def test_where_neither_effect_shows_there_is_nothing_to_tell_apart(tmp_path):
     clean = as_dataset(machine(narrow_recordings(), hidden=[]))
-    found = discriminate(clean, ("current_delay", "current_loop_lag"), duration=5.0)
+    found = discriminate(problem_of(clean), ("current_delay", "current_loop_lag"), duration=5.0)
     assert found.nothing
     assert max(found.shown.values()) < 1.0
     assert not found.model_is_wrong
@@ -216,7 +217,9 @@ def test_what_the_model_takes_up_cannot_be_told_by_any_motion(given, tmp_path, c
 
 
 def test_a_special_case_can_only_be_spoken_against(given):
-    found = discriminate(as_dataset(given), ("viscous_friction", "asymmetric_viscous_friction"), duration=5.0)
+    found = discriminate(
+        problem_of(as_dataset(given)), ("viscous_friction", "asymmetric_viscous_friction"), duration=5.0
+    )
     assert found.imitated == ("viscous_friction",)
     assert "as a special case" in " ".join(sentences(found))
     assert list(found.given) == ["asymmetric_viscous_friction"]
@@ -249,4 +252,4 @@ def test_every_effect_has_a_motion_that_shows_it():
 
 def test_an_effect_that_is_in_the_model_already_is_refused(given):
     with pytest.raises(BenchError, match="twice"):
-        discriminate(as_dataset(given), PAIR, ["coulomb_friction"])
+        discriminate(problem_of(as_dataset(given), ["coulomb_friction"]), PAIR)

@@ -15,6 +15,8 @@ from bench.effects import CATALOGUE, select_effects
 from bench.effects.places import Places
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset
@@ -43,7 +45,7 @@ def with_offsets(dataset: Dataset) -> Dataset:
 
 @pytest.fixture(scope="module")
 def result(dataset: Dataset) -> Identification:
-    return identify(dataset, [REQUEST])
+    return identify(prepare(problem_of(dataset, [REQUEST])))
 
 
 def test_every_recording_has_its_own_value(result: Identification) -> None:
@@ -57,7 +59,7 @@ def test_every_recording_has_its_own_value(result: Identification) -> None:
 
 
 def test_one_value_for_all_leaves_the_difference(dataset: Dataset, result: Identification) -> None:
-    common = identify(dataset, ["constant_offset:left"])
+    common = identify(prepare(problem_of(dataset, ["constant_offset:left"])))
     assert list(common.effect_parameters["constant_offset"]) == ["left"]
     assert result.error.identify < 0.3 * common.error.identify
 
@@ -77,7 +79,7 @@ def test_a_recording_that_was_not_fitted_has_the_mean(result: Identification) ->
 def test_parts_of_a_recording_share_its_value(dataset: Dataset) -> None:
     fitted = replace(dataset, recordings=dataset.recordings[:2])
     parts, _ = with_judged_parts(fitted)
-    result = identify(parts, [REQUEST])
+    result = identify(prepare(problem_of(parts, [REQUEST])))
     assert list(result.effect_parameters["constant_offset"]) == ["left@free.csv", "left@held.csv"]
     assert result.error.validate < 1.3 * result.error.identify
     assert not [note for note in result.notes if "of its own" in note]
@@ -88,21 +90,21 @@ def test_a_saved_model_gives_its_own_recordings_their_values(
 ) -> None:
     path = tmp_path / "model.json"
     save_model(result, path, dataset.folder)
-    again = apply_model(dataset, load_model(path))
+    again = apply_model(problem_of(dataset), load_model(path))
     for before, after in zip(result.recordings, again.recordings, strict=True):
         assert after.modelled == pytest.approx(before.modelled, abs=1e-9)
     assert [note for note in again.notes if note.startswith("check.csv has no")]
 
     # Logs of another day may have the same names.
-    other = apply_model(replace(dataset, folder=tmp_path), load_model(path))
-    mean = apply_model(replace(dataset, recordings=dataset.recordings[:1]), load_model(path))
+    other = apply_model(problem_of(replace(dataset, folder=tmp_path)), load_model(path))
+    mean = apply_model(problem_of(replace(dataset, recordings=dataset.recordings[:1])), load_model(path))
     offset = (other.recordings[0].modelled - mean.recordings[0].modelled)[:, 0]
     assert np.median(offset) == pytest.approx(-0.35 / GAIN, rel=0.05)
     assert other.notes[0].startswith("free.csv, held.csv, check.csv have no constant offset of their own")
 
 
 def test_effects_that_depend_on_their_own_value_differ_too(dataset: Dataset) -> None:
-    result = identify(dataset, ["load_dependent_friction:left@recording", REQUEST])
+    result = identify(prepare(problem_of(dataset, ["load_dependent_friction:left@recording", REQUEST])))
     found = result.effect_parameters["load_dependent_friction"]
     assert list(found) == ["left@free.csv", "left@held.csv"]
     for values in found.values():
@@ -137,13 +139,13 @@ def test_a_place_may_have_the_sign_in_its_name() -> None:
 
 def test_the_page_keeps_them_as_they_are(dataset: Dataset) -> None:
     diagnosis = diagnosis_of(dataset, found=(REQUEST, "viscous_friction:left"))
-    data = page_data(dataset, diagnosis)
+    data = page_data(problem_of(dataset), diagnosis)
     names = [one["name"] for one in data["parameters"]]
     assert names[-2:] == ["c of constant offset at left@free.csv", "c of constant offset at left@held.csv"]
     assert len(names) == data["own"]
     assert data["found"] == [["viscous_friction", "left"]]
     fitted = Carried(data).fit({"viscous_friction:left"})
-    expected = identify(dataset, [REQUEST, "viscous_friction:left"])
+    expected = identify(prepare(problem_of(dataset, [REQUEST, "viscous_friction:left"])))
     assert fitted.fitted == pytest.approx(expected.error.identify, rel=1e-3)
     assert fitted.judged == pytest.approx(expected.error.validate, rel=1e-3)
 

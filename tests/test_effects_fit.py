@@ -7,9 +7,10 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE, places_in, select_effects
-from bench.identification.identify import fit, identify, prepare
+from bench.identification.identify import fit, identify
 from bench.identification.model_json import to_json
-from bench.identification.prepare import Prepared, with_effects
+from bench.identification.prepare import Prepared, prepare, with_effects, with_gains
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation
@@ -25,7 +26,7 @@ WITHOUT_COLUMN = {
 
 @pytest.fixture(scope="module")
 def prepared(five_bar_simulation: Simulation) -> Prepared:
-    return prepare(as_dataset(five_bar_simulation))
+    return prepare(problem_of(as_dataset(five_bar_simulation)))
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +80,7 @@ def test_a_wrong_payload_mass_shows_where_the_gains_are_known(prepared: Prepared
     gains = [gain.value for gain in fit(prepared).drive_gains.values()]
     motors = tuple(replace(one, gain=gain) for one, gain in zip(dataset.robot.actuators, gains, strict=True))
     dataset = replace(dataset, robot=replace(dataset.robot, actuators=motors))
-    known = fit(prepare(dataset, ["payload_mass_error"]), fit_gains=False)
+    known = fit(with_gains(prepare(problem_of(dataset, ["payload_mass_error"])), False))
     found = known.effect_parameters["payload_mass_error"]["disc"]["dm"]
     assert found.value == pytest.approx(-0.05 * payload.mass, abs=4 * found.std)
     assert found.std < 0.1 * abs(found.value)
@@ -104,13 +105,15 @@ def test_every_estimator_takes_effects_of_every_kind(method: str, prepared: Prep
         "passive_viscous_friction",
         "payload_mass_error",
     ]
-    result = identify(prepared.dataset, names, method)
+    result = identify(prepare(problem_of(prepared.dataset, names)), method)
     assert result.rank == result.unknowns
     assert result.error.validate < 0.0015
 
 
 def test_essential_parameters_beside_an_effect_that_is_absorbed(prepared: Prepared) -> None:
-    result = identify(prepared.dataset, ["rotor_inertia", "viscous_friction"], essential=True)
+    result = identify(
+        prepare(problem_of(prepared.dataset, ["rotor_inertia", "viscous_friction"])), essential=True
+    )
     assert np.isinf(result.effect_parameters["rotor_inertia"]["left"]["Ia"].std)
     assert result.effect_parameters["viscous_friction"]["left"]["Fv"].std < 1e-3
 

@@ -8,9 +8,10 @@ import pytest
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for
 from bench.excitation.scenario import designer
-from bench.identification.identify import identify, prepare
+from bench.identification.identify import identify
 from bench.identification.nonlinear import settled
-from bench.identification.prepare import with_effects
+from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import Problem, problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -49,7 +50,7 @@ def loaded():
 def test_an_effect_of_one_s_own_may_ask_for_the_torque_that_the_model_needs(loaded, tmp_path):
     (tmp_path / "loss.py").write_text(OWN)
     catalogue = catalogue_for([tmp_path / "loss.py"])
-    result = identify(loaded, ["loss", "viscous_friction"], catalogue=catalogue)
+    result = identify(prepare(Problem(loaded, catalogue, ("loss", "viscous_friction"))))
     for one in result.effect_parameters["loss"].values():
         assert one["eta"].value == pytest.approx(0.05, abs=0.005)
 
@@ -57,9 +58,9 @@ def test_an_effect_of_one_s_own_may_ask_for_the_torque_that_the_model_needs(load
 @pytest.mark.parametrize("joint", GAINS)
 def test_the_torque_needed_leaves_out_what_is_made_of_it(loaded, tmp_path, joint):
     (tmp_path / "loss.py").write_text(OWN)
-    rigid = settled(prepare(loaded, ["viscous_friction"]), True)
+    rigid = settled(prepare(problem_of(loaded, ["viscous_friction"])))
     catalogue = catalogue_for([tmp_path / "loss.py"])
-    more = settled(prepare(loaded, ["viscous_friction", "loss"], catalogue=catalogue), True)
+    more = settled(prepare(Problem(loaded, catalogue, ("viscous_friction", "loss"))))
     about = with_effects(rigid, rigid.effects, more.present)
     values = {(one.effect.name, one.joint): own for one, own in more.present.effects}
     j = list(GAINS).index(joint)
@@ -72,7 +73,7 @@ def test_the_torque_needed_leaves_out_what_is_made_of_it(loaded, tmp_path, joint
 @pytest.mark.parametrize("name", ["load_dependent_friction", "gain_saturation", "torque_ripple"])
 def test_a_current_does_not_explain_itself(name, loaded):
     """What else is in the current changes nothing, but for which way the torque is taken to go."""
-    prepared = prepare(loaded, ())
+    prepared = prepare(problem_of(loaded, ()))
     joint = prepared.signals[0].joints["left"]
     noise = 0.1 * np.random.default_rng(1).normal(size=len(joint.current)) * joint.current.std()
     other = replace(joint, current=joint.current + noise)
@@ -83,8 +84,8 @@ def test_a_current_does_not_explain_itself(name, loaded):
 def test_where_friction_and_gain_cannot_be_told_apart_that_is_said_and_no_number_given(measured_data):
     arm = load_dataset(measured_data / "ur10e")
     beside = ("viscous_friction", "coulomb_friction", "constant_offset")
-    plain = identify(arm, beside)
-    result = identify(arm, [*beside, "load_dependent_friction"])
+    plain = identify(prepare(problem_of(arm, beside)))
+    result = identify(prepare(problem_of(arm, [*beside, "load_dependent_friction"])))
     found = result.effect_parameters["load_dependent_friction"]
     assert [joint for joint, one in found.items() if np.isinf(one["mu"].std)] == ["j1"]
     assert any("cannot tell load dependent friction at j1 from the drive gain" in one for one in result.notes)

@@ -11,6 +11,8 @@ import pytest
 from bench.dataset.dataset import Dataset
 from bench.excitation.scenario import designer
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification, Quantity
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
@@ -45,7 +47,7 @@ def _simulated(hidden: str) -> Dataset:
 
 def told(dataset: Dataset, hidden: Sequence[Hidden]) -> Identification:
     requests = (f"{one['effect']}:{one['joint']}" if "joint" in one else str(one["effect"]) for one in hidden)
-    return identify(dataset, list(dict.fromkeys(requests)))
+    return identify(prepare(problem_of(dataset, list(dict.fromkeys(requests)))))
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,9 @@ import pytest
 from bench.dataset.dataset import Dataset
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.excitation.scenario import designer
-from bench.identification.identify import fit, identify, prepare
-from bench.identification.prepare import with_effects
+from bench.identification.identify import fit, identify
+from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.signals.decimation import noise_bandwidth
@@ -127,7 +128,7 @@ def test_an_effect_finds_what_the_machine_has(name: str) -> None:
     case = CASES[name]
     dataset = measurements({"effect": name, **case.hidden}, *case.beside)
     beside = [str(one["effect"]) for one in case.beside]
-    prepared = prepare(dataset, beside)
+    prepared = prepare(problem_of(dataset, beside))
     added = select_effects([name], places_in(prepared.model.geometry, dataset.payloads))
     plain, result = fit(prepared), fit(with_effects(prepared, [*added, *prepared.effects]))
     assert over_noise(result) < case.floor
@@ -147,7 +148,7 @@ def test_an_effect_finds_what_the_machine_has(name: str) -> None:
 
 @pytest.mark.parametrize("name", ABSORBED)
 def test_what_the_model_s_own_parameters_take_up_leaves_no_error(name: str) -> None:
-    result = identify(measurements({"effect": name, **ABSORBED[name]}), [name])
+    result = identify(prepare(problem_of(measurements({"effect": name, **ABSORBED[name]}), [name])))
     assert over_noise(result) < 1.1
     assert all(
         np.isinf(one.std) for values in result.effect_parameters[name].values() for one in values.values()
@@ -156,7 +157,7 @@ def test_what_the_model_s_own_parameters_take_up_leaves_no_error(name: str) -> N
 
 def test_a_rotor_s_inertia_is_a_parameter_where_its_motor_is_carried_along() -> None:
     dataset = measurements({"effect": "rotor_inertia", "joint": "elbow", "Ia": 0.03}, robot="two_link")
-    result = identify(dataset, ["rotor_inertia"])
+    result = identify(prepare(problem_of(dataset, ["rotor_inertia"])))
     own = {parameter.name: parameter for parameter in result.parameters}["Ia(elbow)"]
     assert own.value == pytest.approx(0.03, abs=4.5 * own.std)
     assert own.std < 0.01

@@ -13,6 +13,8 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for, load_effects
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import Simulation
 
@@ -60,7 +62,10 @@ def test_the_documented_example_finds_its_torque_in_measurements(dataset: Datase
         replace(one, current=with_fan(one.position, one.current)) for one in dataset.recordings
     )
     own = replace(dataset, recordings=recordings, effect_files=(documented,))
-    plain, result = identify(own), identify(own, ["fan_torque", "viscous_friction"])
+    plain, result = (
+        identify(prepare(problem_of(own))),
+        identify(prepare(problem_of(own, ["fan_torque", "viscous_friction"]))),
+    )
     assert result.error.validate < 0.5 * plain.error.validate
     for joint, value in size.items():
         found = result.effect_parameters["fan_torque"][joint]["c"]
@@ -83,7 +88,7 @@ def test_on_the_command_line_and_in_the_dataset(
     text = (folder / "dataset.toml").read_text()
     (folder / "dataset.toml").write_text('effects = ["my_effect.py"]\n' + text)
     assert cli.main(words) == 0
-    assert identify(load_dataset(folder), ["fan_torque"]).effects == ("fan_torque",)
+    assert identify(prepare(problem_of(load_dataset(folder), ["fan_torque"]))).effects == ("fan_torque",)
     capsys.readouterr()
 
 
@@ -159,5 +164,5 @@ def test_wrong_columns_are_refused_when_they_are_used(
     path = tmp_path / "wrong.py"
     path.write_text(HEAD + GOOD.replace("TORQUE", f"(np.seterr(invalid='ignore'), {torque})[1]"))
     with np.errstate(), pytest.raises(BenchError, match=message) as caught:
-        identify(replace(dataset, effect_files=(path,)), ["mine"])
+        identify(prepare(problem_of(replace(dataset, effect_files=(path,)), ["mine"])))
     assert str(path) in str(caught.value) or "effect 'mine'" in str(caught.value)

@@ -8,6 +8,8 @@ import pytest
 from bench.identification.blocks import Block, block_scatter, blocks_in
 from bench.identification.identify import identify
 from bench.identification.model_json import from_json, to_json
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.standard_errors import _widened
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
@@ -84,7 +86,7 @@ def simulations() -> dict[str, Simulation]:
 
 
 def test_simulated_noise_keeps_its_deviations(simulations):
-    result = identify(as_dataset(simulations["noise"]))
+    result = identify(prepare(problem_of(as_dataset(simulations["noise"]))))
     assert result.std_from == "noise"
     truth = true_gains(simulations["noise"].scenario)
     for gain, true in zip(result.drive_gains.values(), truth, strict=True):
@@ -93,7 +95,7 @@ def test_simulated_noise_keeps_its_deviations(simulations):
 
 
 def test_a_model_file_says_what_deviations_are_from(simulations):
-    result = replace(identify(as_dataset(simulations["noise"])), std_from="blocks")
+    result = replace(identify(prepare(problem_of(as_dataset(simulations["noise"])))), std_from="blocks")
     content = to_json(result)
     assert content["std_from"] == from_json(content).std_from == "blocks"
     del content["std_from"]
@@ -101,4 +103,4 @@ def test_a_model_file_says_what_deviations_are_from(simulations):
 
 
 def test_an_unmodelled_saturation_is_not_taken_for_noise(simulations):
-    assert identify(as_dataset(simulations["saturation"])).std_from == "blocks"
+    assert identify(prepare(problem_of(as_dataset(simulations["saturation"])))).std_from == "blocks"

@@ -11,6 +11,8 @@ from bench.dataset.dataset import Dataset, load_dataset
 from bench.identification.finding import Code
 from bench.identification.findings import runaway
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.identification.robust import degrees_of_freedom
 from bench.peers.problems import make_problem
@@ -62,7 +64,7 @@ def test_bad_seconds_move_least_squares_and_not_the_robust_estimator(
 ) -> None:
     clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
     bad = with_bad_second(clean)
-    result = identify(bad, method="robust")
+    result = identify(prepare(problem_of(bad)), method="robust")
     found = [one for one in result.findings if one.code == Code.BAD_STRETCH]
     assert {one.names for one in found} == {
         (joint, f"{name}.csv") for joint in ("left", "right") for name in ("unloaded", "loaded")
@@ -73,15 +75,15 @@ def test_bad_seconds_move_least_squares_and_not_the_robust_estimator(
     error, z = off(result, true)
     assert error < 0.005
     assert z < 3.0
-    assert off(identify(bad), true)[0] > 10.0 * error
+    assert off(identify(prepare(problem_of(bad))), true)[0] > 10.0 * error
 
 
 def test_on_clean_data_the_robust_estimator_is_least_squares(simulation: Simulation) -> None:
     clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
-    robust = identify(clean, method="robust")
+    robust = identify(prepare(problem_of(clean)), method="robust")
     assert not [one for one in robust.findings if one.code == Code.BAD_STRETCH]
     for one, other in zip(
-        identify(clean).drive_gains.values(),
+        identify(prepare(problem_of(clean))).drive_gains.values(),
         robust.drive_gains.values(),
         strict=True,
     ):
@@ -100,19 +102,19 @@ def test_behind_a_wrong_filter_instruments_keep_the_noise_out(
 ) -> None:
     noisy = sensed(simulation, encoder_bits=14, current_noise_ratio=0.01)
     filters = {"position_cutoff": 160.0, "decimation": 4}
-    error, z = off(identify(noisy, method="iv", filters=filters), true)
+    error, z = off(identify(prepare(problem_of(noisy, filters=filters)), method="iv"), true)
     assert error < 0.02
     assert z < 3.0
-    assert off(identify(noisy, filters=filters), true)[0] > 5.0 * error
+    assert off(identify(prepare(problem_of(noisy, filters=filters))), true)[0] > 5.0 * error
 
 
 def test_noise_of_the_currents_does_not_bias_instrumental_variables(
     simulation: Simulation, true: np.ndarray
 ) -> None:
     noisy = sensed(simulation, encoder_bits=20, current_noise_ratio=0.2)
-    error, z = off(identify(noisy, method="iv"), true)
+    error, z = off(identify(prepare(problem_of(noisy)), method="iv"), true)
     assert z < 3.0
-    assert off(identify(noisy, method="ls"), true)[0] > 2.0 * error
+    assert off(identify(prepare(problem_of(noisy)), method="ls"), true)[0] > 2.0 * error
 
 
 def declared(simulation: Simulation) -> Dataset:
@@ -127,10 +129,10 @@ def test_a_known_law_of_the_controller_makes_gains_a_tenth_as_uncertain(
     simulation: Simulation, true: np.ndarray
 ) -> None:
     dataset = declared(simulation)
-    error, z = off(identify(dataset, method="oe"), true)
+    error, z = off(identify(prepare(problem_of(dataset)), method="oe"), true)
     assert error < 2e-4
     assert z < 3.0
-    assert off(identify(dataset), true)[0] > 4.0 * error
+    assert off(identify(prepare(problem_of(dataset))), true)[0] > 4.0 * error
 
 
 @pytest.mark.parametrize(("key", "factor"), [("kp", [1.0, 1.01]), ("kv", [0.9, 1.0])])
@@ -141,12 +143,12 @@ def test_a_law_that_did_not_make_the_currents_is_refused(
     assert dataset.controller is not None
     wrong = replace(dataset.controller, **{key: getattr(dataset.controller, key) * factor})
     with pytest.raises(BenchError, match=f"controller of joint {['left', 'right'][factor[0] == 1.0]}"):
-        identify(replace(dataset, controller=wrong), method="oe")
+        identify(prepare(problem_of(replace(dataset, controller=wrong))), method="oe")
 
 
 def test_without_a_law_output_error_is_refused(simulation: Simulation) -> None:
     with pytest.raises(BenchError, match=r"oe.*controller.*reference\.JOINT"):
-        identify(sensed(simulation, encoder_bits=20), method="oe")
+        identify(prepare(problem_of(sensed(simulation, encoder_bits=20))), method="oe")
 
 
 def test_a_written_dataset_has_law_and_references(simulation: Simulation, tmp_path: Path) -> None:
@@ -184,12 +186,15 @@ def test_effects_and_nominal_gains_are_fitted_by_every_estimator(
 ) -> None:
     clean = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
     effects = ["viscous_friction", "coulomb_friction:left", "current_delay:right"]
-    fitted, plain = identify(clean, effects, method), identify(clean, effects)
+    fitted, plain = (
+        identify(prepare(problem_of(clean, effects)), method),
+        identify(prepare(problem_of(clean, effects))),
+    )
     for joint, one in plain.effect_parameters["viscous_friction"].items():
         other = fitted.effect_parameters["viscous_friction"][joint]["Fv"]
         assert other.value == pytest.approx(one["Fv"].value, abs=2.0 * one["Fv"].std)
         assert 0.5 < other.std / one["Fv"].std < 2.0
-    nominal = identify(clean, method=method, fit_gains=False)
+    nominal = identify(prepare(problem_of(clean, fit_gains=False)), method=method)
     assert not nominal.gains_fitted
     assert all(one.value == one.nominal for one in nominal.drive_gains.values())
 
@@ -200,14 +205,14 @@ def test_noise_that_given_filters_let_through_is_told_and_held_by_the_intervals(
 ) -> None:
     coarse = sensed(simulation, encoder_bits=14, current_noise_ratio=0.01)
     wide = {"position_cutoff": 160.0, "decimation": 4}
-    loud = identify(coarse, method=method, filters=wide)
+    loud = identify(prepare(problem_of(coarse, filters=wide)), method=method)
     error, in_stds = off(loud, true)
     assert error > 0.1
     assert in_stds < 2.0
     assert runaway(loud) == loud.findings[0]
     assert loud.findings[0].code == Code.NOISE_DECIDES
     assert "instrumental variables" in loud.notes[0]
-    quiet = identify(coarse, method=method)
+    quiet = identify(prepare(problem_of(coarse)), method=method)
     assert not {one.code for one in quiet.findings} & {Code.NOISE_DECIDES, Code.NOISE_LET_THROUGH}
     assert off(quiet, true)[0] < 0.01
 
@@ -216,7 +221,9 @@ def test_a_little_noise_biases_least_squares_and_its_intervals_hold_that(
     simulation: Simulation, true: np.ndarray
 ) -> None:
     fine = sensed(simulation, encoder_bits=20, current_noise_ratio=0.001)
-    result = identify(fine, method="ls", filters={"position_cutoff": 160.0, "decimation": 4})
+    result = identify(
+        prepare(problem_of(fine, filters={"position_cutoff": 160.0, "decimation": 4})), method="ls"
+    )
     assert result.findings[0].code == Code.NOISE_LET_THROUGH
     assert runaway(result) is None
     assert result.std_from == "models"

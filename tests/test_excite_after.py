@@ -7,8 +7,9 @@ import pytest
 from bench.cli import main
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment.after import plan_after
-from bench.excitation.experiment.plan import plan_experiment
+from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import simulate
@@ -29,7 +30,7 @@ def recorded():
 
 @pytest.fixture(scope="module")
 def following(recorded):
-    return plan_after(as_dataset(recorded), ExperimentTable.model_validate(SHORT), steps=30)
+    return plan_after(problem_of(as_dataset(recorded)), ExperimentTable.model_validate(SHORT), Aim(steps=30))
 
 
 def test_it_adds_to_what_is_there(following):
@@ -73,4 +74,4 @@ def test_what_does_not_go_together_is_refused(recorded, tmp_path, capsys, robot,
 
 def test_a_first_plan_knows_nothing_before():
     table = ExperimentTable.model_validate({**SHORT, "velocity": 3.0, "acceleration": 30.0})
-    assert plan_experiment(load_robot("two_link"), table, steps=0).before is None
+    assert plan_experiment(load_robot("two_link"), table, Aim(steps=0)).before is None

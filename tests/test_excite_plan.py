@@ -13,7 +13,7 @@ from bench.dataset.robot import load_robot
 from bench.excitation.experiment.between_samples import derivative_bound, extremes
 from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.forecast import forecast
-from bench.excitation.experiment.plan import plan_experiment
+from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import outside, tool_positions
 from bench.model.motion import motion_of
@@ -31,7 +31,7 @@ def table(**changes):
 
 @pytest.fixture(scope="module")
 def arm():
-    return plan_experiment(load_robot("two_link"), table(payload=BALL), steps=60)
+    return plan_experiment(load_robot("two_link"), table(payload=BALL), Aim(steps=60))
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +80,7 @@ def test_own_ranges_boxes_and_currents_are_kept():
     plan = plan_experiment(
         robot,
         table(position={"shoulder": [-1.2, 0.0]}, workspace=[box], current={"shoulder": 4.0, "elbow": 2.0}),
-        steps=30,
+        Aim(steps=30),
     )
     geometry = plan.nominal.model.geometry
     for one in plan.motions:
@@ -97,7 +97,7 @@ def test_better_than_motions_at_random(arm):
 
 
 def test_the_same_seed_gives_the_same_motion(arm):
-    again = plan_experiment(load_robot("two_link"), table(payload=BALL), steps=60)
+    again = plan_experiment(load_robot("two_link"), table(payload=BALL), Aim(steps=60))
     assert [one.trajectory for one in again.motions] == [one.trajectory for one in arm.motions]
 
 
@@ -108,7 +108,7 @@ def test_forecasts_come_true(arm, told):
 
 
 def test_closed_loops_keep_their_distance_from_singular_poses():
-    plan = plan_experiment(load_robot("five_bar"), table(payload={"mass": 0.5}), steps=10)
+    plan = plan_experiment(load_robot("five_bar"), table(payload={"mass": 0.5}), Aim(steps=10))
     geometry = plan.nominal.model.geometry
     for one in plan.motions:
         time = np.linspace(0.0, 6.0, 4001)
@@ -129,7 +129,7 @@ def test_a_heavier_payload_or_more_time_is_told(arm, told):
 
 
 def test_without_a_payload_it_says_what_stays_open():
-    plan = plan_experiment(load_robot("two_link"), table(), steps=0)
+    plan = plan_experiment(load_robot("two_link"), table(), Aim(steps=0))
     said = forecast(plan, 0.005)
     assert plan.names == ("unloaded",)
     assert any("scale together" in note and "Weigh a payload" in note for note in said.notes)
@@ -138,7 +138,7 @@ def test_without_a_payload_it_says_what_stays_open():
 
 def test_effects_that_nothing_tells_apart_are_named():
     plan = plan_experiment(
-        load_robot("two_link"), table(), ["viscous_friction"], ["rotor_inertia:shoulder"], steps=0
+        load_robot("two_link"), table(), Aim(("viscous_friction",), steps=0), ["rotor_inertia:shoulder"]
     )
     said = forecast(plan)
     assert ("Iyy(upper_arm)", "rotor_inertia:shoulder.Ia") in said.together

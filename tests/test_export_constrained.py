@@ -5,9 +5,9 @@ import pytest
 
 from bench.api.identify import identify
 from bench.basics.errors import BenchError
-from bench.effects import catalogue_for
 from bench.export.constrained import physically_consistent
 from bench.identification.finding import Code
+from bench.identification.problem import problem_of
 from tests.export_kit import simulated
 
 
@@ -32,7 +32,7 @@ def test_noise_that_makes_an_inertia_negative_is_kept_to_real_bodies(noisy):
     assert (
         0.0 < real.error.identify / free.error.identify - 1.0 < 1e-3
     )  # the errors are those of these values
-    again = physically_consistent(real, noisy, catalogue_for(()))
+    again = physically_consistent(real, problem_of(noisy))
     assert again.findings[-1].numbers == {"distance": 0.0}  # it is real now
     assert values_of(again) == values_of(real)
 

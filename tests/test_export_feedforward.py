@@ -14,6 +14,7 @@ from bench.dataset.robot import load_robot
 from bench.export.c_code import LAWS, c_text
 from bench.export.feedforward import PASSIVE, Feedforward, chosen_effects
 from bench.identification.model_file import apply_model, load_model
+from bench.identification.problem import problem_of
 from bench.model.model import build_model
 from bench.model.motion import motion_of
 from bench.speed.feedforward import seconds_per_call
@@ -81,7 +82,7 @@ def test_every_law_in_c_is_tried_here():
 def test_python_gives_the_currents_of_the_model():
     dataset = simulated("two_link")
     saved = load_model(identified_file("two_link"))
-    modelled = apply_model(dataset, saved).recordings[0]
+    modelled = apply_model(problem_of(dataset), saved).recordings[0]
     forward = Feedforward(identified("two_link"))
     found = [
         forward(*one) for one in zip(modelled.position, modelled.velocity, modelled.acceleration, strict=True)

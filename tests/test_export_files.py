@@ -28,6 +28,8 @@ from bench.export.prior import cad_prior
 from bench.export.urdf import urdf_text
 from bench.identification.identify import identify
 from bench.identification.model_file import save_model
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.model.geometry import read_geometry
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
@@ -287,7 +289,7 @@ def test_a_measured_arm_gets_real_bodies(measured_data, tmp_path, capsys):
     model = tmp_path / "ur10e.json"
     effects = ["coulomb_friction", "viscous_friction", "constant_offset"]
     data = load_dataset(measured_data / "ur10e")
-    save_model(identify(data, effects), model, data.folder)
+    save_model(identify(prepare(problem_of(data, effects))), model, data.folder)
     assert main(["export", str(model), "--to", "mjcf", "-o", str(tmp_path / "arm.xml")]) == 0
     assert "standard errors from the identified base parameters" in capsys.readouterr().out
     made = mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml"))

@@ -13,6 +13,8 @@ from bench.export.prior import cad_prior
 from bench.export.pseudo_inertia import about_center, from_scaled, pseudo_inertia, standard_parameters
 from bench.identification.identify import identify
 from bench.identification.model_file import save_model
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.model.regressor import moved_parameters
 from bench.truth.dataset import write_simulation
 from tests.export_kit import RICH, identified, identified_file
@@ -116,7 +118,7 @@ def test_a_payload_that_was_estimated_is_a_real_body_too(tmp_path):
     lines = toml.read_text().splitlines()
     toml.write_text("\n".join(line for line in lines if not line.startswith(("center", "inertia"))) + "\n")
     path = tmp_path / "model.json"
-    save_model(identify(load_dataset(tmp_path / "data")), path, tmp_path / "data")
+    save_model(identify(prepare(problem_of(load_dataset(tmp_path / "data")))), path, tmp_path / "data")
     model = load_identified(path)
     physical = physical_set(model)
     ((name, payload),) = physical.payloads.items()

@@ -14,9 +14,11 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.robot import load_robot
 from bench.excitation.scenario import designer
 from bench.identification.estimators import ESTIMATORS
-from bench.identification.identify import fit, identify, prepare
+from bench.identification.identify import fit, identify
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.model_json import to_json
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.sweep.accuracy import accuracy
 from bench.studies.sweep.true_parameters import true_base_parameters
@@ -43,7 +45,7 @@ def noisy(five_bar_simulation: Simulation) -> Simulation:
 
 
 def test_without_noise_gains_and_base_parameters_are_the_true_ones(clean: Simulation) -> None:
-    prepared = prepare(as_dataset(clean))
+    prepared = prepare(problem_of(as_dataset(clean)))
     result = fit(prepared)
     assert accuracy(clean, result)["gain_error"] < GAIN_TARGET[clean.robot.name]
     expected = true_base_parameters(prepared.model, truth(clean))
@@ -57,13 +59,13 @@ def test_without_noise_gains_and_base_parameters_are_the_true_ones(clean: Simula
 
 @pytest.mark.parametrize("method", sorted(set(ESTIMATORS) - {"oe"}))  # which needs a law: test_estimators.py
 def test_every_estimator_recovers_the_gains_without_noise(method: str, clean: Simulation) -> None:
-    result = identify(as_dataset(clean), method=method)
+    result = identify(prepare(problem_of(as_dataset(clean))), method=method)
     assert accuracy(clean, result)["gain_error"] < GAIN_TARGET[clean.robot.name]
 
 
 @pytest.mark.parametrize("method", sorted(set(ESTIMATORS) - {"oe"}))  # which needs a law: test_estimators.py
 def test_with_noise_gains_and_error_reach_the_noise(method: str, noisy: Simulation) -> None:
-    metrics = accuracy(noisy, identify(as_dataset(noisy), method=method))
+    metrics = accuracy(noisy, identify(prepare(problem_of(as_dataset(noisy))), method=method))
     assert metrics["gain_error"] < 0.004
     assert metrics["validate_error_over_noise_floor"] < 1.1
 
@@ -77,7 +79,7 @@ def test_the_answer_does_not_depend_on_the_masses_in_the_file(noisy: Simulation,
     model.write_text(changed)
     dataset = as_dataset(noisy)
     other = replace(dataset, robot=load_robot(tmp_path / "five_bar"))
-    assert to_json(identify(dataset)) == to_json(identify(other))
+    assert to_json(identify(prepare(problem_of(dataset)))) == to_json(identify(prepare(problem_of(other))))
 
 
 def only(dataset: Dataset, *names: str) -> Dataset:
@@ -85,17 +87,17 @@ def only(dataset: Dataset, *names: str) -> Dataset:
 
 
 def test_without_a_payload_the_gains_stay_nominal_and_the_answer_says_so(noisy: Simulation) -> None:
-    result = identify(only(as_dataset(noisy), "unloaded.csv", "unloaded_check.csv"))
+    result = identify(prepare(problem_of(only(as_dataset(noisy), "unloaded.csv", "unloaded_check.csv"))))
     assert not result.gains_fitted
     assert all(gain.value == gain.nominal and gain.std == 0 for gain in result.drive_gains.values())
     assert any("nominal" in note for note in result.notes)
     with pytest.raises(BenchError, match=r"tls.*payload of known mass"):
-        identify(only(as_dataset(noisy), "unloaded.csv"), method="tls")
+        identify(prepare(problem_of(only(as_dataset(noisy), "unloaded.csv"))), method="tls")
 
 
 def test_a_loaded_recording_alone_gives_no_scale(noisy: Simulation) -> None:
     with pytest.raises(BenchError, match=r"gain of left, right cannot be identified.*without the payload"):
-        identify(only(as_dataset(noisy), "loaded.csv"))
+        identify(prepare(problem_of(only(as_dataset(noisy), "loaded.csv"))))
 
 
 @pytest.mark.parametrize(
@@ -111,7 +113,7 @@ def test_unknown_payload_parameters_are_estimated(
         center_of_mass=None if center is None else np.array(center),
         inertia=None if inertia is None else np.array(inertia),
     )
-    result = identify(replace(dataset, payloads={"disc": payload}))
+    result = identify(prepare(problem_of(replace(dataset, payloads={"disc": payload}))))
     names = [one.name for one in result.parameters if "disc" in one.name]
     assert len(names) == unknown  # of a planar robot's payload: two first moments and one inertia at most
     metrics = accuracy(noisy, result)
@@ -124,7 +126,7 @@ def test_essential_parameters_fit_as_well(clean: Simulation) -> None:
     from bench.truth.resense import sense_again
 
     noisy = sense_again(clean, scenario)
-    prepared = prepare(as_dataset(noisy))
+    prepared = prepare(problem_of(as_dataset(noisy)))
     every, essential = fit(prepared), fit(prepared, essential=True)
     assert len(essential.parameters) + len(essential.left_out) == len(every.parameters)
     assert essential.error.validate < 1.02 * every.error.validate
@@ -133,9 +135,9 @@ def test_essential_parameters_fit_as_well(clean: Simulation) -> None:
 
 def test_a_saved_model_gives_the_same_errors_again(noisy: Simulation, tmp_path: Path) -> None:
     dataset = as_dataset(noisy)
-    result = identify(dataset, ["viscous_friction", "coulomb_friction:left"])
+    result = identify(prepare(problem_of(dataset, ["viscous_friction", "coulomb_friction:left"])))
     save_model(result, tmp_path / "model.json")
-    comparison = apply_model(dataset, load_model(tmp_path / "model.json"))
+    comparison = apply_model(problem_of(dataset), load_model(tmp_path / "model.json"))
     assert comparison.error.by_recording == pytest.approx(result.error.by_recording, rel=1e-9)
     content = json.loads((tmp_path / "model.json").read_text())
     assert content["drive_gains"]["left"]["nominal"] == 3.0
@@ -146,7 +148,7 @@ def test_a_model_file_gives_back_the_answer_with_its_covariance_named(
     noisy: Simulation, tmp_path: Path
 ) -> None:
     dataset = as_dataset(noisy)
-    result = identify(dataset, ["stribeck_friction:left", "current_delay:right"])
+    result = identify(prepare(problem_of(dataset, ["stribeck_friction:left", "current_delay:right"])))
     save_model(result, tmp_path / "model.json")
     again = load_model(tmp_path / "model.json").beside(dataset, result.recordings)
     assert to_json(again) == to_json(result)
@@ -164,7 +166,9 @@ def test_a_model_file_gives_back_the_answer_with_its_covariance_named(
 
 
 def test_the_same_data_give_the_same_answer(noisy: Simulation) -> None:
-    assert to_json(identify(as_dataset(noisy))) == to_json(identify(as_dataset(noisy)))
+    assert to_json(identify(prepare(problem_of(as_dataset(noisy))))) == to_json(
+        identify(prepare(problem_of(as_dataset(noisy))))
+    )
 
 
 def test_hidden_friction_is_recovered_with_its_effects() -> None:
@@ -175,8 +179,10 @@ def test_hidden_friction_is_recovered_with_its_effects() -> None:
     ]
     simulation = simulated("five_bar", {"hidden": hidden})
     dataset = as_dataset(simulation)
-    plain = identify(dataset)
-    result = identify(dataset, ["viscous_friction", "coulomb_friction", "constant_offset"])
+    plain = identify(prepare(problem_of(dataset)))
+    result = identify(
+        prepare(problem_of(dataset, ["viscous_friction", "coulomb_friction", "constant_offset"]))
+    )
     assert plain.error.validate > 5 * result.error.validate
     assert accuracy(simulation, result)["gain_error"] < 0.005 < accuracy(simulation, plain)["gain_error"]
     for effect, name, value in (("viscous_friction", "Fv", 0.12), ("coulomb_friction", "Fc", 0.2)):
@@ -195,7 +201,7 @@ def test_a_payload_in_grams_is_asked_for(noisy: Simulation, factor: float, asked
         name: replace(one, mass=factor * one.mass, inertia=factor * one.inertia)
         for name, one in dataset.payloads.items()
     }
-    result = identify(replace(dataset, payloads=payloads))
+    result = identify(prepare(problem_of(replace(dataset, payloads=payloads))))
     (note,) = [one for one in result.notes if "The drive gains came out at about" in one]
     assert asked in note
     assert not any("far from its nominal" in one for one in result.notes)

@@ -10,7 +10,9 @@ from bench.dataset.dataset import Dataset, load_dataset
 from bench.excitation.scenario import designer
 from bench.identification import impossible_payload
 from bench.identification.finding import Code
-from bench.identification.identify import believed, fit, prepare
+from bench.identification.identify import fit, identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
@@ -41,15 +43,15 @@ def codes(result: Identification) -> set[Code]:
 
 
 def test_a_payload_as_declared_is_believed(wrist: Dataset) -> None:
-    prepared = prepare(carrying(wrist, TRUE))
-    result = believed(prepared)
+    prepared = prepare(problem_of(carrying(wrist, TRUE)))
+    result = identify(prepared)
     assert not codes(result) & {Code.PAYLOAD_IMPOSSIBLE, Code.PAYLOAD_TAKEN_AS_POINT}
     assert result.drive_gains == fit(prepared).drive_gains
 
 
 def test_a_centre_too_far_away_makes_an_inertia_that_no_body_has(wrist: Dataset) -> None:
-    prepared = prepare(carrying(wrist, 1.5 * TRUE))
-    free, result = fit(prepared), believed(prepared)
+    prepared = prepare(problem_of(carrying(wrist, 1.5 * TRUE)))
+    free, result = fit(prepared), identify(prepared)
     (found,) = [one for one in result.findings if one.code == Code.PAYLOAD_IMPOSSIBLE]
     assert found.names == ("tool",)
     assert found.numbers["least"] < -3.0 * found.numbers["std"]
@@ -63,10 +65,14 @@ def test_where_a_point_is_as_good_the_payload_is_one(wrist: Dataset, monkeypatch
     monkeypatch.setattr(impossible_payload, "MATERIAL", np.inf)
     center = 1.5 * TRUE
     dataset = carrying(wrist, center)
-    prepared = prepare(dataset)
-    free, result = fit(prepared), believed(prepared)
+    prepared = prepare(problem_of(dataset))
+    free, result = fit(prepared), identify(prepared)
     point = fit(
-        prepare(replace(dataset, payloads={"tool": replace(dataset.payloads["tool"], inertia=np.zeros(6))}))
+        prepare(
+            problem_of(
+                replace(dataset, payloads={"tool": replace(dataset.payloads["tool"], inertia=np.zeros(6))})
+            )
+        )
     )
     assert Code.PAYLOAD_TAKEN_AS_POINT in codes(result)
     assert result.error == point.error
@@ -86,8 +92,8 @@ def test_the_surgical_arm_s_gains(measured_data: Path) -> None:
     folder = measured_data / "psm"
     if not folder.is_dir():
         pytest.skip("no measured logs of the surgical arm")
-    result = believed(
-        prepare(load_dataset(folder), ["viscous_friction", "coulomb_friction", "constant_offset"])
+    result = identify(
+        prepare(problem_of(load_dataset(folder), ["viscous_friction", "coulomb_friction", "constant_offset"]))
     )
     assert Code.PAYLOAD_TAKEN_AS_POINT in codes(result)
     for joint in ("j1", "j2"):

@@ -13,8 +13,10 @@ from bench.identification import filtered as measured
 from bench.identification import observation
 from bench.identification import standard_errors as deviations
 from bench.identification.filtered import measure
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import fit
 from bench.identification.observation import all_currents, observe
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.standard_errors import MOST_LAGS, _autocorrelated, _covariances
 from bench.identification.standstill import around, bridged, bridged_part
 from bench.model.model import build_model
@@ -57,10 +59,10 @@ def test_a_standstill_over_many_parts_is_bridged_as_in_one_piece():
 
 def test_a_log_in_parts_gives_the_answer_of_one_piece(tmp_path, monkeypatch):
     dataset = load_dataset(write_dataset(tmp_path / "d"))
-    once = prepare(dataset)
+    once = prepare(problem_of(dataset))
     monkeypatch.setattr(measured, "MOST_NUMBERS", 0)
     monkeypatch.setattr(observation, "PART", 700)
-    parts = prepare(dataset)
+    parts = prepare(problem_of(dataset))
     assert all(isinstance(one.tree, LongMotion) for one in parts.measured)
     for a, b in zip(once.observations, parts.observations, strict=True):
         for name in ("current", "rigid", "position", "velocity", "acceleration"):

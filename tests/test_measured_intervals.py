@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from bench.dataset.dataset import load_dataset
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import fit
 from bench.identification.nonlinear import settled
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 
 FRICTION = ("viscous_friction", "coulomb_friction")
@@ -32,8 +34,8 @@ def arm_by_logs(measured_data: Path) -> list[Identification]:
     answers = []
     for uses in PAIRS:
         logs = tuple(replace(one, use=use) for one, use in zip(dataset.recordings, uses, strict=True))
-        prepared = prepare(replace(dataset, recordings=logs), (*FRICTION, LOAD))
-        answers.append(fit(settled(prepared, fit_gains=True)))
+        prepared = prepare(problem_of(replace(dataset, recordings=logs), (*FRICTION, LOAD)))
+        answers.append(fit(settled(prepared)))
     return answers
 
 
@@ -62,7 +64,13 @@ def greased_by_logs(measured_data: Path) -> list[Identification]:
         for uses in PAIRS
     )
     return [
-        fit(prepare(replace(dataset, recordings=day), ("coulomb_friction", "shear_thinning_friction", LOAD)))
+        fit(
+            prepare(
+                problem_of(
+                    replace(dataset, recordings=day), ("coulomb_friction", "shear_thinning_friction", LOAD)
+                )
+            )
+        )
         for day in days
     ]
 

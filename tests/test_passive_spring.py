@@ -10,6 +10,8 @@ from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE, EffectInstance, catalogue_for, effect_columns
 from bench.excitation.scenario import designer
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.robot_check.check import check_robot
 from bench.scenario.scenario import load_scenario, resolve_trajectories
@@ -39,7 +41,7 @@ def found(sprung: Path) -> Identification:
     """Measurements of it, identified with the spring as an effect."""
     scenario = load_scenario("five_bar", {"robot": str(sprung)})
     dataset = as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
-    return identify(dataset, ["passive_spring:left_elbow"])
+    return identify(prepare(problem_of(dataset, ["passive_spring:left_elbow"])))
 
 
 def test_the_check_tells_how_to_fit_it(sprung: Path) -> None:

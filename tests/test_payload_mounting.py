@@ -9,6 +9,7 @@ from bench.diagnosis.mounting import mounted_otherwise
 from bench.identification.finding import Code, Finding
 from bench.identification.finding_words import note
 from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -38,7 +39,7 @@ def turned() -> Dataset:
 
 def found_in(dataset: Dataset, chosen: list[int], effects: tuple[str, ...] = ()) -> list[Finding]:
     some = replace(dataset, recordings=tuple(dataset.recordings[i] for i in chosen))
-    return mounted_otherwise(prepare(some, effects), fit_gains=True)
+    return mounted_otherwise(prepare(problem_of(some, effects)))
 
 
 @pytest.mark.parametrize("effects", [(), ("viscous_friction", "constant_offset")])

@@ -16,10 +16,12 @@ from bench.excitation.experiment.request import ExperimentTable
 from bench.export.identified import load_identified
 from bench.identification.estimators import ESTIMATORS
 from bench.identification.finding import Code, Finding
-from bench.identification.identify import identify, prepare
+from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.model_json import from_json, to_json
 from bench.identification.perturbations import Nearby
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, write_simulation
@@ -45,7 +47,7 @@ def friction() -> Dataset:
 
 @pytest.fixture(scope="module")
 def found_by_hand(third_motor: Path) -> Identification:
-    return identify(by_hand(third_motor, NOISE))
+    return identify(prepare(problem_of(by_hand(third_motor, NOISE))))
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +64,7 @@ def test_the_motors_that_the_others_determine_are_redundant(third_motor: Path) -
 
 def test_all_gains_follow_from_the_motors_powers_whatever_the_internal_force(third_motor: Path) -> None:
     """The third motor's current has nothing to do with the motion; nothing of the robot is known but its geometry."""
-    found = identify(by_hand(third_motor))
+    found = identify(prepare(problem_of(by_hand(third_motor))))
     for joint, true in TRUE.items():
         assert found.drive_gains[joint].value == pytest.approx(true, rel=3e-4), joint
     assert float(found.error.validate or 1.0) < 3e-4
@@ -79,14 +81,14 @@ def test_with_noise_gains_are_within_their_deviations(found_by_hand: Identificat
 
 @pytest.mark.parametrize("method", sorted({*ESTIMATORS} - {"oe"}))
 def test_every_estimator_finds_the_gains_of_redundant_motors(third_motor: Path, method: str) -> None:
-    found = identify(by_hand(third_motor, NOISE), method=method)
+    found = identify(prepare(problem_of(by_hand(third_motor, NOISE))), method=method)
     for joint, true in TRUE.items():
         gain = found.drive_gains[joint]
         assert abs(gain.value - true) < 4 * gain.std, joint
 
 
 def test_without_a_weighed_payload_all_gains_stay_nominal(third_motor: Path) -> None:
-    found = identify(by_hand(third_motor), fit_gains=False)
+    found = identify(prepare(problem_of(by_hand(third_motor), fit_gains=False)))
     assert {joint: gain.value for joint, gain in found.drive_gains.items()} == {
         "left": 3.0,
         "right": 3.0,
@@ -104,7 +106,7 @@ def test_the_model_is_written_and_applied_with_all_gains(
     assert from_json(answer).joints == ("left", "right")
     data = by_hand(third_motor, NOISE)
     save_model(found_by_hand, tmp_path / "model.json", data.folder)
-    again = apply_model(data, load_model(tmp_path / "model.json"))
+    again = apply_model(problem_of(data), load_model(tmp_path / "model.json"))
     assert again.error.validate == pytest.approx(found_by_hand.error.validate, rel=1e-9)
 
 
@@ -129,14 +131,16 @@ def test_redundant_motors_follow_their_references_and_share_the_load(simulated: 
 
 
 def test_gains_of_a_simulated_dualv(simulated: Simulation) -> None:
-    found = identify(as_dataset(simulated))
+    found = identify(prepare(problem_of(as_dataset(simulated))))
     for true, (joint, gain) in zip(true_gains(simulated.scenario), found.drive_gains.items(), strict=True):
         assert abs(gain.value - true) < 5 * gain.std, joint
         assert gain.value == pytest.approx(true, rel=0.02), joint
 
 
 def test_friction_at_a_redundant_motor_is_an_effect_like_any_other(friction: Dataset) -> None:
-    found = identify(friction, ["viscous_friction"]).effect_parameters["viscous_friction"]
+    found = identify(prepare(problem_of(friction, ["viscous_friction"]))).effect_parameters[
+        "viscous_friction"
+    ]
     assert list(found) == ["motor_1", "motor_2", "motor_3", "motor_4"]
     for place, values in found.items():
         true = 0.05 if place == "motor_4" else 0.0
@@ -146,7 +150,7 @@ def test_friction_at_a_redundant_motor_is_an_effect_like_any_other(friction: Dat
 
 def test_changes_nearby_are_those_worked_out_whole_with_redundant_motors(friction: Dataset) -> None:
     """What another gravity or position does to the torque, redundant motors' powers included."""
-    prepared = prepare(friction)
+    prepared = prepare(problem_of(friction))
     near = Nearby(prepared.model, prepared.measured).signals(prepared.present, prepared.signals)[1]
     whole = prepared.signals[1]
     shift = np.zeros((3, *whole.coarse.position.shape))
@@ -185,13 +189,13 @@ def test_an_encoder_that_the_loop_closures_deny_is_told(simulated: Simulation, t
     assert found.names[0] == "motor_4"
     assert found.numbers["mean"] == pytest.approx(found.numbers["difference"], rel=0.01)
     assert 0.002 < found.numbers["difference"] < 0.05
-    assert "The loop closures put motor_4 elsewhere" in "\n".join(identify(moved).notes)
+    assert "The loop closures put motor_4 elsewhere" in "\n".join(identify(prepare(problem_of(moved))).notes)
     unlogged = [replace(one, extra={}) for one in moved.recordings]
     assert _denied(replace(moved, recordings=tuple(unlogged))) == []
 
 
 def _denied(dataset: Dataset) -> list[Finding]:
-    return [one for one in prepare(dataset).contradicted if one.code is Code.CLOSURE_CONTRADICTED]
+    return [one for one in prepare(problem_of(dataset)).contradicted if one.code is Code.CLOSURE_CONTRADICTED]
 
 
 def _mirrored(recording: Recording) -> Recording:

@@ -19,6 +19,8 @@ from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.model.model import build_model
 from bench.replay.replay import replay
 from bench.replay.report import replay_report
@@ -46,14 +48,16 @@ def models(recorded):
     files = []
     for number, effects in enumerate(LADDER):
         files.append(recorded.parent / f"model_{number}.json")
-        save_model(identify(load_dataset(recorded), effects), files[-1], recorded)
+        save_model(identify(prepare(problem_of(load_dataset(recorded), effects))), files[-1], recorded)
     return files
 
 
 @pytest.fixture(scope="module")
 def replays(recorded, models):
     """The twin of each, beside the recordings."""
-    return [replay(load_dataset(recorded), physical_set(load_identified(model))) for model in models]
+    return [
+        replay(problem_of(load_dataset(recorded)), physical_set(load_identified(model))) for model in models
+    ]
 
 
 def test_the_twin_is_as_near_as_the_model_is(replays):
@@ -74,7 +78,7 @@ def test_twenty_lines_of_mujoco_and_numpy_find_the_same(recorded, models, projec
     model = models[-1]
     write_mjcf(tmp_path / "twin.xml", physical_set(load_identified(model)))
     dataset = load_dataset(recorded)
-    ours = apply_model(dataset, load_model(model)).error.by_recording
+    ours = apply_model(problem_of(dataset), load_model(model)).error.by_recording
     name = dataset.recordings[0].name
     settings = load_model(model).settings
     words = [tmp_path / "twin.xml", recorded / name, 0.4 * dataset.recordings[0].rate / settings.decimation]
@@ -89,18 +93,25 @@ def test_effects_that_mjcf_cannot_hold_act_in_the_twin(tmp_path):
     folder = tmp_path / "data"
     write_simulation(run("five_bar", CURVED, design=BRIEF), folder)
     dataset = load_dataset(folder)
-    save_model(identify(dataset, ["stribeck_friction:left", "torque_ripple:right"]), tmp_path / "model.json")
+    save_model(
+        identify(prepare(problem_of(dataset, ["stribeck_friction:left", "torque_ripple:right"]))),
+        tmp_path / "model.json",
+    )
     identified = load_identified(tmp_path / "model.json")
-    found = replay(dataset, physical_set(identified))
+    found = replay(problem_of(dataset), physical_set(identified))
     assert found.left_out == ()
     assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.1)
-    bare = replay(dataset, replace(physical_set(identified), model=replace(identified, effects=())))
+    bare = replay(
+        problem_of(dataset), replace(physical_set(identified), model=replace(identified, effects=()))
+    )
     assert bare.twin.error.identify > 3.0 * found.twin.error.identify
 
 
 def test_values_of_single_recordings_are_theirs_in_a_replay_and_a_mean_in_a_file(recorded, tmp_path, capsys):
     effects = [*LADDER[-1], "constant_offset:right@recording"]
-    save_model(identify(load_dataset(recorded), effects), tmp_path / "model.json", recorded)
+    save_model(
+        identify(prepare(problem_of(load_dataset(recorded), effects))), tmp_path / "model.json", recorded
+    )
     identified = load_identified(tmp_path / "model.json")
     one, other = (e.values["c"] for e in identified.effects if e.name == "constant_offset")
     (mean,) = (e.values["c"] for e in identified.effects_in() if e.name == "constant_offset")
@@ -108,7 +119,7 @@ def test_values_of_single_recordings_are_theirs_in_a_replay_and_a_mean_in_a_file
     logs = [e.instance.recording for e in identified.effects if e.name == "constant_offset"]
     (own,) = (e.values["c"] for e in identified.effects_in(logs[1]) if e.name == "constant_offset")
     assert own == pytest.approx(other, abs=1e-12)
-    found = replay(load_dataset(recorded), physical_set(identified))
+    found = replay(problem_of(load_dataset(recorded)), physical_set(identified))
     assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.05)
     words = ["export", str(tmp_path / "model.json"), "--to", "mjcf", "-o", str(tmp_path / "x.xml")]
     assert main(words) == 0
@@ -118,9 +129,9 @@ def test_values_of_single_recordings_are_theirs_in_a_replay_and_a_mean_in_a_file
 def test_a_tilted_base_is_gravity_where_the_data_tell_all_that_it_moves(tmp_path):
     tilt = {"effect": "base_tilt", "about_y": 0.05}
     dataset = as_dataset(run("five_bar", tilt, design=BRIEF))
-    save_model(identify(dataset, ["base_tilt"]), tmp_path / "model.json")
+    save_model(identify(prepare(problem_of(dataset, ["base_tilt"]))), tmp_path / "model.json")
     identified = load_identified(tmp_path / "model.json")
-    found = replay(dataset, physical_set(identified))
+    found = replay(problem_of(dataset), physical_set(identified))
     assert found.left_out == ()
     assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.1)
     turning = replace(
@@ -131,7 +142,11 @@ def test_a_tilted_base_is_gravity_where_the_data_tell_all_that_it_moves(tmp_path
 
 
 def test_an_effect_that_no_simulation_holds_is_named(recorded, tmp_path, capsys):
-    save_model(identify(load_dataset(recorded), ["encoder_offset:left"]), tmp_path / "model.json", recorded)
+    save_model(
+        identify(prepare(problem_of(load_dataset(recorded), ["encoder_offset:left"]))),
+        tmp_path / "model.json",
+        recorded,
+    )
     words = ["replay", str(recorded), "--model", str(tmp_path / "model.json")]
     assert main(words) == 0
     assert "Not simulated, so that its part of the current is missing: encoder_offset at left" in (

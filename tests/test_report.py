@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.result import Unexplained
+from bench.identification.problem import problem_of
 from bench.page.pages import diagnosis_page
 from bench.page.parts import Figure, Section, Table, Text
 from bench.page.render import Workbench, render_page
@@ -90,7 +91,7 @@ def test_doubts_and_gains_share_the_second_sentence():
 def test_nothing_missing_takes_three_sentences_too():
     found = diagnosis()
     nothing = replace(found, missing=(), ladder=found.ladder[:1], after=found.before, ranking=(DOUBTFUL,))
-    page = diagnosis_page(nothing, dataset(), AGAIN)
+    page = diagnosis_page(nothing, problem_of(dataset()), AGAIN)
     assert page.verdict[0].startswith("Nothing is missing that the catalogue knows")
     assert len(page.verdict) == 3
     assert "from its nominal value" in page.verdict[1]
@@ -266,7 +267,7 @@ def test_something_left_is_among_the_limits():
     left = Unexplained(
         True, 0.05, 0.01, ("velocity",), "5 % of the current is left, and it varies with velocity"
     )
-    page = diagnosis_page(replace(found, unexplained=left), dataset(), AGAIN)
+    page = diagnosis_page(replace(found, unexplained=left), problem_of(dataset()), AGAIN)
     (limits,) = [section for section in page.sections if section.id == "limits"]
     assert any("varies with velocity" in item for item in limits.parts[0].items)
     assert page.verdict[2].startswith("5\u00a0% of the current is left")

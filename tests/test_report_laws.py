@@ -8,6 +8,7 @@ from rich.console import Console
 
 from bench.document.terminal.diagnosis import diagnosis_report
 from bench.effects import CATALOGUE, ActuatorEffect, EffectParameter
+from bench.identification.problem import Problem, problem_of
 from bench.page.pages import diagnosis_page
 from bench.page.parts import Table
 from tests.report_kit import AGAIN, MISSING, dataset, diagnosis
@@ -23,7 +24,7 @@ class Silent(ActuatorEffect):
 
 
 def laws_of(diagnosed, catalogue=CATALOGUE):
-    page = diagnosis_page(diagnosed, dataset(), AGAIN, catalogue)
+    page = diagnosis_page(diagnosed, Problem(dataset(), catalogue), AGAIN)
     (ranking,) = [one for one in page.sections if one.id == "ranking"]
     return [one for one in ranking.parts if isinstance(one, Table) and one.title.startswith("Laws")]
 
@@ -57,7 +58,9 @@ def test_the_page_tells_the_laws_of_what_was_found():
 def test_what_rounding_leaves_is_nothing():
     (first, *others) = diagnosis().ranking
     page = diagnosis_page(
-        replace(diagnosis(), ranking=(replace(first, evidence=-1e-13), *others)), dataset(), AGAIN
+        replace(diagnosis(), ranking=(replace(first, evidence=-1e-13), *others)),
+        problem_of(dataset()),
+        AGAIN,
     )
     (ranking,) = [one for one in page.sections if one.id == "ranking"]
     assert ranking.parts[0].rows[0].cells[2].text == "0.0"

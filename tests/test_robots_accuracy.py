@@ -6,6 +6,8 @@ import pytest
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.excitation.scenario import designer
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.signals.decimation import noise_bandwidth
 from bench.truth.dataset import as_dataset
@@ -23,7 +25,7 @@ ROBOTS = ("dualv", "palletiser", "stewart", "three_rrr", "wrist")
 def test_gains_are_found_and_nothing_is_left_but_noise(name: str) -> None:
     scenario = load_scenario(name)
     dataset = as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
-    found = identify(dataset)
+    found = identify(prepare(problem_of(dataset)))
     for true, (joint, gain) in zip(true_gains(scenario), found.drive_gains.items(), strict=True):
         assert gain.value == pytest.approx(true, rel=GAIN_ERROR), joint
     floor = CURRENT_NOISE * np.sqrt(noise_bandwidth(found.settings.decimation))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import pytest
 
 from bench.diagnosis.diagnose import diagnose
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -52,7 +53,7 @@ def test_what_is_hidden_is_named_where_it_is(name: str) -> None:
     case = CASES[name]
     hidden = [{"effect": case.effect, "joint": joint, **case.hidden} for joint in case.joints]
     scenario = load_scenario(case.robot, {"hidden": hidden, "design": SHORT | OTHER.get(case.robot, {})})
-    found = diagnose(as_dataset(simulate(scenario)))
+    found = diagnose(problem_of(as_dataset(simulate(scenario))))
     assert found.missing == (case.effect,)
     assert found.ranking[0].verdict == "missing"
     assert found.ranking[0].actuators == case.joints

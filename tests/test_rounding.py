@@ -14,6 +14,8 @@ from bench.diagnosis.diagnose import diagnose
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.partial_regression import PartialRegression
+from bench.identification.prepare import prepare
+from bench.identification.problem import Problem, problem_of
 from bench.workbench import room
 from bench.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset
@@ -87,12 +89,14 @@ def test_shaken_is_not_the_same_and_hardly_different(dataset, again):
 
 @pytest.mark.parametrize("requests", SETS, ids=lambda one: "+".join(one) or "nothing")
 def test_identify_does_not_hang_on_rounding(dataset, again, requests):
-    assert_same(identify(dataset, requests), identify(again, requests))
+    assert_same(
+        identify(prepare(problem_of(dataset, requests))), identify(prepare(problem_of(again, requests)))
+    )
 
 
 def test_diagnose_does_not_hang_on_rounding(dataset, again):
     catalogue = {name: CATALOGUE[name] for name in (*SEARCHED, "viscous_friction")}
-    one, other = (diagnose(each, catalogue=catalogue) for each in (dataset, again))
+    one, other = (diagnose(Problem(each, catalogue)) for each in (dataset, again))
     assert set(one.missing) == {name.partition(":")[0] for name in FOUND}
     assert other.missing == one.missing
     assert_same(one.before, other.before)
@@ -111,7 +115,7 @@ def test_the_workbench_does_not_hang_on_rounding(dataset, again, digits, monkeyp
         monkeypatch.setattr(room, "MOST_BYTES", 0)
     names = ("cogging_torque", "coulomb_friction", "stribeck_friction", "viscous_friction")
     solvers = [
-        Carried(json.loads(json.dumps(page_data(each, diagnosis_of(each, FOUND, names)))))
+        Carried(json.loads(json.dumps(page_data(problem_of(each), diagnosis_of(each, FOUND, names)))))
         for each in (dataset, again)
     ]
     for requests in ((), FOUND, names):

@@ -1,5 +1,8 @@
 """A fit keeps BLAS to one thread, and leaves the caller's setting as it was."""
 
+import importlib
+from unittest.mock import MagicMock
+
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -29,9 +32,9 @@ def test_an_error_gives_the_setting_back():
     assert threads() == before
 
 
-@pytest.mark.parametrize("name", ["identify", "fit"])
-def test_the_library_fits_on_one_thread(name, monkeypatch):
-    from bench.identification import identify as module
+@pytest.mark.parametrize(("name", "inside"), [("prepare", "BenchError"), ("identify", "within_bounds")])
+def test_the_library_fits_on_one_thread(name, inside, monkeypatch):
+    module = importlib.import_module(f"bench.identification.{name}")
 
     seen = []
 
@@ -39,9 +42,8 @@ def test_the_library_fits_on_one_thread(name, monkeypatch):
         seen.append(threads())
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(module, "prepare", noted)
-    monkeypatch.setattr(module, "gains_can_be_fitted", noted)
+    monkeypatch.setattr(module, inside, noted)
     with threadpool_limits(limits=2, user_api="blas"), pytest.raises(KeyboardInterrupt):
-        getattr(module, name)(None)
+        getattr(module, name)(MagicMock())
     assert seen
     assert np.all(np.array(seen) == 1)

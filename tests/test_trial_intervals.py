@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.studies.trial.intervals import intervals, moving_alike
 from bench.studies.trial.setup import make_setup
 from bench.truth.dataset import as_dataset
@@ -28,7 +30,7 @@ def test_the_motors_see_the_sum(joints, expected):
     setup = make_setup("delta")
     hidden = [{"effect": "passive_viscous_friction", "joint": joint, "Fv": 0.5} for joint in joints]
     simulation = run("delta", *hidden)
-    result = identify(as_dataset(simulation), ["passive_viscous_friction:rod_1a_pitch"])
+    result = identify(prepare(problem_of(as_dataset(simulation), ["passive_viscous_friction:rod_1a_pitch"])))
     (one,) = intervals(setup, hidden, result, moving_alike(simulation, setup.passive))
     assert (one["effect"], one["at"], one["parameter"]) == ("passive_viscous_friction", "rod_1a_pitch", "Fv")
     assert one["truth"] == expected

@@ -9,6 +9,8 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset import load_dataset
 from bench.identification.effect_torques import effect_torques
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.truth.dataset import truth_path, write_simulation
 from bench.truth.hidden_torque import hidden_torque, plain_machine
 from bench.truth.repeat import repeated
@@ -54,7 +56,7 @@ def test_hidden_friction_is_the_torque_that_it_takes(again):
 
 def test_the_model_finds_the_torque_that_is_hidden(folder, again):
     dataset = load_dataset(folder)
-    result = identify(dataset, ["viscous_friction:left"])
+    result = identify(prepare(problem_of(dataset, ["viscous_friction:left"])))
     plain = plain_machine(again)
     for torque, recording in zip(effect_torques(result.recordings), again.recordings, strict=True):
         truth = hidden_torque(again, recording, plain)

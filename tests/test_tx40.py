@@ -7,6 +7,8 @@ import pytest
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis.split import with_judged_parts
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.measured.machines import GEARS, dataset_of
 
 FRICTION = {1: 8.05, 2: 5.53, 3: 1.97, 4: 1.11, 5: 1.86, 6: 0.65}  # N m s/rad at the joints, published
@@ -25,7 +27,7 @@ def test_the_coupling_is_understood(tx40: Path, settings: dict[str, float] | Non
     dataset = load_dataset(tx40)
     assert [actuator.gain_unit for actuator in dataset.robot.actuators] == ["N*m/(N*m)"] * 6
     effects = ["viscous_friction", "coulomb_friction", "constant_offset"]
-    found = identify(dataset, effects, filters=settings)
+    found = identify(prepare(problem_of(dataset, effects, filters=settings)))
     assert found.error.identify < 0.10
     by_motor = {
         motor: found.effect_parameters["viscous_friction"][f"motor_{motor}"]["Fv"].value for motor in GEARS
@@ -39,7 +41,7 @@ def test_the_coupling_is_understood(tx40: Path, settings: dict[str, float] | Non
 def test_a_part_of_the_log_is_filtered_as_the_whole_is(tx40: Path) -> None:
     """A diagnosis fits the first 70 % and judges on the rest; jitter at one motor was taken for motion there."""
     parts, _ = with_judged_parts(load_dataset(tx40))
-    found = identify(parts, ["viscous_friction", "coulomb_friction", "constant_offset"])
+    found = identify(prepare(problem_of(parts, ["viscous_friction", "coulomb_friction", "constant_offset"])))
     assert found.settings.position_cutoff < 150.0  # Hz; motion ends at 12 Hz
     assert found.error.identify < 0.10
     assert found.error.validate < 0.10

@@ -11,6 +11,7 @@ from bench.diagnosis.unexplained import unexplained
 from bench.identification.identify import fit
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -69,9 +70,9 @@ def test_the_encoders_noise_is_carried_through_the_model():
         },
     )
     dataset = as_dataset(simulate(scenario, threads=1))
-    prepared = settled(prepare(dataset), True)
+    prepared = settled(prepare(problem_of(dataset)))
     result = fit(prepared)
-    encoders = encoder_error(prepared, True)
+    encoders = encoder_error(prepared)
     floor = unexplained(result, dataset.recordings).noise_floor
     assert encoders > floor
     assert result.error.validate == pytest.approx(np.hypot(floor, encoders), rel=0.15)

@@ -9,7 +9,8 @@ from bench.dataset.dataset import load_dataset
 from bench.effects import CATALOGUE, catalogue_for
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, model_json
-from bench.identification.prepare import with_effects
+from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import Problem, problem_of
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 from bench.workbench import room
@@ -61,7 +62,7 @@ def diagnosis(dataset):
 
 @pytest.fixture(scope="module")
 def carried(dataset, diagnosis):
-    return json.loads(json.dumps(page_data(dataset, diagnosis), allow_nan=False))
+    return json.loads(json.dumps(page_data(problem_of(dataset), diagnosis), allow_nan=False))
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +72,7 @@ def solver(carried):
 
 @pytest.mark.parametrize("requests", LINEAR, ids=lambda one: "+".join(one) or "nothing")
 def test_the_page_finds_what_identify_finds(dataset, solver, requests):
-    expected = identify(dataset, requests)
+    expected = identify(prepare(problem_of(dataset, requests)))
     found = solver.fit(solver.keys(requests))
     assert found.fitted == pytest.approx(expected.error.identify, rel=5e-5)
     assert found.judged == pytest.approx(expected.error.validate, rel=5e-5)
@@ -89,7 +90,7 @@ def test_the_page_finds_what_identify_finds(dataset, solver, requests):
 @pytest.mark.parametrize("requests", CURVED, ids="+".join)
 def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, carried, solver, requests):
     """The same from rows in place of products: effects in the shape that the page names, about the found model."""
-    model, _ = found_models(dataset, diagnosis, dict(CATALOGUE))
+    model, _ = found_models(problem_of(dataset), diagnosis)
     keys = solver.keys(requests)
     instances = [
         one
@@ -100,7 +101,7 @@ def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, car
         told = {each["name"]: each["value"] for each in solver.places[one.request]["shape"]}
         assert told == one.effect.shape_values()
     prepared = with_effects(model.plain, instances, model.found.present)
-    _, expected = solved_quickly(prepared, True)
+    _, expected = solved_quickly(prepared)
     found = solver.fit(keys)
     np.testing.assert_allclose(found.gains, expected.gains, rtol=1e-4)
     squares = [
@@ -131,7 +132,7 @@ def test_deviations_are_those_of_the_models_that_were_fitted(diagnosis, carried)
 def test_effects_that_there_is_no_room_for_are_named(dataset, diagnosis, monkeypatch):
     monkeypatch.setattr(room, "MOST_BYTES", 0)
     monkeypatch.setattr(room, "MOST_SHORT_BYTES", 2000)
-    data = page_data(dataset, diagnosis)
+    data = page_data(problem_of(dataset), diagnosis)
     without = [one["name"] for one in data["effects"] if one["no_room"]]
     kept = [one["name"] for one in data["effects"] if one["places"]]
     assert without
@@ -143,12 +144,14 @@ def test_effects_that_there_is_no_room_for_are_named(dataset, diagnosis, monkeyp
 def test_the_model_that_was_found_is_carried_as_its_file_holds_it(carried, diagnosis, dataset, tmp_path):
     given = with_command(carried, "bench identify data", model_json(diagnosis.after, dataset.folder))
     (tmp_path / "model.json").write_text(json.dumps(given["model"], allow_nan=False))
-    compared = apply_model(dataset, load_model(tmp_path / "model.json"))
+    compared = apply_model(problem_of(dataset), load_model(tmp_path / "model.json"))
     assert compared.error.validate == pytest.approx(diagnosis.after.error.validate, rel=1e-6)
 
 
 def test_curves_show_what_was_measured(dataset, carried):
-    for recording, other in zip(carried["recordings"], identify(dataset, FOUND).recordings, strict=True):
+    for recording, other in zip(
+        carried["recordings"], identify(prepare(problem_of(dataset, FOUND))).recordings, strict=True
+    ):
         assert (recording["name"], recording["rows"]) == (other.name, len(other.time))
         for j, motor in enumerate(recording["motors"]):
             low, high = numbers(motor["low"]), numbers(motor["high"])
@@ -180,8 +183,8 @@ def test_effects_of_the_user_are_carried_too(dataset, tmp_path):
     )
     catalogue = catalogue_for((), [file])
     diagnosis = diagnosis_of(dataset, names=("coulomb_friction", "fan_torque", "viscous_friction"))
-    solver = Carried(page_data(dataset, diagnosis, catalogue))
-    expected = identify(dataset, ["coulomb_friction", "fan_torque"], catalogue=catalogue)
+    solver = Carried(page_data(Problem(dataset, catalogue), diagnosis))
+    expected = identify(prepare(Problem(dataset, catalogue, ("coulomb_friction", "fan_torque"))))
     found = solver.fit(solver.keys(("coulomb_friction", "fan_torque")))
     assert found.judged == pytest.approx(expected.error.validate, rel=5e-5)
 

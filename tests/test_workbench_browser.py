@@ -8,6 +8,7 @@ import pytest
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.identification.model_file import apply_model, load_model, model_json
+from bench.identification.problem import problem_of
 from bench.page.browser import opened
 from bench.page.parts import Page, Section
 from bench.page.render import Workbench, render_page
@@ -33,7 +34,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("workbench")
     dataset = load_dataset(write_dataset(folder / "data"))
     diagnosis = diagnosis_of(dataset, names=LAWS)
-    data, model = page_data(dataset, diagnosis), model_json(diagnosis.after, dataset.folder)
+    data, model = page_data(problem_of(dataset), diagnosis), model_json(diagnosis.after, dataset.folder)
     (folder / "page.json").write_text(json.dumps(data))
     page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
     text = render_page(
@@ -226,7 +227,7 @@ def test_the_command_can_be_copied_and_the_model_downloaded(look, tmp_path, fold
     with page.expect_download() as given:
         page.get_by_role("button", name="Download model").click()
     given.value.save_as(tmp_path / "model.json")
-    compared = apply_model(load_dataset(folder / "data"), load_model(tmp_path / "model.json"))
+    compared = apply_model(problem_of(load_dataset(folder / "data")), load_model(tmp_path / "model.json"))
     assert compared.error.validate == pytest.approx(shown(page)["error"]["validate"], rel=5e-5)
     page.get_by_role("button", name="Nothing").click()
     settled(page)

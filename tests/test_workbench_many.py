@@ -7,6 +7,8 @@ import pytest
 
 from bench.dataset.dataset import load_dataset
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.page.parts import Page, Section
 from bench.page.render import Workbench, render_page
 from bench.workbench import room
@@ -40,7 +42,9 @@ def dataset(tmp_path_factory):
 def solver(dataset):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(room, "MOST_BYTES", 0)
-        return Carried(json.loads(json.dumps(page_data(dataset, diagnosis_of(dataset, names=LAWS)))))
+        return Carried(
+            json.loads(json.dumps(page_data(problem_of(dataset), diagnosis_of(dataset, names=LAWS))))
+        )
 
 
 @pytest.mark.parametrize(
@@ -56,7 +60,7 @@ def solver(dataset):
     ids=lambda one: "+".join(one) or "nothing" if isinstance(one, tuple) else "",
 )
 def test_fewer_digits_find_what_identify_finds(dataset, solver, requests, close):
-    expected = identify(dataset, requests)
+    expected = identify(prepare(problem_of(dataset, requests)))
     found = solver.fit(solver.keys(requests))
     assert solver.data["short"]
     assert found.fitted == pytest.approx(expected.error.identify, rel=close)
@@ -112,7 +116,7 @@ def test_a_browser_shows_that_at_once(chromium, dataset, solver, tmp_path):
     )
     shown.wait_for_selector("#workbench[data-ready=true]")
     then = shown.locator("#workbench [data-figure=validate]").get_attribute("data-value")
-    identified = identify(dataset, (*FOUND, "constant_offset"))
+    identified = identify(prepare(problem_of(dataset, (*FOUND, "constant_offset"))))
     expected = identified.error.validate
     assert float(then) == pytest.approx(expected, rel=1e-4)
     assert at_once == float(then)

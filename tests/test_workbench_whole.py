@@ -8,6 +8,8 @@ from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis.split import with_judged_parts
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.page.parts import Page, Section
 from bench.page.render import Workbench, render_page
 from bench.signals.settings import FilterSettings
@@ -50,7 +52,9 @@ def page(request, tmp_path_factory):
         if robot not in made:
             dataset = load_dataset(request.getfixturevalue(robot))
             parts, _ = with_judged_parts(dataset)
-            data = page_data(dataset, diagnosis_of(parts, FOUND if robot == "five_bar" else FRICTIONS, LAWS))
+            data = page_data(
+                problem_of(dataset), diagnosis_of(parts, FOUND if robot == "five_bar" else FRICTIONS, LAWS)
+            )
             data = json.loads(json.dumps(data, allow_nan=False))
             file = tmp_path_factory.mktemp("page") / "page.html"
             page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
@@ -65,7 +69,10 @@ def page(request, tmp_path_factory):
 @pytest.mark.parametrize(("robot", "requests"), CASES, ids=str)
 def test_all_rows_are_fitted_as_identify_does(page, robot, requests):
     dataset, parts, data, _ = page(robot)
-    expected, judged = identify(dataset, requests), identify(parts, requests)
+    expected, judged = (
+        identify(prepare(problem_of(dataset, requests))),
+        identify(prepare(problem_of(parts, requests))),
+    )
     for carried, known in ((data["whole"], expected), (data, judged)):
         solver = Carried(carried)
         found = solver.fit(solver.keys(requests))
@@ -82,7 +89,10 @@ def test_a_browser_shows_what_identify_shows(chromium, page, robot, requests):
     from bench.page.browser import opened
 
     dataset, parts, _, file = page(robot)
-    expected, judged = identify(dataset, requests), identify(parts, requests)
+    expected, judged = (
+        identify(prepare(problem_of(dataset, requests))),
+        identify(prepare(problem_of(parts, requests))),
+    )
     shown = opened(chromium, file)
     heard = []
     shown.on("console", lambda message: heard.append(message.text))
@@ -119,6 +129,6 @@ def test_filters_set_by_hand_hold_for_all_rows_too(five_bar):
         parts, FOUND, ("coulomb_friction", "viscous_friction"), filters={"decimation": 5}
     )
     assert isinstance(diagnosis.before.settings, FilterSettings)
-    solver = Carried(page_data(dataset, diagnosis)["whole"])
-    expected = identify(dataset, FOUND, filters={"decimation": 5})
+    solver = Carried(page_data(problem_of(dataset), diagnosis)["whole"])
+    expected = identify(prepare(problem_of(dataset, FOUND, filters={"decimation": 5})))
     assert solver.fit(set(FOUND)).fitted == pytest.approx(expected.error.identify, rel=5e-5)

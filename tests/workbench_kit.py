@@ -3,6 +3,8 @@
 from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
@@ -38,7 +40,10 @@ def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recor
 
 def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE), filters=None):
     """A diagnosis that found these effects and ranks these, without the search."""
-    before, after = identify(dataset, filters=filters), identify(dataset, found, filters=filters)
+    before, after = (
+        identify(prepare(problem_of(dataset, filters=filters))),
+        identify(prepare(problem_of(dataset, found, filters=filters))),
+    )
     present = {one.partition(":")[0] for one in found}
     ranking = tuple(
         EffectVerdict(

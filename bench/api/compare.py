@@ -1,20 +1,19 @@
 """Where a model fails on recordings."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from bench.api.sources import Data, Model, as_dataset, as_model, effects_of
+from bench.api.sources import Data, Model, as_dataset, as_model
 from bench.dataset.dataset import Dataset
 from bench.identification.identify import identify
 from bench.identification.model_file import Comparison, apply_model
+from bench.identification.prepare import prepare
+from bench.identification.problem import Filters, problem_of
 from bench.identification.result import CurrentSeries, ErrorSummary, Identification
-from bench.model.geometry import read_geometry
 from bench.residuals.look_alikes import possible_effects
 from bench.residuals.motor import Compared, compared
 from bench.residuals.residuals import WhereItFails, errors_by_motor
-from bench.signals.settings import FilterSettings
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,7 +53,7 @@ def compare(
     model: Model | None = None,
     effects: Sequence[str] = (),
     *,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
+    filters: Filters = None,
     effect_files: Iterable[str | Path] = (),
 ) -> ModelErrors:
     """Where a model fails on a dataset's recordings, motor by motor.
@@ -64,10 +63,10 @@ def compare(
     BenchError naming what cannot be used.
     """
     dataset = as_dataset(data)
-    catalogue = effects_of(dataset, effect_files)
+    problem = problem_of(dataset, effects, filters, effect_files=effect_files)
     result: Identification | None = None
     if model is None:
-        result = identify(dataset, effects, filters=filters, catalogue=catalogue)
+        result = identify(prepare(problem))
         name = f"identified here, {', '.join(effects) or 'rigid bodies only'}"
         comparison = Comparison(result.robot, name, result.recordings, result.error, result.findings)
         has, settings = result.effects, result.settings
@@ -77,10 +76,8 @@ def compare(
         comparison = Comparison(model.robot, name, model.recordings, model.error, model.findings)
     else:
         saved = as_model(model)
-        comparison, settings = apply_model(dataset, saved, catalogue), saved.settings
+        comparison, settings = apply_model(problem, saved), saved.settings
         has = saved.model.effects
     motors = compared(dataset.robot, dataset.recordings, comparison.recordings, settings)
-    weighed = [name for name, payload in dataset.payloads.items() if payload.mass is not None]
-    possible = possible_effects(read_geometry(dataset.robot), weighed, catalogue)
-    where = errors_by_motor(motors, possible, has)
+    where = errors_by_motor(motors, possible_effects(problem), has)
     return ModelErrors(dataset, has, comparison, motors, where, result)

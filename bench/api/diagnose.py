@@ -1,24 +1,23 @@
 """Which physical effects a model lacks."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from bench.api.sources import Data, as_dataset
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.result import Diagnosis
 from bench.discovery.find import find_missing_effects
+from bench.identification.problem import Filters, problem_of
 from bench.identification.shortness import short_recordings
 from bench.identification.swapped_columns import swapped_columns
-from bench.signals.settings import FilterSettings
 
 
 def diagnose(
     data: Data,
     effects: Sequence[str] = (),
     *,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
+    filters: Filters = None,
     effect_files: Iterable[str | Path] = (),
     discover: bool | None = None,
     progress: Progress = SILENT,
@@ -33,16 +32,10 @@ def diagnose(
     """
     progress.phase("reading the recordings")
     dataset = as_dataset(data)
-    diagnosis = find_missing_effects(
-        dataset,
-        effects,
-        filters=filters,
-        effect_files=effect_files,
-        discover=discover,
-        progress=progress,
-    )
+    problem = problem_of(dataset, effects, filters, effect_files=effect_files)
+    diagnosis = find_missing_effects(problem, discover=discover, progress=progress)
     progress.phase("looking for swapped columns")
     after = diagnosis.after
     short = short_recordings(dataset.recordings, after.settings)
-    swapped = swapped_columns(dataset, diagnosis.before)
+    swapped = swapped_columns(problem, diagnosis.before)
     return replace(diagnosis, after=replace(after, findings=(*swapped, *after.findings, *short)))

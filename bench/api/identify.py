@@ -1,19 +1,19 @@
 """From recordings to drive gains and dynamic parameters."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from bench.api.sources import Data, as_dataset, effects_of
+from bench.api.sources import Data, as_dataset
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.identification.estimators import DEFAULT_METHOD
-from bench.identification.identify import believed, prepare
+from bench.identification.identify import identify as fitted
+from bench.identification.prepare import prepare
+from bench.identification.problem import Filters, problem_of
 from bench.identification.result import Identification
 from bench.identification.shortness import short_recordings
 from bench.identification.standard_errors import Deviations
 from bench.identification.swapped_columns import swapped_columns
-from bench.signals.settings import FilterSettings
 
 
 def identify(
@@ -21,7 +21,7 @@ def identify(
     effects: Sequence[str] = (),
     method: str = DEFAULT_METHOD,
     *,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
+    filters: Filters = None,
     effect_files: Iterable[str | Path] = (),
     deviations: Deviations = "autocorrelated",
     fit_gains: bool | None = None,
@@ -39,15 +39,15 @@ def identify(
     Raises BenchError naming what in the data or the robot cannot be used.
     """
     dataset = as_dataset(data)
-    catalogue = effects_of(dataset, effect_files)
-    prepared = prepare(dataset, effects, filters, catalogue=catalogue)
-    result = believed(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
-    swapped = swapped_columns(dataset, result, prepared)
-    mounted = mounted_otherwise(prepared, fit_gains=result.gains_fitted)
+    problem = problem_of(dataset, effects, filters, effect_files=effect_files, fit_gains=fit_gains)
+    prepared = prepare(problem)
+    result = fitted(prepared, method, deviations=deviations, essential=essential)
+    swapped = swapped_columns(problem, result, prepared)
+    mounted = mounted_otherwise(prepared)
     short = short_recordings(dataset.recordings, result.settings)
     found = replace(result, findings=(*swapped, *mounted, *result.findings, *short))
     if not physical:
         return found
     from bench.export.constrained import physically_consistent  # noqa: PLC0415 - slow, and for this alone
 
-    return physically_consistent(found, dataset, catalogue)
+    return physically_consistent(found, problem)

@@ -1,10 +1,8 @@
 """What a program hands over: a dataset or a model that is loaded, or the path of one."""
 
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.effects import Effect, catalogue_for
 from bench.identification.model_file import SavedModel, load_model
 from bench.identification.result import Identification
 
@@ -23,8 +21,3 @@ def as_dataset(data: Data) -> Dataset:
 def as_model(model: SavedModel | str | Path) -> SavedModel:
     """The saved model itself, or that of the file. Raises BenchError naming what is wrong with it."""
     return model if isinstance(model, SavedModel) else load_model(Path(model))
-
-
-def effects_of(data: Dataset, effect_files: Iterable[str | Path]) -> Mapping[str, Effect]:
-    """The catalogue, with the dataset's own effects and those of further files."""
-    return catalogue_for(data.effect_files, [Path(file) for file in effect_files])

@@ -136,11 +136,11 @@ def _side_by_side(
     from bench.dataset.dataset import load_dataset
     from bench.document.side_by_side import changed_sentences
     from bench.document.terminal.side_by_side import side_by_side_report
-    from bench.effects import catalogue_for
+    from bench.identification.problem import problem_of
     from bench.residuals.side_by_side import side_by_side, side_by_side_json
 
     data = load_dataset(dataset)
-    found = side_by_side(data, model_files, catalogue_for(data.effect_files, effect_files))
+    found = side_by_side(problem_of(data, effect_files=effect_files), model_files)
     changed = changed_sentences(found)
     if json_file is not None:
         write_answer(json_file, side_by_side_json(found, changed))

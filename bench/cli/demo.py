@@ -30,8 +30,10 @@ def demo(output: Path, scenario: str) -> None:
     from bench.document.figures.currents import write_current_figure
     from bench.document.terminal.identification import identification_report
     from bench.excitation.scenario import designer
-    from bench.identification.identify import fit, prepare
+    from bench.identification.identify import fit
     from bench.identification.model_file import save_model
+    from bench.identification.prepare import prepare
+    from bench.identification.problem import problem_of
     from bench.page.section_run import Run
     from bench.page.write import write_diagnosis_report
     from bench.scenario.scenario import load_scenario, resolve_trajectories
@@ -52,7 +54,7 @@ def demo(output: Path, scenario: str) -> None:
     write_simulation(simulation, output / "dataset")
     console.print("Identifying from what was logged ...")
     dataset = load_dataset(output / "dataset")
-    prepared = prepare(dataset)
+    prepared = prepare(problem_of(dataset))
     result = fit(prepared)
     true = true_values(prepared.model, truth(simulation))
     identification_report(result, console, truth=true)

@@ -76,23 +76,20 @@ def discriminate(
     duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
     with shown_progress(quiet) as progress:
         from bench.dataset.dataset import load_dataset
-        from bench.effects import catalogue_for
         from bench.excitation.discrimination.discriminate import discriminate as run
         from bench.excitation.discrimination.figure import write_discrimination_figure
         from bench.excitation.discrimination.files import check_folder, write_discrimination
+        from bench.identification.problem import problem_of
 
         check_folder(output)
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
         found = run(
-            data,
+            problem_of(data, effects, given_filters(**options), effect_files=effect_files),
             (effect_a, effect_b),
-            effects,
             duration=duration,
             widen=widen,
             seed=seed,
-            filters=given_filters(**options),
-            catalogue=catalogue_for(data.effect_files, effect_files),
             progress=progress,
         )
         progress.phase("writing the motion and its picture")

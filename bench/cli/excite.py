@@ -97,7 +97,7 @@ def excite(
     accelerations, currents by nominal gains and the masses of the MJCF, workspace boxes, distance from singular poses.
     The standard errors to be expected are told before a motor turns.
     """
-    criterion, steps, seed = (options.pop(name) for name in ("criterion", "steps", "seed"))
+    search = {name: options.pop(name) for name in ("criterion", "steps", "seed")}
     with shown_progress(quiet) as progress:
         from bench.basics.errors import BenchError
         from bench.dataset.dataset import load_dataset
@@ -107,42 +107,26 @@ def excite(
         from bench.excitation.experiment.figure import write_plan_figure
         from bench.excitation.experiment.files import PICTURE, VIEW, check_folder, write_plan
         from bench.excitation.experiment.forecast import forecast
-        from bench.excitation.experiment.plan import Plan, plan_experiment
+        from bench.excitation.experiment.plan import WHOLE, Aim, Plan, plan_experiment
         from bench.excitation.experiment.request_file import asked_table
         from bench.excitation.experiment.sentences import sentences
+        from bench.identification.problem import problem_of
         from bench.viewer.planned import write_planned_rrd
 
         check_folder(output)
+        aim = Aim(wanted or WHOLE.wanted, **search)
         table, described = asked_table(limits, options), load_robot(robot)
         if after is None:
-            plan = plan_experiment(
-                described,
-                table,
-                wanted,
-                effects,
-                criterion=criterion,
-                steps=steps,
-                seed=seed,
-                catalogue=catalogue_for((), effect_files),
-                progress=progress,
-            )
+            catalogue = catalogue_for(effect_files)
+            plan = plan_experiment(described, table, aim, effects, catalogue=catalogue, progress=progress)
         else:
             data = load_dataset(after)
             if data.robot.folder != described.folder:
                 raise BenchError(f"--after {after}: its robot is {data.robot.name!r}, not {robot!r}")
             if gain_accuracy is not None:
                 raise BenchError("--gain-accuracy: leave it out with --after, where the payloads are given")
-            plan = plan_after(
-                data,
-                table,
-                wanted,
-                effects,
-                criterion=criterion,
-                steps=steps,
-                seed=seed,
-                catalogue=catalogue_for(data.effect_files, effect_files),
-                progress=progress,
-            )
+            problem = problem_of(data, effects, effect_files=effect_files)
+            plan = plan_after(problem, table, aim, progress=progress)
         progress.phase("forecasting the standard errors")
         told = forecast(plan, gain_accuracy)
         progress.phase("writing the motions")

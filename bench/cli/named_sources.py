@@ -13,10 +13,11 @@ from bench.dataset.dataset import DATASET_FILE, Dataset, load_dataset
 from bench.diagnosis.result import Diagnosis, LadderStep
 from bench.document.diagnosis import step_labels
 from bench.document.markdown.diagnosis import diagnosis_markdown
-from bench.effects import catalogue_for
 from bench.identification.effect_torques import effect_torques
-from bench.identification.identify import fit, identify, prepare
+from bench.identification.identify import fit, identify
 from bench.identification.model_file import load_model, read_identification
+from bench.identification.prepare import prepare
+from bench.identification.problem import Problem, problem_of
 from bench.identification.result import Identification
 from bench.page.folder import RUN_FILE, Kept, read_run
 from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
@@ -39,6 +40,10 @@ class Asked:
     data: Path | None = None
     runs: tuple[int, ...] = ()
     truth: bool = True
+
+    def of(self, dataset: Dataset) -> Problem:
+        """What is asked of a dataset."""
+        return problem_of(dataset, self.effects, self.filters, effect_files=self.effect_files)
 
 
 def told_of(source: Path, asked: Asked) -> list[Told]:
@@ -76,9 +81,8 @@ def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diag
         return dataset, result, None
     if not (source / DATASET_FILE).is_file():
         raise BenchError(f"{source}: neither a dataset ({DATASET_FILE}) nor a result ({RUN_FILE})")
-    dataset = load_dataset(source)
-    catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
-    return dataset, identify(dataset, asked.effects, filters=asked.filters, catalogue=catalogue), None
+    problem = asked.of(load_dataset(source))
+    return problem.dataset, identify(prepare(problem)), None
 
 
 def _read(folder: Path) -> Kept:
@@ -90,10 +94,10 @@ def _read(folder: Path) -> Kept:
 
 
 def _of_dataset(folder: Path, asked: Asked) -> Told:
-    dataset = load_dataset(folder)
-    catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
+    problem = asked.of(load_dataset(folder))
+    dataset = problem.dataset
     rungs = [asked.effects[:count] for count in range(len(asked.effects) + 1)]
-    models = [identify(dataset, rung, filters=asked.filters, catalogue=catalogue) for rung in rungs]
+    models = [identify(prepare(replace(problem, effects=rung))) for rung in rungs]
     steps = tuple(
         Step(word, model.recordings) for word, model in zip(step_labels(rungs), models[:-1], strict=False)
     )
@@ -114,8 +118,7 @@ def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification]:
     if folder is None:
         raise BenchError(f"{path}: a model file without the path of its recordings: name them with --data")
     dataset = load_dataset(folder)
-    catalogue = catalogue_for(dataset.effect_files, asked.effect_files)
-    return dataset, read_identification(path, dataset, catalogue)
+    return dataset, read_identification(path, asked.of(dataset))
 
 
 def _of_result(kept: Kept, asked: Asked) -> Told:
@@ -124,15 +127,14 @@ def _of_result(kept: Kept, asked: Asked) -> Told:
     if diagnosis is None:
         return Told(after.robot, after, dataset, _story(dataset, after, (), "", truth=asked.truth))
     judged = kept.judged
+    problem = replace(kept.problem, dataset=judged, filters=after.settings, fit_gains=after.gains_fitted)
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
     words = step_labels(rungs)
     steps = []
     for word, rung, step in zip(words[:-1], rungs[:-1], diagnosis.ladder[:-1], strict=True):
         recordings = step.recordings
         if not recordings:
-            recordings = identify(
-                judged, rung, filters=after.settings, fit_gains=after.gains_fitted, catalogue=kept.catalogue
-            ).recordings
+            recordings = identify(prepare(replace(problem, effects=rung))).recordings
         steps.append(Step(word, recordings))
     text = diagnosis_markdown(diagnosis)
     story = _story(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)
@@ -154,8 +156,10 @@ def _of_sweep(folder: Path, asked: Asked) -> list[Told]:
         again = run_again(folder, plan, number)
         dataset, run = as_dataset(again.simulation), again.run
         filters = again.simulation.scenario.settings.filter.model_dump(exclude_none=True)
-        options = {key: run.identify[key] for key in ("deviations", "essential", "fit_gains")}
-        prepared = prepare(dataset, run.identify["effects"], filters)
+        options = {key: run.identify[key] for key in ("deviations", "essential")}
+        prepared = prepare(
+            problem_of(dataset, run.identify["effects"], filters, fit_gains=run.identify["fit_gains"])
+        )
         result = fit(prepared, run.identify["method"], **options)
         story = _story(dataset, result, (), f"**{again.title}**", truth=False)
         if asked.truth:

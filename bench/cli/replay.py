@@ -62,9 +62,9 @@ def replay(
     from bench.cli.next_steps import after_replay
     from bench.cli.progress import shown_progress
     from bench.dataset.dataset import load_dataset
-    from bench.effects import catalogue_for
     from bench.export.identified import load_identified
     from bench.export.physical import physical_set
+    from bench.identification.problem import problem_of
     from bench.replay.replay import replay as replayed
     from bench.replay.replay import replay_json
     from bench.replay.report import replay_report
@@ -75,8 +75,9 @@ def replay(
     physical = physical_set(identified, use_cad=cad)
     if physical.contradiction is not None and not nearest:
         raise BenchError(f"{model_file}: {physical.contradiction.words()}; --nearest takes them all the same")
+    problem = problem_of(data, effect_files=effect_files)
     with shown_progress(quiet) as progress:
-        result = replayed(data, physical, catalogue_for(data.effect_files, effect_files), progress)
+        result = replayed(problem, physical, progress)
     written = []
     if json_file is not None:
         write_answer(json_file, replay_json(result))
@@ -85,7 +86,7 @@ def replay(
         from bench.identification.model_file import read_identification
         from bench.viewer.recording import write_rrd
 
-        model = read_identification(model_file, data, catalogue_for(data.effect_files, effect_files))
+        model = read_identification(model_file, problem)
         told = replace(model, method="twin", recordings=result.twin.recordings, error=result.twin.error)
         write_rrd(rrd_file, told, data)
         written.append(wrote(rrd_file, "recording"))

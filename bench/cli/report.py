@@ -163,8 +163,8 @@ def _of_model(
 ) -> None:
     from bench.basics.errors import BenchError
     from bench.dataset.dataset import load_dataset
-    from bench.effects import catalogue_for
     from bench.identification.model_file import load_model, read_identification
+    from bench.identification.problem import problem_of
     from bench.page.folder import Kept
     from bench.page.section_run import Run
     from bench.page.write import write_kept
@@ -175,7 +175,7 @@ def _of_model(
         raise BenchError(f"{source}: a model file without the path of its recordings: name them with --data")
     progress.phase("reading the recordings")
     dataset = load_dataset(data)
-    result = read_identification(source, dataset, catalogue_for(dataset.effect_files, effect_files))
+    result = read_identification(source, problem_of(dataset, effect_files=effect_files))
     files = tuple(map(str, effect_files))
     run = Run("report", str(source), effect_files=files, options={"data": str(data)}, output=str(output))
     write_kept(output, Kept(run, dataset, result, None, str(source)), progress=progress)

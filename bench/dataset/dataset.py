@@ -36,6 +36,11 @@ class Dataset:
     effect_files: tuple[Path, ...] = field(default=())
     controller: Controller | None = None
 
+    @property
+    def weighed(self) -> list[str]:
+        """Names of the payloads whose mass is known."""
+        return [name for name, one in self.payloads.items() if one.mass is not None]
+
     def __repr__(self) -> str:
         names = ", ".join(f"{one.name} ({one.use})" for one in self.recordings)
         return f"<dataset {self.folder.name} of {self.robot.name}: {names}>"

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Problem, Round
+from bench.diagnosis.rounds import Origin, Round
 from bench.diagnosis.search import MATERIAL, Scored, close, score
 from bench.effects import EffectInstance
 from bench.identification.findings import runaway
@@ -16,7 +16,7 @@ MOST = 4  # models that are fitted, the best supported first
 
 
 def with_spread_over_models(
-    problem: Problem, last: Round, added: Sequence[EffectInstance], after: Identification
+    origin: Origin, last: Round, added: Sequence[EffectInstance], after: Identification
 ) -> Identification:
     """The found model's answer, with deviations of its gains that hold those of models that are as good.
 
@@ -27,7 +27,7 @@ def with_spread_over_models(
     others = []
     for chosen in _as_good(last):
         instances = [one for i in chosen for one in _instances(last.proposals[i], i in last.chosen, added)]
-        other = fit(problem.with_instances(instances), fit_gains=problem.fit_gains)
+        other = fit(origin.with_instances(instances))
         if runaway(other) is None and _no_worse(other, after):
             others.append(other)
     return gains_widened(after, others)

@@ -41,17 +41,16 @@ class Context:
     left: PartialRegression
 
 
-def context_of(prepared: Prepared, near: tuple[RobotSignals, ...], fit_gains: bool) -> Context:
+def context_of(prepared: Prepared, near: tuple[RobotSignals, ...]) -> Context:
     """Solve the prepared equations and keep what they leave; near: what effects see that are searched for."""
-    left = partial_regression(*solved_quickly(prepared, fit_gains))
+    left = partial_regression(*solved_quickly(prepared))
     return Context(replace(prepared, signals=near), left)
 
 
 def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> list[Proposal]:
     """Every effect of the catalogue that the starting model does not have, wherever it can sit."""
     prepared = start.prepared
-    weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
-    places = places_in(prepared.model.geometry, weighed)
+    places = places_in(prepared.model.geometry, prepared.dataset.weighed)
     present = {(one.effect.name, one.joint) for one in prepared.effects}
     every = {
         name: [

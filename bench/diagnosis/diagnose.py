@@ -2,14 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
-from typing import Any
+from functools import cache
 
 import numpy as np
 
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_good import with_spread_over_models
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
@@ -23,21 +21,21 @@ from bench.diagnosis.pruning import (
     superfluous_effect,
 )
 from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Superfluous
-from bench.diagnosis.rounds import Problem, Round, first_round, problem_of, searched
+from bench.diagnosis.rounds import Origin, Round, first_round, origin_of, searched
 from bench.diagnosis.search import Found
 from bench.diagnosis.showing import shows
 from bench.diagnosis.split import with_judged_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
 from bench.diagnosis.verdicts import checked_error, verdicts
-from bench.effects import CATALOGUE, Effect, EffectInstance
-from bench.identification.identify import fit, gains_can_be_fitted
+from bench.effects import EffectInstance
+from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.noise_let_through import with_noise_heard
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, prepare
+from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
-from bench.signals.settings import FilterSettings
 
 Fits = Callable[[frozenset[str]], Identification]
 
@@ -46,11 +44,10 @@ NONE_BARRED: Mapping[str, str] = {}
 
 @dataclass(frozen=True)
 class Case:
-    """A dataset that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit."""
+    """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit."""
 
-    dataset: Dataset
+    problem: Problem
     split: str
-    catalogue: Mapping[str, Effect]
     start: Prepared
     before: Identification
 
@@ -61,7 +58,7 @@ class Finding:
     effects that may not be found, and why.
     """
 
-    problem: Problem
+    origin: Origin
     last: Round
     model: Prepared
     after: Identification
@@ -74,54 +71,41 @@ class Finding:
 
 
 @on_one_thread
-def diagnose(
-    dataset: Dataset,
-    effects: Sequence[str] = (),
-    *,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
-    catalogue: Mapping[str, Effect] = CATALOGUE,
-    progress: Progress = SILENT,
-) -> Diagnosis:
-    """Compare the model that has these effects with the data, and find the effects that it lacks.
+def diagnose(problem: Problem, progress: Progress = SILENT) -> Diagnosis:
+    """Compare a model with the data, and find the effects that it lacks.
 
     Evidence is a likelihood ratio on recordings that were not fitted (or, where there are none, on the last
     part of each), with as many samples as are independent of each other. All sets of up to three effects
     compete; each must earn its place.
     """
-    case = opened(dataset, effects, filters, catalogue, progress)
+    case = opened(problem, progress)
     return answered(case, found(case, progress), progress)
 
 
-def opened(
-    dataset: Dataset,
-    effects: Sequence[str],
-    filters: FilterSettings | Mapping[str, Any] | None,
-    catalogue: Mapping[str, Effect],
-    progress: Progress = SILENT,
-) -> Case:
-    """Prepare a dataset and fit the model as it is."""
+def opened(problem: Problem, progress: Progress = SILENT) -> Case:
+    """Prepare a problem and fit the model as it is."""
     progress.phase("preparing the recordings")
-    dataset, split = with_judged_parts(dataset)
-    start = prepare(dataset, effects, filters, catalogue=catalogue)
-    fit_gains = gains_can_be_fitted(start, None)
+    dataset, split = with_judged_parts(problem.dataset)
+    problem = replace(problem, dataset=dataset)
+    start = prepare(problem)
     progress.phase("fitting the model as it is")
-    start = settled(start, fit_gains)
-    return Case(dataset, split, catalogue, start, fit(start, fit_gains=fit_gains))
+    start = settled(start)
+    return Case(problem, split, start, fit(start))
 
 
 def found(case: Case, progress: Progress = SILENT) -> Finding:
     """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
-    for origin in origins_of(case.start, case.before.gains_fitted):
-        problem = problem_of(origin, case.before.gains_fitted)
-        finding = found_from(case, problem, first_round(problem, case.catalogue, progress), progress)
-        if origin is case.start or not worse(finding.after, case.before):
+    for start in origins_of(case.start):
+        origin = origin_of(start)
+        finding = found_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
+        if start is case.start or not worse(finding.after, case.before):
             break
     return finding
 
 
 def found_from(
     case: Case,
-    problem: Problem,
+    origin: Origin,
     first: Round,
     progress: Progress = SILENT,
     barred: Mapping[str, str] = NONE_BARRED,
@@ -131,34 +115,33 @@ def found_from(
     barred: effects that may not be found, and why.
     """
     known, given = dict(barred), case.start.effects
-    own = len(problem.start.effects)
+    own = len(origin.start.effects)
     while True:
-        last = searched(problem, first, known, progress)
+        last = searched(origin, first, known, progress)
         progress.phase("fitting what was found")
-        whole = fit(last.model, fit_gains=problem.fit_gains)
-        model, after = _where_it_shows(problem, last.model, whole, given)
+        whole = fit(last.model)
+        model, after = _where_it_shows(origin, last.model, whole, given)
         stayed = {(one.effect.name, one.place) for one in model.effects}
         dropped = [one for one in last.model.effects if (one.effect.name, one.place) not in stayed]
         out = impossible_effects(after, model.effects[own:]) | impossible_but_needed(whole, after, dropped)
         if not out:
-            model, after, superfluous = leaving(problem, model, after, given)
+            model, after, superfluous = leaving(origin, model, after, given)
             kept, new = kept_and_new(model.effects[own:], given)
             names = tuple(dict.fromkeys(one.effect.name for one in new))
-            fits = _fits(problem, kept, new, case.before, after)
+            fits = _fits(origin, kept, new, case.before, after)
             ladder = _ladder(names, fits)
             out = superfluous_effect(ladder)
         if not out:
-            return Finding(problem, last, model, after, new, names, fits, ladder, superfluous, known)
+            return Finding(origin, last, model, after, new, names, fits, ladder, superfluous, known)
         known |= out
 
 
 def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagnosis:
     """What a search found, with a verdict on every effect."""
     progress.phase("judging every effect")
-    dataset, start, fit_gains = case.dataset, case.start, case.before.gains_fitted
+    dataset, start = case.problem.dataset, case.start
     model = finding.model
-    fitted = partial(fit, fit_gains=fit_gains)
-    after = with_noise_heard(model, with_possible_payloads(model, finding.after, fitted), fitted)
+    after = with_noise_heard(model, with_possible_payloads(model, finding.after, fit), fit)
     proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
     places: dict[str, tuple[str, ...]] = {}
     for one in finding.new:
@@ -166,11 +149,11 @@ def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagn
         places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
     scale = _relative(after, system, best)
     without = _errors_without(finding.names, finding.fits)
-    left = unexplained(after, dataset.recordings, lambda: encoder_error(model, fit_gains))
-    if (left.significant or left.much) and fit_gains:
+    left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
+    if (left.significant or left.much) and model.fit_gains:
         progress.phase("fitting models that are as good")
-        added = model.effects[len(finding.problem.start.effects) :]
-        after = with_spread_over_models(finding.problem, finding.last, added, after)
+        added = model.effects[len(finding.origin.start.effects) :]
+        after = with_spread_over_models(finding.origin, finding.last, added, after)
     ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
     known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
     ranking = tuple(
@@ -186,20 +169,19 @@ def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagn
         ranking=ranking,
         unexplained=left,
         before=case.before,
-        after=replace(after, findings=(*mounted_otherwise(model, fit_gains=fit_gains), *after.findings)),
-        differs=differing(model, fit_gains, case.catalogue),
+        after=replace(after, findings=(*mounted_otherwise(model), *after.findings)),
+        differs=differing(model, case.problem.catalogue),
         superfluous=finding.superfluous,
     )
 
 
 def _where_it_shows(
-    problem: Problem, model: Prepared, result: Identification, given: Sequence[EffectInstance]
+    origin: Origin, model: Prepared, result: Identification, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification]:
     """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
     starting model has there, which stay. result: of the model with all of them.
     """
-    fit_gains = problem.fit_gains
-    added = model.effects[len(problem.start.effects) :]
+    added = model.effects[len(origin.start.effects) :]
     there = {(one.effect.name, one.joint) for one in given}
     kept = [one for one in added if (one.effect.name, one.joint) in there or shows(result, one)]
     for one in added:
@@ -207,8 +189,8 @@ def _where_it_shows(
             kept.append(one)
     if len(kept) == len(added):
         return model, result
-    model = problem.with_instances([one for one in added if one in kept])
-    return model, fit(model, fit_gains=fit_gains)
+    model = origin.with_instances([one for one in added if one in kept])
+    return model, fit(model)
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:
@@ -248,7 +230,7 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
 
 
 def _fits(
-    problem: Problem,
+    origin: Origin,
     kept: Sequence[EffectInstance],
     new: Sequence[EffectInstance],
     before: Identification,
@@ -265,7 +247,7 @@ def _fits(
         chosen = [one for one in new if one.effect.name in names]
         if len(chosen) == len(new):
             return after
-        return fit(problem.with_instances([*kept, *chosen]), fit_gains=problem.fit_gains)
+        return fit(origin.with_instances([*kept, *chosen]))
 
     return fitted
 

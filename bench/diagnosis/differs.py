@@ -34,7 +34,7 @@ class _Candidate:
     own: tuple[int, ...]
 
 
-def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect]) -> tuple[Differing, ...]:
+def differing(model: Prepared, catalogue: Mapping[str, Effect]) -> tuple[Differing, ...]:
     """Which effects of a settled model have another value in each fitted recording, or would have one, strongest first.
 
     One value for all recordings competes with one for each. A recording that is not fitted has no value of its own, so
@@ -46,7 +46,7 @@ def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect])
     candidates, instances = _candidates(model, catalogue)
     if not candidates:
         return ()
-    halves = halves_of(*solved_quickly(model, fit_gains), candidate_columns(model, instances))
+    halves = halves_of(*solved_quickly(model), candidate_columns(model, instances))
     motors = list(model.dataset.robot.joints)
     chosen: list[tuple[_Candidate, float, float, float]] = []
     while len(chosen) < len(candidates):
@@ -65,7 +65,7 @@ def differing(model: Prepared, fit_gains: bool, catalogue: Mapping[str, Effect])
         if not tried:
             break
         chosen.append(max(tried, key=lambda one: one[1]))
-    return _that_show(model, fit_gains, chosen) if chosen else ()
+    return _that_show(model, chosen) if chosen else ()
 
 
 def _candidates(
@@ -94,7 +94,7 @@ def _candidates(
 
 
 def _that_show(
-    model: Prepared, fit_gains: bool, chosen: Sequence[tuple[_Candidate, float, float, float]]
+    model: Prepared, chosen: Sequence[tuple[_Candidate, float, float, float]]
 ) -> tuple[Differing, ...]:
     """Those whose values, all fitted together, differ clearly and are possible."""
     places = {(one.effect.name, one.joint) for one, *_ in chosen}
@@ -105,8 +105,8 @@ def _that_show(
         for one, *_ in chosen
         for log in logs
     ]
-    wider = settled(with_effects(model, (*kept, *added)), fit_gains)
-    result = fit(wider, fit_gains=fit_gains)
+    wider = settled(with_effects(model, (*kept, *added)))
+    result = fit(wider)
     first = wider.layout.size - len(added)
     found = []
     for i, (one, evidence, before, after) in enumerate(chosen):

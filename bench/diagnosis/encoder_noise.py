@@ -17,14 +17,14 @@ from bench.signals.settings import signal_bands
 SEED = 20120608
 
 
-def encoder_error(model: Prepared, fit_gains: bool) -> float:
+def encoder_error(model: Prepared) -> float:
     """RMS change of the currents' errors over the RMS of the measured ones, on recordings that were not fitted.
 
     As in `bench.identification.column_errors`, the noise of the positions is read off their spectra above the band of
     the motion, and as much once more is added to them, with a fixed seed; what the errors do then stands for what the
     measured noise did.
     """
-    _, solution = solved_quickly(model, fit_gains)
+    _, solution = solved_quickly(model)
     random = np.random.default_rng(SEED)
     change = measured = 0.0
     for seen, rows in zip(model.measured, model.observations, strict=True):

@@ -22,7 +22,7 @@ APART = 5.0  # deviations by which a parameter must differ
 
 
 @on_one_thread
-def mounted_otherwise(prepared: Prepared, *, fit_gains: bool) -> list[Finding]:
+def mounted_otherwise(prepared: Prepared) -> list[Finding]:
     """Payloads whose centre and inertia differ between the recordings that name them, the parameter that does most.
 
     Recordings that are not fitted count as well. Estimates for each recording are judged, beside one for all, on every
@@ -33,21 +33,21 @@ def mounted_otherwise(prepared: Prepared, *, fit_gains: bool) -> list[Finding]:
     for one in prepared.observations:
         if one.payload_name is not None and logs[one.name] not in carried.setdefault(one.payload_name, []):
             carried[one.payload_name].append(logs[one.name])
-    found = [_differing(prepared, fit_gains, name, logs) for name, of in carried.items() if len(of) > 1]
+    found = [_differing(prepared, name, logs) for name, of in carried.items() if len(of) > 1]
     return [one for one in found if one is not None]
 
 
-def _differing(prepared: Prepared, fit_gains: bool, payload: str, logs: Mapping[str, str]) -> Finding | None:
+def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Finding | None:
     common = _mounted(prepared, payload, dict.fromkeys(logs, payload))
     each = _mounted(prepared, payload, {name: f"{payload}@{log}" for name, log in logs.items()})
     names = [name for name in each.layout.payloads if name.startswith(f"{payload}@")]
     index = each.layout.payloads[names[0]]
     if not len(index):
         return None
-    stack, solution = solved_quickly(each, fit_gains)
+    stack, solution = solved_quickly(each)
     own = [each.layout.payload_slice(name) for name in names]
     further = np.concatenate([stack.phi[:, :, one] for one in own[:-1]], axis=2)
-    halves = halves_of(*solved_quickly(common, fit_gains), further)
+    halves = halves_of(*solved_quickly(common), further)
     before, after = halves.judged([]), halves.judged(range(further.shape[2]))
     if halves.evidence(before, after) < NEEDED or not np.any(np.sqrt(after / before) < BETTER):
         return None

@@ -16,7 +16,7 @@ MOST = 2  # effects that are tried
 
 
 def partners(
-    model: Prepared, context: Context, proposals: Sequence[Proposal], found: Collection[int], fit_gains: bool
+    model: Prepared, context: Context, proposals: Sequence[Proposal], found: Collection[int]
 ) -> list[int]:
     """Proposals (indices) that would explain much of what the settled model leaves, the most first.
 
@@ -24,7 +24,7 @@ def partners(
     viscous friction has taken its part, and would leave it there. context: of the model; found: what the model has
     already.
     """
-    stack, solution = solved_quickly(model, fit_gains)
+    stack, solution = solved_quickly(model)
     bent, extended = with_shape_columns(model, stack, solution, np.arange(model.layout.size))
     if bent.phi.shape[2] == stack.phi.shape[2]:
         return []

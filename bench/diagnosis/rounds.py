@@ -19,18 +19,15 @@ ROUNDS = 6
 
 
 @dataclass(frozen=True)
-class Problem:
-    """What is searched: the starting model at its own solution, whether drive gains are unknowns, and what is worked
-    out once for all models beside it.
-    """
+class Origin:
+    """What a search starts from: the model at its own solution, and what is worked out once for all beside it."""
 
     start: Prepared
-    fit_gains: bool
     nearby: Nearby
 
     def context(self, model: Prepared) -> Context:
         """What a model leaves, for effects to be given their shape beside it."""
-        return context_of(model, self.nearby.signals(model.present, model.signals), self.fit_gains)
+        return context_of(model, self.nearby.signals(model.present, model.signals))
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The starting model with some of the proposals, settled."""
@@ -40,7 +37,7 @@ class Problem:
         """The same as it is known nearby, for a first look."""
         instances = [one for i in chosen for one in proposals[i].instances]
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
-        return at_its_solution(settled(near, self.fit_gains), self.fit_gains)
+        return at_its_solution(settled(near))
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, settled; first as it is known nearby, if that is less work."""
@@ -48,11 +45,11 @@ class Problem:
             one.effect.depends_on_model and not isinstance(one.effect, ActuatorEffect) for one in instances
         ):
             model = with_effects(self.start, (*self.start.effects, *instances))
-            return at_its_solution(settled(model, self.fit_gains), self.fit_gains)
+            return at_its_solution(settled(model))
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
-        near = settled(near, self.fit_gains)
+        near = settled(near)
         model = with_effects(self.start, near.effects, near.present)
-        return at_its_solution(settled(model, self.fit_gains, nearly=near.settled), self.fit_gains)
+        return at_its_solution(settled(model, nearly=near.settled))
 
 
 @dataclass(frozen=True)
@@ -75,29 +72,29 @@ class Round:
         return {self.proposals[i].name for i in self.chosen}
 
 
-def problem_of(start: Prepared, fit_gains: bool) -> Problem:
+def origin_of(start: Prepared) -> Origin:
     """The search for what a settled starting model lacks."""
-    start = at_its_solution(start, fit_gains)
-    return Problem(start, fit_gains, Nearby(start.model, start.measured))
+    start = at_its_solution(start)
+    return Origin(start, Nearby(start.model, start.measured))
 
 
-def at_its_solution(model: Prepared, fit_gains: bool) -> Prepared:
+def at_its_solution(model: Prepared) -> Prepared:
     """A settled model, with itself as what effects are linearised about; from nominal gains where it has run away."""
     if any(one.effect.shape or one.effect.depends_on_model for one in model.effects):
         return model
-    stack, solution = solved_quickly(model, fit_gains)
+    stack, solution = solved_quickly(model)
     present = present_model(model, restarted(stack, solution, model.dataset.robot.nominal_gains))
     return replace(with_effects(model, model.effects, present), settled=model.settled)
 
 
-def first_round(problem: Problem, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
+def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
     """Every effect in the shape that suits the starting model."""
     progress.phase("searching, round 1", len(catalogue))
-    proposals = propose(problem.context(problem.start), catalogue, progress)
-    return judged(problem, problem.start, proposals, ())
+    proposals = propose(origin.context(origin.start), catalogue, progress)
+    return judged(origin, origin.start, proposals, ())
 
 
-def searched(problem: Problem, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
+def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
     """Search, linearise about what was found, and search again until the same is found.
 
     barred: effects that may not be found: of an impossible sign, or superfluous.
@@ -105,17 +102,17 @@ def searched(problem: Problem, first: Round, barred: Collection[str], progress: 
     here = replace(first, found=_search(first.system, first.proposals, barred)) if barred else first
     tried: list[frozenset[int]] = []
     for _ in range(ROUNDS):
-        here = _again(problem, here, barred, progress)
+        here = _again(origin, here, barred, progress)
         tried.append(frozenset(here.chosen))
         progress.phase("searching for partners")
-        better = _with_partner(problem, here, barred)
+        better = _with_partner(origin, here, barred)
         if better is None or frozenset(better.chosen) in tried:
             break
         here = better
     return here
 
 
-def _again(problem: Problem, here: Round, barred: Collection[str], progress: Progress) -> Round:
+def _again(origin: Origin, here: Round, barred: Collection[str], progress: Progress) -> Round:
     """Linearise about what was found, and search again, until the same is found: the settled model with it."""
     seen: list[set[str]] = []
     for _ in range(ROUNDS - 1):
@@ -123,25 +120,25 @@ def _again(problem: Problem, here: Round, barred: Collection[str], progress: Pro
             break
         seen.append(here.names)
         progress.phase(f"searching, round {len(seen) + 1}", len(here.proposals))
-        model = problem.with_proposals(here.proposals, here.chosen)
-        proposals = reshaped(problem, replace(here, model=model), progress)
+        model = origin.with_proposals(here.proposals, here.chosen)
+        proposals = reshaped(origin, replace(here, model=model), progress)
         before = here.names
-        here = judged(problem, model, proposals, barred)
+        here = judged(origin, model, proposals, barred)
         if here.names == before:
             return here
-    return replace(here, model=problem.with_proposals(here.proposals, here.chosen))
+    return replace(here, model=origin.with_proposals(here.proposals, here.chosen))
 
 
-def _with_partner(problem: Problem, here: Round, barred: Collection[str]) -> Round | None:
+def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
     """What is found when an effect joins the model and all shapes are settled anew; None if nothing better is."""
-    context = problem.context(here.model)
-    for i in partners(here.model, context, here.proposals, here.chosen, problem.fit_gains):
+    context = origin.context(here.model)
+    for i in partners(here.model, context, here.proposals, here.chosen):
         if here.proposals[i].name in barred:
             continue
-        for settle in (problem.nearly, problem.with_proposals):
+        for settle in (origin.nearly, origin.with_proposals):
             joined = settle(here.proposals, (*here.chosen, i))
-            others = beside(here.proposals, joined, len(problem.start.effects))
-            wider = judged(problem, joined, others, barred)
+            others = beside(here.proposals, joined, len(origin.start.effects))
+            wider = judged(origin, joined, others, barred)
             if wider.found.best.total <= here.found.best.total + NEEDED:
                 break
         else:
@@ -149,24 +146,22 @@ def _with_partner(problem: Problem, here: Round, barred: Collection[str]) -> Rou
     return None
 
 
-def judged(
-    problem: Problem, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
-) -> Round:
+def judged(origin: Origin, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]) -> Round:
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
-    system = system_about(problem, model, proposals)
+    system = system_about(origin, model, proposals)
     return Round(model, proposals, system, _search(system, proposals, barred))
 
 
-def system_about(problem: Problem, model: Prepared, proposals: Sequence[Proposal]) -> System:
+def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal]) -> System:
     """The starting model's equations with every proposal's columns, linearised about `model`."""
-    start, fit_gains = problem.start, problem.fit_gains
-    _, solution = solved_quickly(model, fit_gains)
+    start = origin.start
+    _, solution = solved_quickly(model)
     about = with_effects(model, start.effects)
-    stack, own = solved_quickly(about, fit_gains)
+    stack, own = solved_quickly(about)
     own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
     exact = model.effects[len(start.effects) :]
     listed = [() if one.absorbed else one.instances for one in proposals]
-    near = problem.nearby.signals(model.present, model.signals)
+    near = origin.nearby.signals(model.present, model.signals)
     system = build_system(about, near, listed, exact, own)
     return replace(system, priors=tuple(one.prior for one in proposals))
 
@@ -176,15 +171,15 @@ def _search(system: System, proposals: Sequence[Proposal], barred: Collection[st
     return search(system, usable)
 
 
-def reshaped(problem: Problem, here: Round, progress: Progress) -> list[Proposal]:
+def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
     An effect that could stand for a found one is given the shape that it would have without that one; the
     others the shape that explains most of what the found set leaves.
     """
-    model, own = here.model, len(problem.start.effects)
+    model, own = here.model, len(origin.start.effects)
     added = model.effects[own:]
-    contexts: dict[int | None, Context] = {None: problem.context(model)}
+    contexts: dict[int | None, Context] = {None: origin.context(model)}
     result = []
     for i, proposal in enumerate(here.proposals):
         progress.advance()
@@ -200,7 +195,7 @@ def reshaped(problem: Problem, here: Round, progress: Progress) -> list[Proposal
         if rival not in contexts:
             name = here.proposals[rival].name if rival is not None else ""
             others = [one for one in added if one.effect.name != name]
-            contexts[rival] = problem.context(with_effects(model, (*problem.start.effects, *others)))
+            contexts[rival] = origin.context(with_effects(model, (*origin.start.effects, *others)))
         result.append(replace(proposal, instances=shaped(contexts[rival], proposal.instances)))
     return result
 

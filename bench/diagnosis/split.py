@@ -1,9 +1,11 @@
 """Recordings to judge on, where the user named none."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
+from bench.identification.result import CurrentSeries
 
 JUDGED = 0.3  # of every recording, at its end
 
@@ -23,6 +25,12 @@ def with_judged_parts(dataset: Dataset) -> tuple[Dataset, str]:
     return replace(
         dataset, recordings=tuple(parts)
     ), f"the last {100.0 * JUDGED:.0f} % of every recording, not fitted"
+
+
+def dataset_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
+    """The dataset whose recordings the series are of: with the ends kept apart where they were judged on."""
+    names = {one.name for one in dataset.recordings}
+    return dataset if all(one.name in names for one in series) else with_judged_parts(dataset)[0]
 
 
 def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:

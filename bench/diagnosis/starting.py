@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.result import Superfluous
-from bench.diagnosis.rounds import Problem
+from bench.diagnosis.rounds import Origin
 from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
@@ -14,7 +14,7 @@ from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import Identification
 
 
-def origins_of(start: Prepared, fit_gains: bool) -> list[Prepared]:
+def origins_of(start: Prepared) -> list[Prepared]:
     """Models to search beside, the first that serves: without the effects that can be found again, and as it is.
 
     A search beside effects that are not there goes wrong, since others must undo what they do.
@@ -22,7 +22,7 @@ def origins_of(start: Prepared, fit_gains: bool) -> list[Prepared]:
     fixed = [one for one in start.effects if one.recording]
     if len(fixed) == len(start.effects):
         return [start]
-    return [settled(with_effects(start, fixed), fit_gains), start]
+    return [settled(with_effects(start, fixed)), start]
 
 
 def worse(after: Identification, before: Identification) -> bool:
@@ -40,25 +40,25 @@ def kept_and_new(
 
 
 def leaving(
-    problem: Problem, model: Prepared, after: Identification, given: Sequence[EffectInstance]
+    origin: Origin, model: Prepared, after: Identification, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification, tuple[Superfluous, ...]]:
     """The found model, named as the user did, and those of the given effects that it does without.
 
     Each is tried once more beside what was found: one that takes a clear share of the error away comes back.
     """
-    own = len(problem.start.effects)
+    own = len(origin.start.effects)
     added = _named(model.effects[own:], given)
     model = replace(model, effects=(*model.effects[:own], *added))
     if model.effects and added:
         after = replace(after, effects=tuple(dict.fromkeys(one.request for one in model.effects)))
     gone: list[Superfluous] = []
-    there = {(one.effect.name, one.place) for one in problem.start.effects}
+    there = {(one.effect.name, one.place) for one in origin.start.effects}
     left = [one for one in given if (one.effect.name, one.place) not in there]
     for name in dict.fromkeys(one.effect.name for one in left):
         if any(one.effect.name == name for one in added):
             continue
-        wider = problem.with_instances([*added, *(one for one in left if one.effect.name == name)])
-        result = fit(wider, fit_gains=problem.fit_gains)
+        wider = origin.with_instances([*added, *(one for one in left if one.effect.name == name)])
+        result = fit(wider)
         if _judged(result) < (1.0 - MATERIAL) * _judged(after):
             model, after = wider, result
             added = list(model.effects[own:])

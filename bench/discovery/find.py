@@ -1,15 +1,12 @@
 """Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.diagnose import Case, Finding, answered, found, found_from, opened
 from bench.diagnosis.normal_equations import solve_set
@@ -26,50 +23,25 @@ from bench.discovery.seen import places_of
 from bench.discovery.smooth import tabled_laws
 from bench.discovery.term import Term
 from bench.discovery.variables import Place
-from bench.effects import CATALOGUE, Effect, catalogue_for
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
-from bench.signals.settings import FilterSettings
+from bench.identification.problem import Problem
 
 LEFT = 1.15  # times the noise floor: where more is left, laws are looked for, whatever it varies with
 TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
 HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
 
 
+@on_one_thread
 def find_missing_effects(
-    dataset: Dataset,
-    effects: Sequence[str] = (),
-    *,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
-    effect_files: Iterable[str | Path] = (),
-    discover: bool | None = None,
-    progress: Progress = SILENT,
+    problem: Problem, *, discover: bool | None = None, progress: Progress = SILENT
 ) -> Diagnosis:
     """Physical effects that the model lacks, and laws that no catalogue has, judged on recordings not fitted.
 
-    effects: those that the model has already, each as EFFECT[:PLACE][@recording]. filters: settings by name, the
-    others chosen from the data. effect_files: Python files with effects of your own, which compete as well as
-    those that the dataset names. discover: whether to look for laws, by default where the effects leave something.
-    progress: told how far the search is. Raises BenchError naming what in dataset, robot or files cannot be used.
+    discover: whether to look for laws, by default where the effects leave something. progress: told how far the search
+    is. Raises BenchError naming what in dataset or robot cannot be used.
     """
-    catalogue = catalogue_for(dataset.effect_files, [Path(file) for file in effect_files])
-    return diagnose_and_discover(
-        dataset, effects, filters=filters, catalogue=catalogue, discover=discover, progress=progress
-    )
-
-
-@on_one_thread
-def diagnose_and_discover(
-    dataset: Dataset,
-    effects: Sequence[str] = (),
-    *,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
-    catalogue: Mapping[str, Effect] = CATALOGUE,
-    discover: bool | None = None,
-    progress: Progress = SILENT,
-) -> Diagnosis:
-    """Compare a model with the data; see `find_missing_effects`."""
-    case = opened(dataset, effects, filters, catalogue, progress)
+    case = opened(problem, progress)
     finding = found(case, progress)
     plain = answered(case, finding, progress)
     left = plain.unexplained
@@ -79,7 +51,7 @@ def diagnose_and_discover(
         answer = _with_one_for_several(case, answer, progress)
     if answer.laws or not (wanted if discover is None else discover):
         return answer.diagnosis
-    found_laws = search_laws(finding.problem, finding.last, finding.barred, progress)
+    found_laws = search_laws(finding.origin, finding.last, finding.barred, progress)
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
     return _with_tables(case, answer, progress).diagnosis
@@ -109,20 +81,20 @@ def _with_laws(
     prior: of the laws, by default that of the terms they were found with. fewer: as small an error is enough, since
     they stand for several effects.
     """
-    problem, last = plain.finding.problem, searched.last
-    own = len(problem.start.effects)
-    result = fit(refined.model, fit_gains=problem.fit_gains)
+    origin, last = plain.finding.origin, searched.last
+    own = len(origin.start.effects)
+    result = fit(refined.model)
     laws = laws_of(
-        result, refined.model.effects[own:], refined.terms, places_of(problem.start), case.catalogue
+        result, refined.model.effects[own:], refined.terms, places_of(origin.start), case.problem.catalogue
     )
     named = [one for one in refined.model.effects[own:] if one.effect.name not in refined.terms]
-    model = problem.with_instances([*named, *(one for law in laws for one in law.instances)])
+    model = origin.with_instances([*named, *(one for law in laws for one in law.instances)])
     if prior is None:
         prior = max(one.prior for one in last.proposals)
     proposals = [one for one in last.proposals if one.name not in searched.terms]
     proposals += _proposed(model, laws, prior)
-    here = judged(problem, model, proposals, plain.finding.barred)
-    finding = found_from(case, problem, here, progress, plain.finding.barred)
+    here = judged(origin, model, proposals, plain.finding.barred)
+    finding = found_from(case, origin, here, progress, plain.finding.barred)
     staying = tuple(law for law in laws if law.name in finding.names)
     if fewer:
         good = len(finding.names) < len(plain.finding.names) and _better(finding, plain.diagnosis, -AS_GOOD)
@@ -153,17 +125,17 @@ def _with_tables(case: Case, plain: _Answer, progress: Progress) -> _Answer:
     if not (left.significant or left.much):
         return plain
     progress.phase("tabling what no formula fits")
-    problem = finding.problem
-    own = len(problem.start.effects)
-    laws = tabled_laws(finding, {*case.catalogue, *(law.name for law in plain.laws)})
+    origin = finding.origin
+    own = len(origin.start.effects)
+    laws = tabled_laws(finding, {*case.problem.catalogue, *(law.name for law in plain.laws)})
     if not laws:
         return plain
     instances = [*finding.model.effects[own:], *(one for law in laws for one in law.instances)]
-    model = problem.with_instances(instances)
+    model = origin.with_instances(instances)
     proposals = [one for one in finding.last.proposals if one.name in finding.names]
     proposals += _proposed(model, laws, NEEDED)
-    here = judged(problem, model, proposals, finding.barred)
-    wider = found_from(case, problem, here, progress, finding.barred)
+    here = judged(origin, model, proposals, finding.barred)
+    wider = found_from(case, origin, here, progress, finding.barred)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
         return plain

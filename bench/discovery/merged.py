@@ -29,23 +29,23 @@ def merged(finding: Finding) -> Refined | None:
     """The found model with a power of the velocity for some of its frictions, if that has fewer unknowns and leaves as
     little; None where there is nothing to be saved, or it leaves more.
     """
-    problem = finding.problem
-    added = finding.model.effects[len(problem.start.effects) :]
+    origin = finding.origin
+    added = finding.model.effects[len(origin.start.effects) :]
     sits = [one for one in added if one.effect.name in OVER_THE_VELOCITY]
     motors = [one.joint for one in sits]
     alike = [one for one in sits if motors.count(one.joint) > 1]
     if not alike:
         return None
     others = [one for one in added if one not in alike]
-    places = [one for one in places_of(problem.start) if one.name in {each.joint for each in alike}]
-    enough = (1.0 + AS_GOOD) * error_of(problem, finding.model)
+    places = [one for one in places_of(origin.start) if one.name in {each.joint for each in alike}]
+    enough = (1.0 + AS_GOOD) * error_of(finding.model)
     for kept in fewer(alike, 2 * len(places)):
         found = []
         for exponent in EXPONENTS:
             term = Term((Power(V, exponent, free=True),))
             instances = instances_of(NAME, Screened(term, {}, 0.0), places)
-            model = problem.with_instances([*others, *kept, *instances])
-            found.append(Refined(model, {NAME: term}, error_of(problem, model)))
+            model = origin.with_instances([*others, *kept, *instances])
+            found.append(Refined(model, {NAME: term}, error_of(model)))
         best = min(found, key=lambda one: one.error)
         if best.error < enough:
             return best

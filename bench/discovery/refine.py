@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from bench.diagnosis.rounds import Problem, at_its_solution
+from bench.diagnosis.rounds import Origin, at_its_solution
 from bench.diagnosis.search import MATERIAL
 from bench.discovery.screen import Screened, at_place
 from bench.discovery.source import law_effect
@@ -43,7 +43,7 @@ def instances_of(name: str, one: Screened, places: Sequence[Place]) -> tuple[Eff
     )
 
 
-def refined(problem: Problem, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
+def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: Sequence[Place]) -> Refined:
     """The best of the found model and those with one number more to be adapted, or with a wave at another harmonic.
 
     They have fewer other effects or as many.
@@ -51,23 +51,23 @@ def refined(problem: Problem, model: Prepared, terms: Mapping[str, Term], places
     Each is settled by itself and judged on recordings that were not fitted; MOST of them, those beside all or none of
     the other effects first.
     """
-    own = len(problem.start.effects)
-    best = Refined(model, terms, error_of(problem, model))
-    for new in islice(_tried(problem, best, places), MOST):
+    own = len(origin.start.effects)
+    best = Refined(model, terms, error_of(model))
+    for new in islice(_tried(origin, best, places), MOST):
         if new.size(own) <= best.size(own) and better(new, best, own):
             best = new
     return best
 
 
-def _tried(problem: Problem, found: Refined, places: Sequence[Place]) -> Iterator[Refined]:
+def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[Refined]:
     """Settled models with a number of one term set free, with all other effects, none of them, and all but one."""
-    own = len(problem.start.effects)
+    own = len(origin.start.effects)
     wholes = []
 
     def told(model: Prepared, name: str, variant: Term) -> Refined:
         kept = {one.effect.name for one in model.effects[own:]}
         terms = {key: one for key, one in found.terms.items() if key in kept} | {name: variant}
-        return Refined(model, terms, error_of(problem, model))
+        return Refined(model, terms, error_of(model))
 
     for name, term in found.terms.items():
         others = [one for one in found.model.effects[own:] if one.effect.name != name]
@@ -75,25 +75,25 @@ def _tried(problem: Problem, found: Refined, places: Sequence[Place]) -> Iterato
             free = f"{name}_free"
             added = instances_of(free, Screened(variant, {}, 0.0), places)
             if others:
-                yield told(problem.with_instances(added), free, variant)
-            whole = problem.with_instances([*others, *added])
+                yield told(origin.with_instances(added), free, variant)
+            whole = origin.with_instances([*others, *added])
             yield told(whole, free, variant)
             wholes.append((whole, free, variant, {one.effect.name for one in others}))
     for whole, free, variant, names in wholes:
         for name in sorted(names) if len(names) > 1 else ():
-            fewer = _without(problem, whole, {*names, free} - {name}, found.error)
+            fewer = _without(origin, whole, {*names, free} - {name}, found.error)
             if fewer is not None:
                 yield told(fewer, free, variant)
 
 
-def _without(problem: Problem, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:
+def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:
     """A settled model without some of its effects; None where that explains far less, the others as they are."""
-    own = len(problem.start.effects)
+    own = len(origin.start.effects)
     left = [one for i, one in enumerate(whole.effects) if i < own or one.effect.name in kept]
     fewer = with_effects(whole, left)
-    if error_of(problem, fewer) > FAR_LESS * error:
+    if error_of(fewer) > FAR_LESS * error:
         return None
-    return at_its_solution(settled(fewer, problem.fit_gains, nearly=True), problem.fit_gains)
+    return at_its_solution(settled(fewer, nearly=True))
 
 
 def better(new: Refined, old: Refined, own: int) -> bool:
@@ -102,8 +102,8 @@ def better(new: Refined, old: Refined, own: int) -> bool:
     return new.error < ((1.0 + AS_GOOD) if fewer else (1.0 - MATERIAL)) * old.error
 
 
-def error_of(problem: Problem, model: Prepared) -> float:
+def error_of(model: Prepared) -> float:
     """Relative error of a settled model on recordings that were not fitted, without anything else of its answer."""
-    _, solution = solved_quickly(model, problem.fit_gains)
+    _, solution = solved_quickly(model)
     judged = [modelled_series(model, one, solution) for one in model.observations if one.use == "validate"]
     return relative_error(judged) or 0.0

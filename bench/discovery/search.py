@@ -8,7 +8,7 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Problem, Round, reshaped, system_about
+from bench.diagnosis.rounds import Origin, Round, reshaped, system_about
 from bench.diagnosis.search import NEEDED, Found, score
 from bench.discovery.choose import best_set
 from bench.discovery.grammar import grammar
@@ -41,42 +41,40 @@ class Laws:
 
 
 def search_laws(
-    problem: Problem, last: Round, barred: Collection[str], progress: Progress = SILENT
+    origin: Origin, last: Round, barred: Collection[str], progress: Progress = SILENT
 ) -> tuple[Laws, Refined] | None:
     """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
 
     Rounds end where the settled model is no better than the last one. last: of a search among the effects of the
     catalogue, with its settled model; barred: names that may not be found.
     """
-    laws, own = Laws(last, {}), len(problem.start.effects)
-    best = Refined(last.model, {}, error_of(problem, last.model))
+    laws, own = Laws(last, {}), len(origin.start.effects)
+    best = Refined(last.model, {}, error_of(last.model))
     for number in range(ROUNDS):
         progress.phase(f"searching for laws, round {number + 1}")
-        states, count = _states(problem, laws)
+        states, count = _states(origin, laws)
         if not states:
             break
         if number:
-            laws = replace(laws, last=replace(laws.last, proposals=reshaped(problem, laws.last, SILENT)))
-        new = _round(problem, laws, barred, states, count)
+            laws = replace(laws, last=replace(laws.last, proposals=reshaped(origin, laws.last, SILENT)))
+        new = _round(origin, laws, barred, states, count)
         if new.last.names == laws.last.names:
             laws = new
             break
-        model = problem.with_proposals(new.last.proposals, new.last.chosen)
-        settled = Refined(model, new.found, error_of(problem, model))
+        model = origin.with_proposals(new.last.proposals, new.last.chosen)
+        settled = Refined(model, new.found, error_of(model))
         if not better(settled, best, own):
             break
         laws, best = replace(new, last=replace(new.last, model=model)), settled
     if not laws.found:
         return None
-    return laws, refined(problem, laws.last.model, laws.found, places_of(problem.start))
+    return laws, refined(origin, laws.last.model, laws.found, places_of(origin.start))
 
 
-def _round(
-    problem: Problem, laws: Laws, barred: Collection[str], states: Sequence[State], count: int
-) -> Laws:
+def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence[State], count: int) -> Laws:
     """The best set of what was found and new terms, about the model of what was found; of so many that were tried."""
     here = laws.last
-    places = places_of(problem.start)
+    places = places_of(origin.start)
     terms = dict(laws.found)
     proposals = [one for one in here.proposals if one.name not in laws.terms or one.name in terms]
     taken = {one.name for one in proposals}
@@ -99,20 +97,20 @@ def _round(
         names = {own.get(one.term.structure) or name_of(one.term) or "" for one in state.terms}
         chosen = {index[name] for name in (*names, *state.beside) if name in index}
         begin.append(sorted(chosen.intersection(usable)))
-    system = system_about(problem, here.model, proposals)
+    system = system_about(origin, here.model, proposals)
     best = best_set(system, begin, usable)
     empty = solve_set(system, ())
     singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
     return Laws(Round(here.model, proposals, system, Found(best, singles, empty)), terms)
 
 
-def _states(problem: Problem, laws: Laws) -> tuple[list[State], int]:
+def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
     """Sets of terms beside nothing, what was found, and that without each of its effects; and how many were tried."""
-    model, own = laws.last.model, len(problem.start.effects)
+    model, own = laws.last.model, len(origin.start.effects)
     names = laws.last.names
-    stack, solution = solved_quickly(model, problem.fit_gains)
+    stack, solution = solved_quickly(model)
     left = partial_regression(stack, solution)
-    seen = replace(model, signals=problem.nearby.signals(model.present, model.signals))
+    seen = replace(model, signals=origin.nearby.signals(model.present, model.signals))
     places = places_of(seen)
     terms = grammar(scope_of(seen, left, places))
     rows = few_rows(len(left.remainder))

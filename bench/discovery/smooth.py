@@ -32,8 +32,8 @@ def tabled_laws(finding: Finding, taken: Collection[str]) -> list[Law]:
 
     taken: names that laws cannot have.
     """
-    problem, model = finding.problem, finding.model
-    stack, solution = solved_quickly(model, problem.fit_gains)
+    model = finding.model
+    stack, solution = solved_quickly(model)
     regression = partial_regression(stack, solution)
     places = places_of(model)
     rows = few_rows(len(regression.remainder))

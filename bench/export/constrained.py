@@ -6,24 +6,20 @@ program: Sousa and Cortesao, "Physical feasibility of robot base inertial parame
 inequality approach", International Journal of Robotics Research 33(6), 2014. Gains and effects go along as S says.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from bench.basics.errors import BenchError
-from bench.dataset.dataset import Dataset
-from bench.effects import Effect
 from bench.export.bodies import equations_of
 from bench.export.identified import IdentifiedModel, identified_model
 from bench.export.physical import EXACT, contradiction_of, explained_by_noise
 from bench.export.programs import Programs
 from bench.identification.finding import Code, Finding
 from bench.identification.model_file import SavedModel, apply_model
+from bench.identification.problem import Problem
 from bench.identification.result import Identification, Quantity
 
 
-def physically_consistent(
-    result: Identification, dataset: Dataset, catalogue: Mapping[str, Effect]
-) -> Identification:
+def physically_consistent(result: Identification, problem: Problem) -> Identification:
     """The answer moved to the nearest that real bodies give, in standard errors; as it is where it is one already.
 
     No mass of the MJCF is read. Covariance and standard errors stay those of the fit without the condition, and are
@@ -32,9 +28,10 @@ def physically_consistent(
     """
     if result.left_out:
         raise BenchError("real bodies need all base parameters: identify without --essential")
+    dataset = problem.dataset
     fitted = tuple(one.name for one in result.recordings if one.use == "identify")
     saved = SavedModel(dataset.folder, result, dataset.folder, fitted)
-    identified = identified_model(dataset.folder, saved, dataset.robot, dataset.payloads, catalogue)
+    identified = identified_model(dataset.folder, saved, dataset.robot, dataset.payloads, problem.catalogue)
     equations = equations_of(identified, use_cad=False)
     programs = Programs(equations)
     nearest = programs.nearest()
@@ -48,7 +45,7 @@ def physically_consistent(
     else:
         finding = Finding(Code.NOT_REAL, (wrong.culprits[0][0],), numbers=numbers)
     moved = _with_values(result, identified.moved(nearest.estimated))
-    beside = apply_model(dataset, replace(saved, model=moved), catalogue)
+    beside = apply_model(problem, replace(saved, model=moved))
     series = {one.name: one for one in beside.recordings}
     recordings = tuple(series[one.name] for one in result.recordings)
     return replace(moved, recordings=recordings, error=beside.error, findings=(*result.findings, finding))

@@ -15,7 +15,7 @@ LINEARISATIONS = 4
 STILL = 1e-3  # relative change of gains
 
 
-def beyond_bounds(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, ...]:
+def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
     """The effects of a settled model with a parameter that its data ask to be at its bound or beyond.
 
     So are those whose motor's gain runs away beside them: the two grow together, or swing from one linearisation to the
@@ -25,8 +25,8 @@ def beyond_bounds(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, 
         return ()
     before = None
     for _ in range(LINEARISATIONS):
-        _, solution = solved_quickly(prepared, fit_gains)
-        found = _outside(prepared, solution, fit_gains)
+        _, solution = solved_quickly(prepared)
+        found = _outside(prepared, solution)
         if found or (before is not None and np.allclose(solution.gains, before, rtol=STILL, atol=0.0)):
             return found
         before = solution.gains
@@ -35,7 +35,7 @@ def beyond_bounds(prepared: Prepared, fit_gains: bool) -> tuple[EffectInstance, 
     return ()
 
 
-def _outside(prepared: Prepared, solution: Solution, fit_gains: bool) -> tuple[EffectInstance, ...]:
+def _outside(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]:
     robot = prepared.dataset.robot
     ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
     found, at = [], prepared.layout.size - prepared.layout.effects
@@ -45,23 +45,23 @@ def _outside(prepared: Prepared, solution: Solution, fit_gains: bool) -> tuple[E
         at += len(bounds)
         if not np.any(np.isfinite(bounds)):
             continue
-        wild = fit_gains and not 1.0 / FAR <= ratios.get(instance.joint, 1.0) <= FAR
+        wild = prepared.fit_gains and not 1.0 / FAR <= ratios.get(instance.joint, 1.0) <= FAR
         if wild or np.any(np.abs(values) >= bounds):
             found.append(instance)
     return tuple(found)
 
 
-def within_bounds(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, tuple[EffectInstance, ...]]:
+def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, ...]]:
     """A settled model, and those of its effects that stay zero, since they cannot be told from the drive gain.
 
     Where the data ask for such a size, gain and effect grow together without end. The others are settled without it.
     """
-    whole = prepared = settled(prepared, fit_gains)
+    whole = prepared = settled(prepared)
     gone: set[tuple[str, str]] = set()
-    while beyond := beyond_bounds(prepared, fit_gains):
+    while beyond := beyond_bounds(prepared):
         gone |= {_place(one) for one in beyond}
         kept = [one for one in prepared.effects if _place(one) not in gone]
-        prepared = settled(with_effects(whole, kept), fit_gains)
+        prepared = settled(with_effects(whole, kept))
     if not gone:
         return whole, ()
     left = {_place(one): one for one in prepared.effects}

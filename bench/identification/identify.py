@@ -1,16 +1,12 @@
 """From a dataset to drive gains, base parameters and effect parameters."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
-from bench.effects import Effect
 from bench.identification.bad_stretches import bad_stretches
 from bench.identification.bounds import columns_of, within_bounds
 from bench.identification.closed_loop import commanded_currents
@@ -19,59 +15,34 @@ from bench.identification.compressed import Stack, stack_observations
 from bench.identification.essential_parameters import essential_columns, expanded, reduced
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
 from bench.identification.filtered import measure
-from bench.identification.identifiability import check_gains_identifiable
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.impossible_payload import with_possible_payloads
-from bench.identification.layout import payload_rows
 from bench.identification.newton import with_shape_columns
 from bench.identification.noise_let_through import with_noise_heard
-from bench.identification.prepare import Prepared as Prepared
-from bench.identification.prepare import prepare as prepare
+from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
 from bench.identification.simulated import columns_at, simulated_columns
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, uncertainty
 from bench.identification.summary import summarise
-from bench.signals.settings import FilterSettings
 
 
-@on_one_thread
 def identify(
-    dataset: Dataset,
-    effects: Sequence[str] = (),
-    method: str = DEFAULT_METHOD,
-    *,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
-    deviations: Deviations = "autocorrelated",
-    fit_gains: bool | None = None,
-    essential: bool = False,
-    catalogue: Mapping[str, Effect] | None = None,
-) -> Identification:
-    """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
-
-    effects: names as EFFECT or EFFECT:PLACE, added to the rigid-body model; with @recording behind, an effect has a
-    value for each fitted recording. method: one of bench.identification.estimators. filters: settings, or some of
-    them by name; the others are chosen from the spectra. deviations: how standard deviations are computed. fit_gains:
-    by default, where a fitted recording carries a payload of known mass; without one the gains stay nominal.
-    essential: leave out base parameters that the data do not need. catalogue: the effects by name, by default the
-    built-in ones and the dataset's own. Raises BenchError naming what in the data or the robot cannot be used.
-    """
-    prepared = prepare(dataset, effects, filters, catalogue=catalogue)
-    return believed(prepared, method, deviations=deviations, fit_gains=fit_gains, essential=essential)
-
-
-def believed(
     prepared: Prepared,
     method: str = DEFAULT_METHOD,
     *,
     deviations: Deviations = "autocorrelated",
-    fit_gains: bool | None = None,
     essential: bool = False,
 ) -> Identification:
-    """Estimate from prepared equations, see `identify`, with payloads that can be and with what noise does to it."""
+    """Identify drive gains and dynamic parameters together (Briot and Gautier 2012, equations 8 to 13).
+
+    method: one of bench.identification.estimators. deviations: how standard errors are computed. essential: leave out
+    base parameters that the data do not need. A payload whose inertia no body can have is held against one that can be,
+    and the answer against what the noise that filters let through does to it.
+    """
 
     def fitted(one: Prepared, by: str = method) -> Identification:
-        return fit(one, by, deviations=deviations, fit_gains=fit_gains, essential=essential)
+        return fit(one, by, deviations=deviations, essential=essential)
 
     return with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
 
@@ -82,12 +53,11 @@ def fit(
     method: str = DEFAULT_METHOD,
     *,
     deviations: Deviations = "autocorrelated",
-    fit_gains: bool | None = None,
     essential: bool = False,
 ) -> Identification:
     """Estimate from prepared equations; see `identify`."""
-    fit_gains = gains_can_be_fitted(prepared, fit_gains)
-    prepared, outside = within_bounds(prepared, fit_gains)
+    prepared, outside = within_bounds(prepared)
+    fit_gains = prepared.fit_gains
     dataset, layout = prepared.dataset, prepared.layout
     stack = stack_observations(prepared.fitted, layout, dataset.payloads)
     kept = np.setdiff1d(identifiable_columns(stack, layout, fit_gains), columns_of(prepared, outside))
@@ -129,24 +99,6 @@ def fit(
         return result
     bad = bad_stretches(prepared.fitted, solution.counted, dataset.robot.joints)
     return replace(result, findings=(*result.findings, *bad))
-
-
-def gains_can_be_fitted(prepared: Prepared, wanted: bool | None) -> bool:
-    """Whether the drive gains are unknowns: as wanted, by default where a known payload gives their scale.
-
-    Raises BenchError where they are wanted and cannot be had.
-    """
-    dataset = prepared.dataset
-    scaled = any(np.any(payload_rows(one, dataset.payloads)) for one in prepared.fitted)
-    if wanted and not scaled:
-        raise BenchError(
-            f"{dataset.folder}: no fitted recording has a payload of known mass, which gives the gains' scale"
-        )
-    if wanted is False or not scaled:
-        return False
-    carried = [one.payload_name for one in prepared.fitted]
-    check_gains_identifiable(prepared.model, prepared.layout, dataset.payloads, carried)
-    return True
 
 
 def _column_errors(prepared: Prepared) -> np.ndarray:

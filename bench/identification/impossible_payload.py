@@ -11,6 +11,7 @@ from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import payload_parameter_names
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.problem import Problem
 from bench.identification.result import DriveGain, Identification, Parameter, Quantity
 from bench.identification.widened import gains_widened
 from bench.model.regressor import UNITS
@@ -129,7 +130,8 @@ def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepa
     """The same recordings and effects with some payloads declared otherwise."""
     dataset = replace(prepared.dataset, payloads={**prepared.dataset.payloads, **payloads})
     fitted_only = any(one.use == "identify" for one in dataset.recordings)
-    plain = prepare(dataset, (), prepared.settings, fitted_only=fitted_only)
+    problem = Problem(dataset, {}, filters=prepared.settings, fit_gains=prepared.fit_gains)
+    plain = prepare(problem, fitted_only=fitted_only)
     return with_effects(plain, prepared.effects)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
-from bench.effects import Effect, EffectInstance, catalogue_for
+from bench.effects import Effect, EffectInstance
 from bench.effects.user_file import load_effects
 from bench.files.atomic import finite, write_text_atomically
 from bench.identification.by_recording import without_own_values
@@ -22,6 +22,7 @@ from bench.identification.model_json import FORMAT, from_json, to_json
 from bench.identification.nonlinear import present_model
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, ErrorSummary, Identification, error_summary
 from bench.identification.solution import Solution
 from bench.identification.summary import ROBOT, modelled_series
@@ -127,34 +128,31 @@ def load_model(path: str | Path) -> SavedModel:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
 
 
-def read_identification(
-    path: Path, dataset: Dataset, catalogue: Mapping[str, Effect] | None = None
-) -> Identification:
-    """A model file as the answer that it was, with the currents that it gives in these recordings."""
+def read_identification(path: Path, problem: Problem) -> Identification:
+    """A model file as the answer that it was, with the currents that it gives in a problem's recordings."""
     saved = load_model(path)
-    return saved.beside(dataset, apply_model(dataset, saved, catalogue).recordings)
+    return saved.beside(problem.dataset, apply_model(problem, saved).recordings)
 
 
 @on_one_thread
-def apply_model(
-    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
-) -> Comparison:
+def apply_model(problem: Problem, saved: SavedModel) -> Comparison:
     """Model the currents of every recording of a dataset with a saved model; nothing is fitted.
 
-    Raises BenchError where model and dataset do not go together: another robot, or a payload whose
-    parameters are neither declared in the dataset nor in the model.
+    Of the problem its recordings and its catalogue count: effects and filters are those of the model. Raises
+    BenchError where model and dataset do not go together: another robot, or a payload whose parameters are neither
+    declared in the dataset nor in the model.
     """
-    prepared, solution = applied(dataset, saved, catalogue)
+    prepared, solution = applied(problem, saved)
+    dataset = problem.dataset
     series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     joints = [actuator.joint for actuator in dataset.robot.actuators]
     findings = tuple(without_own_values(prepared))
     return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), findings)
 
 
-def applied(
-    dataset: Dataset, saved: SavedModel, catalogue: Mapping[str, Effect] | None = None
-) -> tuple[Prepared, Solution]:
+def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
     """The equations of every recording of a dataset, and a saved model as their solution; see `apply_model`."""
+    dataset = problem.dataset
     joints = list(dataset.robot.joints)
     model = saved.model
     if model.robot != dataset.robot.name or set(dataset.robot.driven) != set(model.drive_gains):
@@ -165,9 +163,9 @@ def applied(
     if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
         strangers = tuple(replace(one, part_of=str(dataset.folder / one.log)) for one in dataset.recordings)
         dataset = replace(dataset, recordings=strangers)
-    known = with_own_effects(catalogue_for(dataset.effect_files) if catalogue is None else catalogue, saved)
+    known = with_own_effects(problem.catalogue, saved)
     prepared = prepare(
-        dataset, model.effects, model.settings, fitted_only=False, catalogue=known, logs=saved.fitted
+        Problem(dataset, known, model.effects, model.settings), fitted_only=False, logs=saved.fitted
     )
     instances = [_shaped(instance, saved) for instance in prepared.effects]
     solution = Solution(

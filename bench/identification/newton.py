@@ -28,29 +28,29 @@ STRIDE = 0.5  # relative: the most that a parameter may change at once, with all
 SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
 
 
-def stepped(prepared: Prepared, fit_gains: bool) -> tuple[Prepared, Stack, Solution] | None:
+def stepped(prepared: Prepared) -> tuple[Prepared, Stack, Solution] | None:
     """All that is not linear moved by a step of Gauss and Newton, with all linear unknowns, and solved.
 
     None where there is nothing to move, or the errors become larger.
     """
-    stack, solution = solved_quickly(prepared, fit_gains)
+    stack, solution = solved_quickly(prepared)
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
     bent, about = _bends(prepared, stack.current.shape, every=False)
     if not shapes and not about.any():
         return None
-    kept = identifiable_columns(stack, prepared.layout, fit_gains)
+    kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
     linear = prepared.layout.size - prepared.layout.effects
     whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
     system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
     added = np.arange(len(shapes)) + prepared.layout.size
     nominal = prepared.dataset.robot.nominal_gains
-    theta = solved_with(system, np.append(kept, added), nominal, fit_gains).theta
+    theta = solved_with(system, np.append(kept, added), nominal, prepared.fit_gains).theta
     left = partial_regression(stack, solution)
     reaches = [_reach(prepared, left, i, name) for i, name in shapes]
     values = theta[linear : prepared.layout.size]
     instances = _moved(prepared, shapes, theta[added], reaches, values)
     moved = with_effects(prepared, instances, fitted_only=True)
-    after = solved_quickly(moved, fit_gains)
+    after = solved_quickly(moved)
     gone = spread(*after) / spread(stack, solution)
     return (moved, *after) if (gone**2).mean() <= 1.0 + NO_WORSE else None
 

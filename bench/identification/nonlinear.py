@@ -48,7 +48,7 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
     )
 
 
-def settled(prepared: Prepared, fit_gains: bool, *, nearly: bool = False) -> Prepared:
+def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
     At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
@@ -62,18 +62,18 @@ def settled(prepared: Prepared, fit_gains: bool, *, nearly: bool = False) -> Pre
     present = prepared.present
     before: tuple[np.ndarray, ...] | None = None
     if nearly:
-        before = _state(prepared, *solved_quickly(prepared, fit_gains))
+        before = _state(prepared, *solved_quickly(prepared))
     else:
         straight = [one for one in instances if one not in curved]
         plain = with_effects(prepared, straight, fitted_only=True)
-        present = present_model(plain, solved_quickly(plain, fit_gains)[1])
+        present = present_model(plain, solved_quickly(plain)[1])
     last = instances
     for _ in range(MOST_ROUNDS):
         prepared = with_effects(prepared, instances, present, fitted_only=True)
-        together = None if before is None else stepped(prepared, fit_gains)
+        together = None if before is None else stepped(prepared)
         if together is None:
-            prepared = _shaped(prepared, fit_gains)
-            stack, solution = solved_quickly(prepared, fit_gains)
+            prepared = _shaped(prepared)
+            stack, solution = solved_quickly(prepared)
         else:
             prepared, stack, solution = together
         instances = prepared.effects
@@ -125,14 +125,14 @@ def _eased(
     return tuple(eased)
 
 
-def _shaped(prepared: Prepared, fit_gains: bool) -> Prepared:
+def _shaped(prepared: Prepared) -> Prepared:
     """Every shape parameter in turn at its best value, the others held."""
     instances = list(prepared.effects)
     for i, instance in enumerate(instances):
         if not instance.effect.shape:
             continue
         others = with_effects(prepared, instances[:i] + instances[i + 1 :], fitted_only=True)
-        stack, solution = solved_quickly(others, fit_gains)
+        stack, solution = solved_quickly(others)
         partial = partial_regression(stack, solution)
         instances[i] = best_shape(prepared, instance, partial)
     if tuple(instances) == prepared.effects:

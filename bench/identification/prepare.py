@@ -1,24 +1,26 @@
 """From a dataset to equations: model, filters, and every recording as rows."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
-from bench.effects import Effect, EffectInstance, RobotSignals, catalogue_for, places_in, select_effects
+from bench.effects import EffectInstance, RobotSignals, places_in, select_effects
 from bench.identification.effect_columns import PresentModel, declared_parameters, robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import Measured, measure
 from bench.identification.finding import Finding
 from bench.identification.fixed_columns import FixedColumns
-from bench.identification.layout import ParameterLayout, parameter_layout
+from bench.identification.identifiability import check_gains_identifiable
+from bench.identification.layout import ParameterLayout, parameter_layout, payload_rows
 from bench.identification.observation import Observation, observe
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby
+from bench.identification.problem import Problem
 from bench.identification.redundant_encoders import contradicted_closures
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
@@ -30,7 +32,8 @@ class Prepared:
     """A dataset made ready to be fitted: the model, the filters, and every recording as equations.
 
     measured and observations go together, one for each recording that can be used. present: the model that
-    effects are linearised about; signals: what they see of each recording. settled: whether effects that are not
+    effects are linearised about; signals: what they see of each recording. fit_gains: whether drive gains
+    are unknowns. settled: whether effects that are not
     linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
     taken from, in place of what effects compute exactly. contradicted: loop closures that other encoders deny. kept:
     what models of these recordings have in common.
@@ -45,6 +48,7 @@ class Prepared:
     layout: ParameterLayout
     present: PresentModel
     signals: tuple[RobotSignals, ...]
+    fit_gains: bool = False
     settled: bool = False
     nearby: Nearby | None = None
     contradicted: tuple[Finding, ...] = ()
@@ -67,30 +71,23 @@ class Prepared:
         return tuple(one for one in self.observations if one.use == "identify")
 
 
-def prepare(
-    dataset: Dataset,
-    effects: Sequence[str] = (),
-    filters: FilterSettings | Mapping[str, Any] | None = None,
-    *,
-    fitted_only: bool = True,
-    catalogue: Mapping[str, Effect] | None = None,
-    logs: Sequence[str] | None = None,
-) -> Prepared:
+@on_one_thread
+def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] | None = None) -> Prepared:
     """Build the model and turn every recording into equations, filtered and decimated alike.
 
     The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
     from all. A recording whose payload no such recording carries is left aside, unless all parameters of
-    the payload are declared. catalogue: the effects by name, the built-in ones and the dataset's own by default.
-    logs: those of which effects may have a value each; by default the fitted ones.
+    the payload are declared. logs: those of which effects may have a value each; by default the fitted ones.
+    Raises BenchError naming what in the data or the robot cannot be used.
     """
+    dataset, filters = problem.dataset, problem.filters
     fitted = [one for one in dataset.recordings if one.use == "identify" or not fitted_only]
     if not fitted:
         raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
     model = build_model(dataset.robot)
-    weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
-    known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
+    weighed = dataset.weighed
     each = logs_of(fitted) if logs is None else logs
-    instances = select_effects(effects, places_in(model.geometry, weighed), known, each)
+    instances = select_effects(problem.effects, places_in(model.geometry, weighed), problem.catalogue, each)
     if isinstance(filters, FilterSettings):
         settings = filters
     else:
@@ -118,7 +115,25 @@ def prepare(
         signals=tuple(robot_signals(model, one, present) for one in measured),
         contradicted=contradicted_closures(model.geometry, measured),
     )
-    return with_effects(prepared, instances)
+    return with_gains(with_effects(prepared, instances), problem.fit_gains if fitted_only else False)
+
+
+def with_gains(prepared: Prepared, wanted: bool | None) -> Prepared:
+    """The same with drive gains as unknowns or not: as wanted, by default where a known payload gives their scale.
+
+    Raises BenchError where they are wanted and cannot be had.
+    """
+    dataset = prepared.dataset
+    scaled = any(np.any(payload_rows(one, dataset.payloads)) for one in prepared.fitted)
+    if wanted and not scaled:
+        raise BenchError(
+            f"{dataset.folder}: no fitted recording has a payload of known mass, which gives the gains' scale"
+        )
+    if wanted is False or not scaled:
+        return replace(prepared, fit_gains=False)
+    carried = [one.payload_name for one in prepared.fitted]
+    check_gains_identifiable(prepared.model, prepared.layout, dataset.payloads, carried)
+    return replace(prepared, fit_gains=True)
 
 
 def logs_of(recordings: Sequence[Recording]) -> tuple[str, ...]:

@@ -19,11 +19,11 @@ from bench.identification.solution import Solution
 FIXED = "fixed columns"
 
 
-def solved_quickly(prepared: Prepared, fit_gains: bool) -> tuple[Stack, Solution]:
+def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
     stack = _stacked(prepared)
-    kept = identifiable_columns(stack, prepared.layout, fit_gains)
-    return stack, solved_with(stack, kept, prepared.dataset.robot.nominal_gains, fit_gains)
+    kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
+    return stack, solved_with(stack, kept, prepared.dataset.robot.nominal_gains, prepared.fit_gains)
 
 
 def _stacked(prepared: Prepared) -> Stack:

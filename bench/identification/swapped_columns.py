@@ -9,13 +9,13 @@ from itertools import combinations
 import numpy as np
 
 from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
 from bench.identification.compressed import triangular_factors
 from bench.identification.current_error import minimised, squared_errors
 from bench.identification.finding import Code, Finding
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import Observation, all_currents
 from bench.identification.prepare import Prepared, prepare
+from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.identification.solution import scaled_lstsq, torque_system
 
@@ -25,22 +25,24 @@ BETTER = 0.5  # of the error: what a swap must bring it down to
 
 @on_one_thread
 def swapped_columns(
-    dataset: Dataset, result: Identification, prepared: Prepared | None = None
+    problem: Problem, result: Identification, prepared: Prepared | None = None
 ) -> list[Finding]:
     """The two motors whose columns, exchanged, bring the error down most; none where none do.
 
     Tried one pair at a time, in all fitted recordings and in each of them, with the filters of the result, and with dry
     and viscous friction beside the rigid bodies, lest it hide the swap. The error must fall far below that of the
     result and below what friction alone makes of it. Where the error of the result is small, nothing is tried.
-    prepared: the dataset's equations with these filters, where they are at hand.
+    prepared: the problem's equations with these filters, where they are at hand.
     """
     error = result.error.identify
     joints = list(result.joints)
     if error is None or error < LARGE or len(joints) < 2:
         return []
     if prepared is None:
-        prepared = prepare(dataset, (), result.settings)
-    trial = _Trial(prepared, result.gains_fitted)
+        prepared = prepare(
+            replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
+        )
+    trial = _Trial(prepared)
     names, a, b = min(
         _swaps(tuple(trial.parts), len(joints)), key=lambda swap: trial.error(trial.exchanged(*swap))
     )
@@ -66,11 +68,11 @@ class _Trial:
     exchange only picks other ones of the currents. Currents are bridged where the motor of the rows stands still.
     """
 
-    def __init__(self, prepared: Prepared, fit_gains: bool) -> None:
+    def __init__(self, prepared: Prepared) -> None:
         n = len(prepared.dataset.robot.nominal_gains)
         layout = replace(prepared.layout, effects=2 * n)
         self.size = layout.size
-        self.fit_gains = fit_gains
+        self.fit_gains = prepared.fit_gains
         self.nominal = prepared.dataset.robot.nominal_gains
         self.parts: dict[str, np.ndarray] = {}
         for one, measured in zip(prepared.observations, prepared.measured, strict=True):

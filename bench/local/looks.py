@@ -10,12 +10,13 @@ from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.dataset_toml import DATASET_FILE, DatasetSpec
 from bench.dataset.robot import load_robot
-from bench.effects import catalogue_for, places_in
+from bench.effects import places_in
 from bench.effects.display_names import begun, spoken
 from bench.files.atomic import finite
 from bench.files.toml_input import read_toml
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.model_json import to_json
+from bench.identification.problem import problem_of
 from bench.local.checks import Mapped, checked
 from bench.local.columns import look_at
 from bench.model.geometry import read_geometry
@@ -63,12 +64,11 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
 def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """The figure of measured and modelled currents, with the errors of up to two models: a report's own."""
     data = load_dataset(arguments["dataset"])
-    catalogue = catalogue_for(data.effect_files)
-    models = []
+    problem, models = problem_of(data), []
     for path, name, role in arguments["models"]:
         saved = load_model(path)
-        found = apply_model(data, saved, catalogue)
-        models.append(shown(name, role, data, found, saved.settings))
+        found = apply_model(problem, saved)
+        models.append(shown(name, role, problem, found, saved.settings))
     return dict(finite(asdict(currents_section(models).parts[0])))
 
 
@@ -83,7 +83,7 @@ def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
 
     data = load_dataset(arguments["dataset"])
     saved = load_model(arguments["model"])
-    applied = apply_model(data, saved, catalogue_for(data.effect_files))
+    applied = apply_model(problem_of(data), saved)
     name = arguments["recording"]
     series = next((one for one in applied.recordings if one.name == name), None)
     recording = next((one for one in data.recordings if one.name == name), None)
@@ -103,12 +103,10 @@ LOOKS = {
 
 
 def _effects(data: Dataset) -> list[dict[str, Any]]:
-    places = places_in(
-        read_geometry(data.robot), [name for name, one in data.payloads.items() if one.mass is not None]
-    )
+    places = places_in(read_geometry(data.robot), data.weighed)
     return [
         {"name": name, "words": begun(name), "spoken": spoken(name), "places": [one for one in at if one]}
-        for name, effect in catalogue_for(data.effect_files).items()
+        for name, effect in problem_of(data).catalogue.items()
         if (at := places.where(effect))
     ]
 

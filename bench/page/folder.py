@@ -10,6 +10,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +27,9 @@ from bench.diagnosis.result import (
     Unexplained,
 )
 from bench.diagnosis.split import with_judged_parts
-from bench.effects import Effect, catalogue_for
 from bench.files.atomic import finite, write_json_atomically, write_text_atomically
 from bench.identification.model_file import load_model, read_identification, save_model
+from bench.identification.problem import Problem, problem_of
 from bench.identification.result import CurrentSeries, Identification, Quantity
 from bench.page.digest import dataset_digest, file_digest
 from bench.page.section_run import Run
@@ -65,11 +66,11 @@ class Kept:
         """The dataset with the recordings that the currents are of: of a diagnosis, cut as it was judged."""
         return self.dataset if self.diagnosis is None else with_judged_parts(self.dataset)[0]
 
-    @property
-    def catalogue(self) -> Mapping[str, Effect]:
-        """The effects that were known, the user's own included, and the laws that were discovered."""
+    @cached_property
+    def problem(self) -> Problem:
+        """What was asked, with the laws that were discovered among the effects that are known."""
         laws = () if self.diagnosis is None else self.diagnosis.discovered
-        return {**catalogue_for(self.dataset.effect_files, self.effect_files), **law_effects(laws)}
+        return _problem(self.dataset, self.run, laws)
 
     @property
     def effect_files(self) -> list[Path]:
@@ -147,7 +148,6 @@ def read_run(folder: Path) -> Kept:
         raise BenchError(f"{path}: its dataset is not there any more: {data}")
     dataset = load_dataset(data)
     effect_files = [Path(one) for one in run.effect_files]
-    catalogue = catalogue_for(dataset.effect_files, effect_files)
     for name, expected in files.items():
         if file_digest(folder / name) != expected:
             raise BenchError(
@@ -165,10 +165,10 @@ def read_run(folder: Path) -> Kept:
     paths = [folder / name for name in names]
     if said:
         try:
-            known_laws = law_effects(_discovered(told or {}))
+            problem = replace(_problem(dataset, run, _discovered(told or {})), dataset=judged)
         except (KeyError, TypeError, ValueError) as error:
             raise _damaged(path, error) from None
-        models = [read_identification(one, judged, {**catalogue, **known_laws}) for one in paths]
+        models = [read_identification(one, problem) for one in paths]
         diagnosis = None if told is None else _diagnosis(path, told, models, {})
         return Kept(run, dataset, models[0], diagnosis, model, said=said)
     between = _between(path, told)
@@ -185,6 +185,12 @@ def read_run(folder: Path) -> Kept:
         else:
             said = f"{folder}: written by another version: the workbench is worked out anew"
     return Kept(run, dataset, models[0], diagnosis, model, workbench, by or versions(), said)
+
+
+def _problem(dataset: Dataset, run: Run, laws: Sequence[Discovered]) -> Problem:
+    """What a command asked of a dataset; laws: among the known effects as well."""
+    asked = problem_of(dataset, run.effects, effect_files=run.effect_files)
+    return replace(asked, catalogue={**asked.catalogue, **law_effects(laws)})
 
 
 def read_json(path: Path) -> dict[str, Any]:

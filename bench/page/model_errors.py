@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bench.dataset.dataset import Dataset
-from bench.diagnosis.split import with_judged_parts
-from bench.effects import catalogue_for
+from bench.diagnosis.split import dataset_of
 from bench.identification.model_file import Comparison
+from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.model.geometry import read_geometry
 from bench.residuals.look_alikes import possible_effects
 from bench.residuals.motor import Compared, MotorSeries, compared
 from bench.residuals.residuals import WhereItFails, errors_by_motor
@@ -38,20 +36,17 @@ class Shown:
 def shown(
     name: str,
     role: str,
-    dataset: Dataset,
+    problem: Problem,
     model: Identification | Comparison,
     settings: FilterSettings,
     has: Sequence[str] | None = None,
 ) -> Shown:
-    """Look for where the errors of a model are. dataset: with the recordings that the model's series are of.
+    """Look for where the errors of a model are. problem: with the dataset that the model's series are of.
 
     has: the effects of the model; given, others that leave such errors are named.
     """
-    if any(one.name not in {r.name for r in dataset.recordings} for one in model.recordings):
-        dataset, _ = with_judged_parts(dataset)
+    dataset = dataset_of(problem.dataset, model.recordings)
     what = compared(dataset.robot, dataset.recordings, model.recordings, settings)
     if has is None:
         return Shown(name, role, what, errors_by_motor(what))
-    weighed = [payload for payload, one in dataset.payloads.items() if one.mass is not None]
-    possible = possible_effects(read_geometry(dataset.robot), weighed, catalogue_for(dataset.effect_files))
-    return Shown(name, role, what, errors_by_motor(what, possible, has))
+    return Shown(name, role, what, errors_by_motor(what, possible_effects(problem), has))

@@ -1,16 +1,16 @@
 """The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
-from bench.effects import CATALOGUE, Effect
 from bench.files.atomic import finite
 from bench.identification.model_file import Comparison
+from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
 from bench.page.model_errors import shown
 from bench.page.parts import Mechanism, Page, Section, Text
@@ -36,23 +36,16 @@ FRAMES = 150  # of the robot in motion: enough for the eye, and small
 AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
 
 
-def diagnosis_page(
-    diagnosis: Diagnosis,
-    dataset: Dataset,
-    made: Made,
-    catalogue: Mapping[str, Effect] = CATALOGUE,
-) -> Page:
-    """What the model lacks, and all that stands behind it.
-
-    made: how the page came about. catalogue: the effects by name.
-    """
+def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
+    """What the model lacks, and all that stands behind it. made: how the page came about."""
+    dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
-    judged = _with_series_of(dataset, after.recordings)
-    models = [shown(COMPLETED, "after", judged, after, after.settings)]
+    judged = dataset_of(dataset, after.recordings)
+    models = [shown(COMPLETED, "after", problem, after, after.settings)]
     if diagnosis.added:
-        models.insert(0, shown(AS_IT_IS, "before", judged, before, before.settings))
+        models.insert(0, shown(AS_IT_IS, "before", problem, before, before.settings))
     else:
-        models = [shown("", "error", judged, after, after.settings)]
+        models = [shown("", "error", problem, after, after.settings)]
     noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
     ladder = ladder_section(diagnosis)
     ladder = Section(
@@ -73,7 +66,7 @@ def diagnosis_page(
             currents_section(models, _moving(judged, after.recordings, after.settings)),
             where_section(models),
             *([laws_section(diagnosis)] if diagnosis.discovered else []),
-            ranking_section(diagnosis, catalogue),
+            ranking_section(diagnosis, problem.catalogue),
             gains_section(after, old),
             parameters_section(after, old),
             conditioning_section(after),
@@ -85,9 +78,10 @@ def diagnosis_page(
     )
 
 
-def identification_page(result: Identification, dataset: Dataset, made: Made) -> Page:
+def identification_page(result: Identification, problem: Problem, made: Made) -> Page:
     """An identified model: its errors, its gains, its parameters."""
-    model = shown("", "error", dataset, result, result.settings, result.effects)
+    dataset = problem.dataset
+    model = shown("", "error", problem, result, result.settings, result.effects)
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
     return Page(
         title=f"Drive gains and parameters of {result.robot}",
@@ -110,10 +104,10 @@ def identification_page(result: Identification, dataset: Dataset, made: Made) ->
     )
 
 
-def comparison_page(comparison: Comparison, dataset: Dataset, saved: Identification, made: Made) -> Page:
+def comparison_page(comparison: Comparison, problem: Problem, saved: Identification, made: Made) -> Page:
     """A saved model beside recordings that it may never have seen: its errors, and where they are."""
-    settings = saved.settings
-    model = shown("", "error", dataset, comparison, settings, saved.effects)
+    dataset, settings = problem.dataset, saved.settings
+    model = shown("", "error", problem, comparison, settings, saved.effects)
     noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
     return Page(
         title=f"Where a model of {comparison.robot} fails",
@@ -139,7 +133,7 @@ def _moving(
     dataset: Dataset, recordings: Sequence[CurrentSeries], settings: FilterSettings
 ) -> Callable[[str, str], Mechanism | Text]:
     """What draws the robot in one of the recordings, or says why it cannot be drawn."""
-    logged = _with_series_of(dataset, recordings)
+    logged = dataset_of(dataset, recordings)
 
     def moving(name: str, option: str) -> Mechanism | Text:
         from bench.page.mechanism import mechanism  # noqa: PLC0415 - the viewer's shapes take their time to import
@@ -154,12 +148,6 @@ def _moving(
         return Mechanism("The robot", aid, option, finite(data))
 
     return moving
-
-
-def _with_series_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
-    """The dataset whose recordings the series are of: with the ends kept apart where they were judged on."""
-    names = {one.name for one in dataset.recordings}
-    return dataset if all(one.name in names for one in series) else with_judged_parts(dataset)[0]
 
 
 def _facts(dataset: Dataset, *more: str) -> tuple[str, ...]:

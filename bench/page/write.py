@@ -36,7 +36,7 @@ def write_diagnosis_report(
     """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
     progress.phase("preparing the workbench of the page")
     kept = Kept(run, dataset, diagnosis.after, diagnosis, "")
-    kept = replace(kept, workbench=page_data(dataset, diagnosis, kept.catalogue))
+    kept = replace(kept, workbench=page_data(kept.problem, diagnosis))
     keep_run(folder, kept)
     return write_kept(folder / REPORT_FILE, kept, folder, progress)
 
@@ -59,18 +59,18 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Pro
     after, workbench = kept.after, None
     progress.phase("drawing the page")
     if kept.diagnosis is not None:
-        page = diagnosis_page(kept.diagnosis, kept.dataset, made, kept.catalogue)
+        page = diagnosis_page(kept.diagnosis, kept.problem, made)
         data = kept.workbench
         if data is None:
             progress.phase("preparing the workbench of the page")
-            data = page_data(kept.dataset, kept.diagnosis, kept.catalogue)
+            data = page_data(kept.problem, kept.diagnosis)
         model = model_json(kept.diagnosis.after, kept.dataset.folder)
         workbench = Workbench(with_command(data, _identify_line(kept), model), script(), style())
     elif kept.model:
         comparison = Comparison(after.robot, kept.model, after.recordings, after.error)
-        page = comparison_page(comparison, kept.dataset, after, made)
+        page = comparison_page(comparison, kept.problem, after, made)
     else:
-        page = identification_page(after, kept.dataset, made)
+        page = identification_page(after, kept.problem, made)
     return write_page(path, page, workbench)
 
 

@@ -10,6 +10,8 @@ import numpy as np
 from bench.dataset.dataset import Dataset
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import moved_parameters, projected_regressor
@@ -54,7 +56,7 @@ def _identified(
     dataset: Dataset, effects: tuple[str, ...], name: str, method: str = DEFAULT_METHOD
 ) -> tuple[Answer, Identification]:
     start = time.perf_counter()
-    result = identify(dataset, effects, method)
+    result = identify(prepare(problem_of(dataset, effects)), method)
     seconds = time.perf_counter() - start
     gains = list(result.drive_gains.values())
     values, stds = (np.array([getattr(gain, key) for gain in gains]) for key in ("value", "std"))

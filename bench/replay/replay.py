@@ -1,7 +1,7 @@
 """A saved model's twin beside every recording of a dataset."""
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -11,8 +11,7 @@ import numpy as np
 
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
-from bench.effects import Effect, JointSignals
+from bench.effects import JointSignals
 from bench.effects.effect import ActuatorEffect
 from bench.export.identified import IdentifiedModel
 from bench.export.mjcf import write_mjcf
@@ -22,6 +21,7 @@ from bench.files.atomic import finite
 from bench.identification.filtered import Measured
 from bench.identification.model_file import Comparison, applied
 from bench.identification.observation import all_currents
+from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, error_summary
 from bench.identification.summary import modelled_series
 from bench.model.configuration import configuration_rates
@@ -46,19 +46,15 @@ class Replay:
 
 
 @on_one_thread
-def replay(
-    dataset: Dataset,
-    physical: PhysicalSet,
-    catalogue: Mapping[str, Effect] | None = None,
-    progress: Progress = SILENT,
-) -> Replay:
+def replay(problem: Problem, physical: PhysicalSet, progress: Progress = SILENT) -> Replay:
     """Export a model, simulate it in MuJoCo along every recording, and compare its currents with the recorded ones.
 
     Raises BenchError where model and dataset do not go together, and where the twin does not follow.
     """
+    dataset = problem.dataset
     identified = replace(physical.model, declared={**physical.model.declared, **dataset.payloads})
     physical = replace(physical, model=identified)
-    prepared, solution = applied(dataset, identified.saved, catalogue)
+    prepared, solution = applied(problem, identified.saved)
     joints = list(dataset.robot.joints)
     modelled = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
     twins: list[CurrentSeries] = []

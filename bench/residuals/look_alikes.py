@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from bench.effects import Effect, places_in
 from bench.effects.effect import Seen
-from bench.model.geometry import Geometry
+from bench.identification.problem import Problem
+from bench.model.geometry import read_geometry
 from bench.residuals.concentration import Concentration
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import Line
@@ -50,12 +51,10 @@ class LookAlike:
         return QUESTION[self.seen]
 
 
-def possible_effects(
-    geometry: Geometry, payloads: Iterable[str], catalogue: Mapping[str, Effect]
-) -> dict[str, Effect]:
-    """The effects that have a place in a robot; payloads: those of known mass."""
-    places = places_in(geometry, payloads)
-    return {name: effect for name, effect in catalogue.items() if places.of(effect.place)}
+def possible_effects(problem: Problem) -> dict[str, Effect]:
+    """The known effects that have a place in the robot."""
+    places = places_in(read_geometry(problem.dataset.robot), problem.dataset.weighed)
+    return {name: effect for name, effect in problem.catalogue.items() if places.of(effect.place)}
 
 
 def look_alikes(

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError
-from bench.dataset.dataset import Dataset
-from bench.effects import Effect
 from bench.effects.select import ROBOT
 from bench.files.atomic import finite
 from bench.identification.model_file import apply_model, load_model
+from bench.identification.problem import Problem
 from bench.identification.result import Identification, Quantity
 
 DEVIATIONS = 1.96  # on either side of a value: its interval holds 95 %
@@ -36,9 +35,7 @@ class SideBySide:
     models: tuple[Beside, ...]
 
 
-def side_by_side(
-    dataset: Dataset, files: Sequence[Path], catalogue: Mapping[str, Effect] | None = None
-) -> SideBySide:
+def side_by_side(problem: Problem, files: Sequence[Path]) -> SideBySide:
     """Apply saved models to a dataset's recordings; nothing is fitted.
 
     Raises BenchError for a file that is given twice, and where a model and the dataset do not go together.
@@ -46,10 +43,10 @@ def side_by_side(
     for file in files:
         if sum(file.resolve() == other.resolve() for other in files) > 1:
             raise BenchError(f"{file}: is given twice")
-    models = []
+    dataset, models = problem.dataset, []
     for file, name in zip(files, told_apart(files), strict=True):
         saved = load_model(file)
-        models.append(Beside(name, saved.beside(dataset, apply_model(dataset, saved, catalogue).recordings)))
+        models.append(Beside(name, saved.beside(dataset, apply_model(problem, saved).recordings)))
     return SideBySide(dataset.robot.name, tuple(models))
 
 

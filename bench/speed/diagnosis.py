@@ -14,6 +14,7 @@ from typing import Any
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.diagnose import diagnose
 from bench.excitation.scenario import designer
+from bench.identification.problem import problem_of
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.speed import report
@@ -111,6 +112,6 @@ def _workers(count: int) -> ProcessPoolExecutor:
 
 def _cost(dataset: Dataset) -> Cost:
     wall, processor = perf_counter(), process_time()
-    diagnose(dataset)
+    diagnose(problem_of(dataset))
     wall, processor = perf_counter() - wall, process_time() - processor
     return Cost(wall, processor, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)

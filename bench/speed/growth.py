@@ -23,6 +23,8 @@ from bench.document.figures.currents import STYLE
 from bench.effects import CATALOGUE
 from bench.files.atomic import atomic_path
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import Problem, problem_of
 from bench.speed.long_log import write_long_dataset
 from bench.studies.sweep.console import table_console
 from bench.studies.sweep.versions import versions
@@ -43,8 +45,8 @@ LINEAR = 1.1  # largest exponent in samples
 
 Work = Callable[[Dataset], object]
 WORKS: Mapping[str, Work] = {
-    "identify": lambda dataset: identify(dataset, filters=FILTERS),
-    "diagnose": lambda dataset: diagnose(dataset, filters=FILTERS),
+    "identify": lambda dataset: identify(prepare(problem_of(dataset, filters=FILTERS))),
+    "diagnose": lambda dataset: diagnose(problem_of(dataset, filters=FILTERS)),
 }
 
 
@@ -94,7 +96,7 @@ def _diagnose_among(size: int) -> Work:
     part = dict(list(CATALOGUE.items())[:size])
 
     def work(dataset: Dataset) -> Diagnosis:
-        return diagnose(dataset, filters=FILTERS, catalogue=part)
+        return diagnose(Problem(dataset, part, filters=FILTERS))
 
     return work
 

@@ -18,7 +18,9 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import RecordingEntry, load_dataset, write_dataset_toml
 from bench.dataset.recording import write_recording
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import fit
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.swapped_columns import swapped_columns
 from bench.residuals.motor import compared
 from bench.scenario.file import find_scenario, read_with_bases
@@ -108,9 +110,10 @@ def main() -> None:
     """Identify as `bench identify` does, and print what it cost, start-up aside."""
     start = process_time()
     dataset = load_dataset(sys.argv[1])
-    prepared = prepare(dataset)
+    problem = problem_of(dataset)
+    prepared = prepare(problem)
     result = fit(prepared)
-    swapped_columns(dataset, result, prepared)
+    swapped_columns(problem, result, prepared)
     compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
     seconds = process_time() - start
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

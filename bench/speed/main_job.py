@@ -18,6 +18,8 @@ from rich.table import Table
 from bench.excitation.scenario import designer
 from bench.files.atomic import atomic_path
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.sweep.console import table_console
 from bench.studies.sweep.versions import versions
@@ -57,7 +59,7 @@ def measure(name: str, repeats: int = 5) -> MainJobSpeed:
             dataset, recordings=tuple(one for one in dataset.recordings if one.use == "identify")
         )
         start = perf_counter()
-        identify(fitted)
+        identify(prepare(problem_of(fitted)))
         times[repeat, 2] = perf_counter() - start
     simulated, plain, identification = np.median(times, axis=0)
     ratio = float(np.median(times[:, 0] / times[:, 1]))

@@ -12,6 +12,8 @@ from bench.diagnosis.unexplained import relative_noise_floor
 from bench.effects import CATALOGUE
 from bench.excitation.scenario import designer
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.page.folder import read_run
 from bench.page.section_run import Run
 from bench.page.write import write_diagnosis_report, write_kept
@@ -63,7 +65,7 @@ def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
 
 def told(dataset: Dataset) -> Diagnosis:
     """What a diagnosis that finds the hidden effects says, without the search: all effects are in its ranking."""
-    before, after = identify(dataset), identify(dataset, FOUND)
+    before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, FOUND)))
     errors = [(one.error.identify or 0.0, one.error.validate or 0.0) for one in (before, after)]
     found = tuple(one.partition(":")[0] for one in FOUND)
     ranking = tuple(

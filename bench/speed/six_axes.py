@@ -5,7 +5,9 @@ from tempfile import TemporaryDirectory
 from time import process_time
 
 from bench.dataset.dataset import load_dataset
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import fit
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.identification.swapped_columns import swapped_columns
 from bench.measured.machines import dataset_of
 
@@ -22,6 +24,7 @@ def measure(measured: Path) -> float:
         folder = dataset_of(MACHINE, measured, Path(name))
         start = process_time()
         dataset = load_dataset(folder)
-        prepared = prepare(dataset)
-        swapped_columns(dataset, fit(prepared), prepared)
+        problem = problem_of(dataset)
+        prepared = prepare(problem)
+        swapped_columns(problem, fit(prepared), prepared)
         return process_time() - start

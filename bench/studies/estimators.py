@@ -26,7 +26,9 @@ from bench.dataset.dataset import Dataset
 from bench.excitation.scenario import designer
 from bench.files.atomic import finite, write_json_atomically, write_text_atomically
 from bench.identification.estimators import ESTIMATORS
-from bench.identification.identify import believed, prepare
+from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import Scenario, load_scenario, resolve_trajectories
 from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.sweep.versions import versions
@@ -150,11 +152,13 @@ def rows_of(robot: str, case: Case, methods: Sequence[str], seeds: int) -> list[
     reasons: dict[str, list[str]] = {method: [] for method in methods}
     for seed in range(1, seeds + 1):
         dataset = as_dataset(sense_again(simulation, _scenario(robot, case, seed)))
-        prepared = prepare(with_bad_seconds(dataset, case.bad_seconds, seed), (), dict(case.filters))
+        prepared = prepare(
+            problem_of(with_bad_seconds(dataset, case.bad_seconds, seed), (), filters=dict(case.filters))
+        )
         for method in methods:
             start = time.process_time()
             try:
-                gains = believed(prepared, method).drive_gains.values()
+                gains = identify(prepared, method).drive_gains.values()
             except BenchError as error:
                 reasons[method].append(str(error))
                 continue

@@ -11,7 +11,7 @@ import click
 
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment.forecast import forecast
-from bench.excitation.experiment.plan import plan_experiment
+from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.search import RANDOM
 from bench.files.atomic import write_json_atomically
@@ -41,7 +41,7 @@ def table_of(robot: str) -> ExperimentTable:
 
 def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str, Any]:
     """One robot: design, random motions, and (with repetitions) how the forecast came true."""
-    plan = plan_experiment(load_robot(robot), table_of(robot), steps=steps, seed=seed)
+    plan = plan_experiment(load_robot(robot), table_of(robot), Aim(steps=steps, seed=seed))
     found: dict[str, Any] = {
         "robot": robot,
         "seed": seed,

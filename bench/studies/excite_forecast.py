@@ -12,6 +12,8 @@ from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.forecast import Forecast, described
 from bench.excitation.experiment.plan import Plan
 from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import Scenario, scenario_from_dict
 from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
@@ -80,7 +82,9 @@ def _seeded(scenario: Scenario, seed: int) -> Scenario:
 
 def _estimate(dataset: Dataset, plan: Plan) -> np.ndarray:
     """The estimates in the order of the forecast."""
-    found = identify(dataset, list(dict.fromkeys(one.request for one in plan.nominal.effects)))
+    found = identify(
+        prepare(problem_of(dataset, list(dict.fromkeys(one.request for one in plan.nominal.effects))))
+    )
     values = {one.name: one.value for one in found.parameters}
     values |= {joint: gain.value for joint, gain in found.drive_gains.items()}
     for effect, places in found.effect_parameters.items():

@@ -9,13 +9,12 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import with_judged_parts
 from bench.effects import EffectInstance, places_in, select_effects
-from bench.effects.effect import Effect
 from bench.effects.select import TAG
 from bench.identification.effect_columns import PresentModel
-from bench.identification.identify import gains_can_be_fitted
 from bench.identification.nonlinear import present_model
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.identification.solution import Solution
 from bench.identification.solve_only import solved_quickly
@@ -33,9 +32,13 @@ class FoundModel:
     plain: Prepared
     found: Prepared
     solution: Solution
-    fit_gains: bool
     started: tuple[tuple[str, str], ...]
     judged_on: str
+
+    @property
+    def fit_gains(self) -> bool:
+        """Whether drive gains are unknowns."""
+        return self.plain.fit_gains
 
     @property
     def effects(self) -> tuple[EffectInstance, ...]:
@@ -47,20 +50,20 @@ class FoundModel:
         return Nearby(self.found.model, self.found.measured)
 
 
-def found_models(
-    dataset: Dataset, diagnosis: Diagnosis, catalogue: dict[str, Effect]
-) -> tuple[FoundModel, FoundModel | None]:
-    """Prepare the equations of a diagnosis again, with the filters that it used.
+def found_models(problem: Problem, diagnosis: Diagnosis) -> tuple[FoundModel, FoundModel | None]:
+    """Prepare the equations of a diagnosis of a problem again, with the filters that it used.
 
     Where the user kept no recording to judge on, the diagnosis fitted a part of each. Then a second model is fitted
     to all rows, with the filters that `bench identify` takes.
     """
+    dataset = problem.dataset
     parts, split = with_judged_parts(dataset)
     settings = diagnosis.before.settings
-    found = _found_model(parts, diagnosis, catalogue, settings, split)
+    found = _found_model(replace(problem, dataset=parts, filters=settings), diagnosis, split)
     if parts is dataset:
         return found, None
-    return found, _found_model(dataset, diagnosis, catalogue, _of_all(dataset, parts, settings), split)
+    whole = replace(problem, filters=_of_all(dataset, parts, settings))
+    return found, _found_model(whole, diagnosis, split)
 
 
 def _of_all(dataset: Dataset, parts: Dataset, settings: FilterSettings) -> FilterSettings:
@@ -79,18 +82,10 @@ def _chosen(dataset: Dataset) -> FilterSettings:
     return choose_settings([one.position for one in fitted], [one.current for one in fitted], fitted[0].rate)
 
 
-def _found_model(
-    dataset: Dataset,
-    diagnosis: Diagnosis,
-    catalogue: dict[str, Effect],
-    settings: FilterSettings,
-    split: str,
-) -> FoundModel:
-    before, after = diagnosis.before, diagnosis.after
-    plain = prepare(dataset, (), settings, catalogue=catalogue)
-    fit_gains = gains_can_be_fitted(plain, None)
-    weighed = [name for name, one in dataset.payloads.items() if one.mass is not None]
-    places = places_in(plain.model.geometry, weighed)
+def _found_model(problem: Problem, diagnosis: Diagnosis, split: str) -> FoundModel:
+    before, after, catalogue = diagnosis.before, diagnosis.after, problem.catalogue
+    plain = prepare(replace(problem, effects=()))
+    places = places_in(plain.model.geometry, problem.dataset.weighed)
     each = [one for one in after.effects if one.endswith(TAG)]
     own = select_effects(each, places, catalogue, plain.logs)
     instances = select_effects(_requests(after, own), places, catalogue)
@@ -98,13 +93,13 @@ def _found_model(
     present = _present(plain, after)
     plain = with_effects(plain, own, present)
     found = with_effects(plain, (*own, *instances), present)
-    _, solution = solved_quickly(found, fit_gains)
+    _, solution = solved_quickly(found)
     # the solution is about itself once more, as identify does it
     found = with_effects(plain, (*own, *instances), present_model(found, solution))
-    _, solution = solved_quickly(found, fit_gains)
+    _, solution = solved_quickly(found)
     kept = [one for one in before.effects if not one.endswith(TAG)]
     started = tuple((one.effect.name, one.joint) for one in select_effects(kept, places, catalogue))
-    return FoundModel(plain, found, solution, fit_gains, started, split)
+    return FoundModel(plain, found, solution, started, split)
 
 
 def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.effects import EffectInstance, catalogue_for
+from bench.effects import EffectInstance
 from bench.effects.display_names import spoken
 from bench.effects.effect import Effect
 from bench.files.atomic import finite
+from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.workbench.encode import doubles, floats, short_triangle, triangle
 from bench.workbench.found_model import FoundModel, found_models
@@ -24,19 +24,17 @@ VERSION = 2
 
 
 @on_one_thread
-def page_data(
-    dataset: Dataset, diagnosis: Diagnosis, catalogue: Mapping[str, Effect] | None = None
-) -> dict[str, Any]:
+def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
     """Everything with which the page solves for any choice of effects in the shapes found, ready for JSON.
 
-    diagnosis: of this dataset; its filters are used. catalogue: the effects by name, by default the built-in ones
-    and the dataset's own. Arrays are base64 of little-endian numbers; `triangle` holds the upper triangle of the
-    factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis: how the model's parameters
-    follow from the coordinates by the columns. whole: the same of all rows, fitted as `bench identify` does it, where
-    a part of every recording is kept apart to judge on; None where recordings are. The rest then only judges.
+    diagnosis: of this problem; its filters are used. Arrays are base64 of little-endian numbers; `triangle` holds
+    the upper triangle of the factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis:
+    how the model's parameters follow from the coordinates by the columns. whole: the same of all rows, fitted as
+    `bench identify` does it, where a part of every recording is kept apart to judge on; None where recordings are.
+    The rest then only judges.
     """
-    known = dict(catalogue_for(dataset.effect_files) if catalogue is None else catalogue)
-    model, whole = found_models(dataset, diagnosis, known)
+    known = problem.catalogue
+    model, whole = found_models(problem, diagnosis)
     nearby = model.nearby()
     instances = instances_of(model, _usable(model, diagnosis, known), nearby)
     systems = [build(model, instances, nearby)]

@@ -6,7 +6,7 @@ from dataclasses import replace
 from bench.basics.progress import SILENT
 from bench.diagnosis.candidates import Proposal, propose
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Problem, Round, reshaped, system_about
+from bench.diagnosis.rounds import Origin, Round, reshaped, system_about
 from bench.diagnosis.search import Found, score
 from bench.effects import Effect, EffectInstance
 from bench.identification.perturbations import Nearby
@@ -21,16 +21,16 @@ def instances_of(
 
     In the order of `effects`; an effect that the model takes up everywhere has no instance. nearby: of `model`.
     """
-    problem = Problem(model.plain, model.fit_gains, nearby)
-    proposals = propose(problem.context(with_effects(model.found, model.plain.effects)), effects)
+    origin = Origin(model.plain, nearby)
+    proposals = propose(origin.context(with_effects(model.found, model.plain.effects)), effects)
     if model.effects:
-        proposals = _about_the_found(problem, model, proposals)
+        proposals = _about_the_found(origin, model, proposals)
     instances = [one for each in proposals if not each.absorbed for one in each.instances]
     names = list(effects)
     return tuple(sorted(instances, key=lambda one: names.index(one.effect.name)))
 
 
-def _about_the_found(problem: Problem, model: FoundModel, proposals: list[Proposal]) -> list[Proposal]:
+def _about_the_found(origin: Origin, model: FoundModel, proposals: list[Proposal]) -> list[Proposal]:
     """Proposals as the last round of a search leaves them, which found the effects of `model`."""
     found = {(one.effect.name, one.joint) for one in model.effects}
     some = []
@@ -41,7 +41,7 @@ def _about_the_found(problem: Problem, model: FoundModel, proposals: list[Propos
     names = dict.fromkeys(one.effect.name for one in model.effects)
     groups = [tuple(one for one in model.effects if one.effect.name == name) for name in names]
     every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
-    system = system_about(problem, model.found, every)
+    system = system_about(origin, model.found, every)
     empty = solve_set(system, ())
     best = score(system, solve_set(system, range(len(groups))), empty)
-    return reshaped(problem, Round(model.found, every, system, Found(best, {}, empty)), SILENT)
+    return reshaped(origin, Round(model.found, every, system, Found(best, {}, empty)), SILENT)

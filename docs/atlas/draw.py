@@ -30,8 +30,9 @@ from bench.document.figures.currents import STYLE
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.excitation.scenario import designer
 from bench.files.atomic import atomic_path, write_text_atomically
-from bench.identification.identify import fit, prepare
-from bench.identification.prepare import with_effects
+from bench.identification.identify import fit
+from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
 from bench.residuals.periods import position_spectrum, time_spectrum
@@ -85,7 +86,7 @@ def _case(setup: Setup, effect: str) -> Case:
 
 def _drawn(setup: Setup, case: Case, simulation: Simulation) -> dict[str, Any]:
     (hide,) = case.hides
-    prepared = prepare(as_dataset(simulation))
+    prepared = prepare(problem_of(as_dataset(simulation)))
     hidden = [
         {"effect": one.effect, **({"joint": one.joint} if one.joint else {}), **one.parameters}
         for one in simulation.scenario.settings.hidden
@@ -178,7 +179,9 @@ def _robots() -> dict[str, dict[str, list[str]]]:
     for name in sorted(set(built_in_robots()) & set(built_in_scenarios())):
         setup = make_setup(name, duration=DURATION)
         scenario = reference_scenario(setup)
-        ranking = diagnose(as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))).ranking
+        ranking = diagnose(
+            problem_of(as_dataset(simulate(scenario, resolve_trajectories(scenario, designer))))
+        ).ranking
         found[name] = {
             "absorbed": sorted(one.effect for one in ranking if one.verdict == "absorbed"),
             "shows": sorted(one.effect for one in ranking if one.verdict != "absorbed"),

@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import dataset_of
 from bench.diagnosis.summary import and_list
 from bench.document.figures.comparison import errors_figure
 from bench.document.figures.currents import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
@@ -25,7 +25,7 @@ def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, dataset: Dataset
     Where nothing is missing there is no ladder and there are no gains before and after. dataset: the one that
     was diagnosed.
     """
-    judged, _ = with_judged_parts(dataset)
+    judged = dataset_of(dataset, diagnosis.after.recordings)
     left = compared(dataset.robot, judged.recordings, diagnosis.after.recordings, diagnosis.after.settings)
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
     if diagnosis.added:

@@ -1,8 +1,7 @@
 """Design the motion that tells two effects apart."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
 from bench.diagnosis.search import NEEDED
 from bench.diagnosis.split import JUDGED
-from bench.effects import Effect, catalogue_for
 from bench.effects.display_names import begun
 from bench.excitation.discrimination.evidence import error_over_noise, own_estimate, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
@@ -25,7 +23,7 @@ from bench.excitation.discrimination.rival_models import Rival, fit_rivals, nois
 from bench.excitation.discrimination.search import Design, band_of, best_motion, judged, starts
 from bench.excitation.discrimination.separation import Question, question, separation, share_left
 from bench.excitation.limits import feasible_motion
-from bench.signals.settings import FilterSettings
+from bench.identification.problem import Problem
 
 LONGEST, SHORTEST = 30.0, 5.0  # s: of a motion whose duration is not given
 ALIKE = 3e-4  # of what an effect does: the other one does it all if it leaves less
@@ -39,20 +37,17 @@ SURE = 3.0  # deviations of a parameter that has the wrong sign
 
 @on_one_thread
 def discriminate(
-    dataset: Dataset,
+    problem: Problem,
     requests: tuple[str, str],
-    effects: Sequence[str] = (),
     *,
     duration: float | None = None,
     widen: float = 1.0,
     seed: int = 0,
-    filters: FilterSettings | Mapping[str, Any] | None = None,
-    catalogue: Mapping[str, Effect] | None = None,
     progress: Progress = SILENT,
 ) -> Discrimination:
     """The motion on which models with the one or the other effect differ most, inside the robot's limits.
 
-    requests: the two effects, as EFFECT or EFFECT:JOINT; effects: what the model has beside. The difference is
+    requests: the two effects, as EFFECT or EFFECT:JOINT, beside those of the problem. The difference is
     what one model, fitted to the given data, foretells of the motor currents, and the other cannot imitate,
     fitted anew to given and new data together; in nats, as an expected log-likelihood difference. The smaller of
     both directions is made large. No motion is given where neither effect shows in the data and none promises any
@@ -63,10 +58,10 @@ def discriminate(
         raise BenchError(f"the duration of a motion must be positive, not {duration:g} s")
     if not widen > 0.0:
         raise BenchError(f"the factor on the limits must be positive, not {widen:g}")
+    dataset = problem.dataset
     refuse_redundant(dataset.robot, "a motion that tells two effects apart")
-    known = catalogue_for(dataset.effect_files) if catalogue is None else catalogue
     progress.phase("fitting both models")
-    rivals = fit_rivals(_with_second_payload(dataset), requests, effects, filters, known)
+    rivals = fit_rivals(replace(problem, dataset=_with_second_payload(dataset)), requests)
     first = rivals[0]
     noise, around = noise_of(rivals), envelope(first, widen)
     measured, joints = first.prepared.measured, dataset.robot.joints

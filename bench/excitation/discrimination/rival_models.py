@@ -1,25 +1,21 @@
 """The two models between which given data cannot decide, each fitted to all of them."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.dataset import Dataset
 from bench.diagnosis.normal_equations import memory_in_rows
-from bench.effects import Effect, EffectInstance, effect_columns
+from bench.effects import EffectInstance, effect_columns
 from bench.identification.compressed import Stack
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.identifiability_of_effects import identifiable_columns
-from bench.identification.identify import gains_can_be_fitted
 from bench.identification.nonlinear import present_model, settled
 from bench.identification.prepare import Prepared, prepare
+from bench.identification.problem import Problem
 from bench.identification.solution import Solution
 from bench.identification.solve_only import solved_quickly
 from bench.identification.standard_errors import residual_series
-from bench.signals.settings import FilterSettings
 
 
 @dataclass(frozen=True)
@@ -64,26 +60,20 @@ class Noise:
     memory: float
 
 
-def fit_rivals(
-    dataset: Dataset,
-    requests: tuple[str, str],
-    effects: Sequence[str],
-    filters: FilterSettings | Mapping[str, Any] | None,
-    catalogue: Mapping[str, Effect],
-) -> tuple[Rival, Rival]:
+def fit_rivals(problem: Problem, requests: tuple[str, str]) -> tuple[Rival, Rival]:
     """Fit the model with either effect to all recordings, those for validation too.
 
-    requests: as EFFECT or EFFECT:PLACE; effects: what the model has beside. Raises BenchError for names that
+    requests: as EFFECT or EFFECT:PLACE, beside the problem's effects. Raises BenchError for names that
     are unknown, alike, or in the model already.
     """
-    whole = replace(
-        dataset, recordings=tuple(replace(recording, use="identify") for recording in dataset.recordings)
-    )
+    fitted = tuple(replace(recording, use="identify") for recording in problem.dataset.recordings)
+    problem = replace(problem, dataset=replace(problem.dataset, recordings=fitted))
+    effects = problem.effects
     if requests[0] == requests[1]:
         raise BenchError(f"effect {requests[0]!r} is given twice: name two effects to tell apart")
-    first = _fitted(prepare(whole, (*effects, requests[0]), filters, catalogue=catalogue), requests[0])
-    settings = first.prepared.settings
-    second = _fitted(prepare(whole, (*effects, requests[1]), settings, catalogue=catalogue), requests[1])
+    first = _fitted(prepare(replace(problem, effects=(*effects, requests[0]))), requests[0])
+    problem = replace(problem, filters=first.prepared.settings)
+    second = _fitted(prepare(replace(problem, effects=(*effects, requests[1]))), requests[1])
     return first, second
 
 
@@ -103,12 +93,11 @@ def noise_of(rivals: tuple[Rival, Rival]) -> Noise:
 
 
 def _fitted(prepared: Prepared, request: str) -> Rival:
-    fit_gains = gains_can_be_fitted(prepared, None)
-    prepared = settled(prepared, fit_gains)
-    stack, solution = solved_quickly(prepared, fit_gains)
+    prepared = settled(prepared)
+    stack, solution = solved_quickly(prepared)
     own = tuple(one for one in prepared.effects if one.request == request)
     count = sum(len(one.effect.parameters) for one in own)  # requests come last
-    kept = identifiable_columns(stack, prepared.layout, fit_gains)
+    kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
     absorbed = not np.any(kept >= prepared.layout.size - count)
     present = present_model(prepared, solution)
     return Rival(

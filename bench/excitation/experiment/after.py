@@ -1,35 +1,30 @@
 """The next best motion, given what is measured already."""
 
-from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
-from bench.dataset.dataset import Dataset
-from bench.effects import CATALOGUE, Effect
 from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, equations
 from bench.excitation.experiment.plan import (
-    ALL,
-    GAINS,
-    PARAMETERS,
-    STEPS,
+    WHOLE,
     Aim,
-    Criterion,
     Plan,
     Started,
     check_linear,
     noise_of,
+    searched,
     shape_of,
     started,
 )
 from bench.excitation.experiment.planned_log import PlannedRows, row_evidence
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import room_of
-from bench.excitation.experiment.search import best_candidate, proven, random_values
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, prepare
+from bench.identification.problem import Problem
 from bench.signals.decimation import decimated_indices
 from bench.signals.settings import signal_bands
 
@@ -38,35 +33,25 @@ NEXT = "next"
 
 @on_one_thread
 def plan_after(
-    dataset: Dataset,
-    table: ExperimentTable,
-    wanted: Sequence[str] = (),
-    effects: Sequence[str] = (),
-    *,
-    criterion: Criterion = "worst",
-    steps: int = STEPS,
-    seed: int = 0,
-    catalogue: Mapping[str, Effect] = CATALOGUE,
-    progress: Progress = SILENT,
+    problem: Problem, table: ExperimentTable, aim: Aim = WHOLE, *, progress: Progress = SILENT
 ) -> Plan:
     """The motion, with a payload of the dataset or without, that tells most beside its fitted recordings.
 
-    The machine is the one that the data give; limits of speed and acceleration that the table leaves out are the
-    largest of the recordings. See `plan_experiment`. Raises BenchError for a payload of the table's own.
+    problem: what was measured; its effects are not aimed at. The machine is the one that the data give; limits of speed
+    and acceleration that the table leaves out are the largest of the recordings. See `plan_experiment`. Raises
+    BenchError for a payload of the table's own.
     """
     if table.payload is not None:
         raise BenchError("payload: the next motion carries what the dataset declares: leave it out")
     progress.phase("fitting what is there")
-    wanted = tuple(wanted) or (ALL,)
-    asked = [one for one in wanted if one not in (ALL, GAINS, PARAMETERS)]
-    prepared = prepare(dataset, [*effects, *asked], catalogue=catalogue)
+    dataset = problem.dataset
+    prepared = prepare(replace(problem, effects=(*problem.effects, *aim.effects)))
     check_linear(prepared.effects)
     nominal = _measured_machine(prepared, table)
     known = _known(prepared, nominal)
     room = room_of(nominal.model.geometry, _with_recorded(table, prepared))
     shape = shape_of(room, table)
     loads = dict.fromkeys(one.payload_name for one in prepared.fitted)
-    aim = Aim(wanted, criterion, seed)
     begun: list[Started] = []
     for load in loads:
         if load is None or nominal.payloads[load].mass is not None:
@@ -77,29 +62,8 @@ def plan_after(
     if not begun:
         raise BenchError(f"{dataset.folder}: every fitted recording carries a payload of unknown mass")
     best = min(begun, key=lambda one: min(map(one.search.value, [*one.random, *one.sparse])))
-    search = best.search
-    progress.phase("improving the best motions", steps)
-    candidate = best_candidate(search, [*best.random, *best.sparse], steps, seed, progress)
-    progress.phase("proving that the limits are kept")
-    kept = proven(search, candidate)
-    motions = (kept[0],)
-    return Plan(
-        robot=dataset.robot,
-        nominal=nominal,
-        room=room,
-        search=search,
-        names=(NEXT,),
-        motions=motions,
-        sizes=best.sizes,
-        targets=best.targets,
-        wanted=wanted,
-        criterion=criterion,
-        value=search.value(motions),
-        random=random_values(search, best.random),
-        seed=seed,
-        steps=steps,
-        before=search.criterion(equations(known)),
-    )
+    plan = searched(dataset.robot, best, (NEXT,), aim, progress)
+    return replace(plan, before=best.search.criterion(equations(known)))
 
 
 def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:

@@ -67,13 +67,13 @@ def plan_json(plan: Plan, told: Forecast) -> dict[str, Any]:
     }
     answer = {
         "robot": plan.robot.name,
-        "for": list(plan.wanted),
-        "criterion": plan.criterion,
+        "for": list(plan.aim.wanted),
+        "criterion": plan.aim.criterion,
         "value": plan.value,
         "random": dict(plan.random),
         "before": plan.before,
-        "seed": plan.seed,
-        "steps": plan.steps,
+        "seed": plan.aim.seed,
+        "steps": plan.aim.steps,
         "unknowns": [
             {
                 "name": one.name,
@@ -141,7 +141,7 @@ def scenario_text(plan: Plan) -> str:
     lines = [
         f'description = "Planned by bench excite for {robot.name}"',
         f"robot = {_quoted(reference)}",
-        f"seed = {plan.seed}",
+        f"seed = {plan.aim.seed}",
         f"log_rate = {plan.nominal.noise.rate!r}",
         "",
         "[controller]  # stiff, so that the motion is the planned one",

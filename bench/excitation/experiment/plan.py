@@ -47,8 +47,30 @@ NAMES = ("unloaded", "loaded")
 
 
 @dataclass(frozen=True)
+class Aim:
+    """What is made small, and how it is searched for.
+
+    wanted: "all" (gains and base parameters), "gains", "parameters", or effects as EFFECT or EFFECT:JOINT. criterion:
+    the largest relative standard error, or the volume of the error ellipsoid.
+    """
+
+    wanted: tuple[str, ...] = (ALL,)
+    criterion: Criterion = "worst"
+    steps: int = STEPS
+    seed: int = 0
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The effects among what is wanted."""
+        return tuple(one for one in self.wanted if one not in (ALL, GAINS, PARAMETERS))
+
+
+WHOLE = Aim()
+
+
+@dataclass(frozen=True)
 class Plan:
-    """An experiment. recordings: of every motion its name, payload and trajectory; sizes (P,): against which standard
+    """An experiment. names, motions: of every recording its name and its motion; sizes (P,): against which standard
     errors are held; targets: the unknowns that it is for; value: the criterion, relative; random: the same of motions
     at random, `best` and `median` of `RANDOM`.
     """
@@ -61,22 +83,10 @@ class Plan:
     motions: tuple[Tried, ...]
     sizes: np.ndarray
     targets: np.ndarray
-    wanted: tuple[str, ...]
-    criterion: Criterion
+    aim: Aim
     value: float
     random: Mapping[str, float]
-    seed: int
-    steps: int
     before: float | None = None  # the criterion of what was measured already
-
-
-@dataclass(frozen=True)
-class Aim:
-    """What is made small, and the seed of the search for it."""
-
-    wanted: tuple[str, ...]
-    criterion: Criterion
-    seed: int
 
 
 @dataclass(frozen=True)
@@ -157,50 +167,45 @@ def check_linear(effects: Sequence[EffectInstance]) -> None:
 def plan_experiment(
     robot: Robot,
     table: ExperimentTable,
-    wanted: Sequence[str] = (),
+    aim: Aim = WHOLE,
     effects: Sequence[str] = (),
     *,
-    criterion: Criterion = "worst",
-    steps: int = STEPS,
-    seed: int = 0,
     catalogue: Mapping[str, Effect] = CATALOGUE,
     progress: Progress = SILENT,
 ) -> Plan:
     """Design motions, without and with the payload, that make the standard errors of what is wanted small.
 
-    wanted: "all" (gains and base parameters), "gains", "parameters", or effects as EFFECT or EFFECT:JOINT; effects:
-    what the model has beside, not aimed at. criterion: the largest relative standard error, or the volume of the
-    error ellipsoid. Raises BenchError for names that are unknown and limits that leave no room.
+    effects: what the model has beside, not aimed at. Raises BenchError for names that are unknown and limits that leave
+    no room.
     """
     progress.phase("reading the robot")
-    wanted = tuple(wanted) or (ALL,)
-    asked = [one for one in wanted if one not in (ALL, GAINS, PARAMETERS)]
-    nominal = nominal_machine(robot, table, [*effects, *asked], catalogue)
+    nominal = nominal_machine(robot, table, [*effects, *aim.effects], catalogue)
     room = room_of(nominal.model.geometry, table)
     loads: tuple[str | None, ...] = (None, *nominal.payloads)
-    aim = Aim(wanted, criterion, seed)
     begun = started(nominal, room, shape_of(room, table), loads, aim, progress=progress)
+    return searched(robot, begun, NAMES[: len(loads)], aim, progress)
+
+
+def searched(robot: Robot, begun: Started, names: tuple[str, ...], aim: Aim, progress: Progress) -> Plan:
+    """The best motions that a search finds, one for each name."""
     search = begun.search
-    progress.phase("improving the best motions", steps)
-    best = best_candidate(search, [*begun.random, *begun.sparse], steps, seed, progress)
+    progress.phase("improving the best motions", aim.steps)
+    best = best_candidate(search, [*begun.random, *begun.sparse], aim.steps, aim.seed, progress)
     progress.phase("proving that the limits are kept")
     kept = proven(search, best)
-    motions = tuple(kept[number] for number in range(len(loads)))
+    motions = tuple(kept[number] for number in range(len(names)))
     return Plan(
         robot=robot,
-        nominal=nominal,
-        room=room,
+        nominal=search.nominal,
+        room=search.room,
         search=search,
-        names=NAMES[: len(loads)],
+        names=names,
         motions=motions,
         sizes=begun.sizes,
         targets=begun.targets,
-        wanted=wanted,
-        criterion=criterion,
+        aim=aim,
         value=search.value(motions),
         random=random_values(search, begun.random),
-        seed=seed,
-        steps=steps,
     )
 
 

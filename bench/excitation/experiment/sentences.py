@@ -14,7 +14,7 @@ def sentences(plan: Plan, told: Forecast) -> list[str]:
         factor = plan.random["median"] / plan.value
         what = (
             "worst relative standard error"
-            if plan.criterion == "worst"
+            if plan.aim.criterion == "worst"
             else "mean axis of the error ellipsoid"
         )
         lines.append(

@@ -11,7 +11,9 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.diagnosis.diagnose import diagnose
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import fit
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis
 from bench.studies.sweep.hidden_share import without_share
@@ -116,14 +118,14 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
 def _identifying(dataset: Dataset, run: Run) -> float:
     """Seconds that an identification takes."""
     start = time.perf_counter()
-    fit(prepare(dataset, run.identify["effects"]), run.identify["method"])
+    fit(prepare(problem_of(dataset, run.identify["effects"])), run.identify["method"])
     return time.perf_counter() - start
 
 
 def _diagnosing(dataset: Dataset, run: Run) -> float:
     """Seconds that a look at every effect takes, however long the movement is."""
     start = time.perf_counter()
-    diagnose(dataset, run.identify["effects"])
+    diagnose(problem_of(dataset, run.identify["effects"]))
     return time.perf_counter() - start
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bench.diagnosis.diagnose import diagnose
 from bench.identification.prepare import Prepared
+from bench.identification.problem import problem_of
 from bench.truth.machine import true_gains
 from bench.truth.simulate import Simulation
 
@@ -14,7 +15,7 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
     An effect that the data cannot tell from the true one counts as found.
     """
     modelled = tuple(dict.fromkeys(one.request for one in prepared.effects))
-    found = diagnose(prepared.dataset, modelled, filters=prepared.settings)
+    found = diagnose(problem_of(prepared.dataset, modelled, filters=prepared.settings))
     hidden = {effect.name for effect in simulation.machine.hidden} - {
         one.effect.name for one in prepared.effects
     }

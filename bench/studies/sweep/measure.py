@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
-from bench.identification.identify import Prepared
+from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
 from bench.studies.sweep.accuracy import Metrics, accuracy
 from bench.studies.sweep.true_parameters import true_base_parameters

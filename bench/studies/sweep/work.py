@@ -11,7 +11,9 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.excitation.scenario import designer
-from bench.identification.identify import fit, prepare
+from bench.identification.identify import fit
+from bench.identification.prepare import prepare, with_gains
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import Scenario, resolve_trajectories, scenario_from_dict
 from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.sweep.diagnosed import diagnosis_metrics
@@ -74,14 +76,15 @@ class RunTask:
             else:
                 simulation = sense_again(motion, _scenario(first, without_share(first.content)))
             dataset, filters = as_dataset(simulation), _filters(simulation.scenario)
-            prepared = prepare(dataset, first.identify["effects"], filters)
+            prepared = prepare(problem_of(dataset, first.identify["effects"], filters, fit_gains=False))
         except BenchError as error:
             return [failed_row(run, str(error)) for run in self.runs]
         rows = []
         for run in self.runs:
-            options = {key: run.identify[key] for key in ("deviations", "essential", "fit_gains")}
+            options = {key: run.identify[key] for key in ("deviations", "essential")}
             try:
-                result = fit(prepared, run.identify["method"], **options)
+                own = with_gains(prepared, run.identify["fit_gains"])
+                result = fit(own, run.identify["method"], **options)
                 metrics: dict[str, float | str] = dict(measure(simulation, prepared, result, self.record))
                 if run.identify["diagnose"]:
                     metrics |= diagnosis_metrics(simulation, prepared)

@@ -13,7 +13,6 @@ from bench.diagnosis.law_effects import law_effects
 from bench.diagnosis.result import Diagnosis, Discovered
 from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
 from bench.effects.select import ROBOT
-from bench.identification.identify import gains_can_be_fitted
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, with_effects
 from bench.signals.decimation import decimate
@@ -84,8 +83,7 @@ def _found_model(diagnosis: Diagnosis, prepared: Prepared) -> tuple[Prepared, np
     """The model that was found, and the values of its effects' columns in their order."""
     catalogue = {**CATALOGUE, **law_effects(diagnosis.discovered)}
     found = diagnosis.after.effect_parameters
-    weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
-    places = places_in(prepared.model.geometry, weighed)
+    places = places_in(prepared.model.geometry, prepared.dataset.weighed)
     instances: list[EffectInstance] = []
     values: list[float] = []
     for name, at in found.items():
@@ -98,7 +96,7 @@ def _found_model(diagnosis: Diagnosis, prepared: Prepared) -> tuple[Prepared, np
             instances.append(replace(one, effect=effect))
             values += [told[parameter.name] for parameter in effect.parameters]
     model = with_effects(prepared, instances)
-    return settled(model, gains_can_be_fitted(model, None), nearly=True), np.array(values)
+    return settled(model, nearly=True), np.array(values)
 
 
 def _true_torques(

@@ -10,11 +10,12 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.discovery.find import diagnose_and_discover
+from bench.discovery.find import find_missing_effects
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.excitation.scenario import designer
-from bench.identification.identify import fit, prepare
-from bench.identification.prepare import Prepared, with_effects
+from bench.identification.identify import fit
+from bench.identification.prepare import Prepared, prepare, with_effects
+from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.scenario.scenario import resolve_trajectories
 from bench.studies.sweep.accuracy import accuracy
@@ -114,7 +115,7 @@ def failed_row(setup: Setup, case: Case, number: int, reason: str) -> Row:
 def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation) -> Row:
     """Diagnose the log of a simulation, which is all that the diagnosis is given, and judge the answer."""
     dataset = as_dataset(simulation)
-    diagnosis = diagnose_and_discover(dataset)
+    diagnosis = find_missing_effects(problem_of(dataset))
     hidden = [_plain_entry(one) for one in simulation.scenario.settings.hidden]
     known = [name for name in case.effects if name != LAW]
     told, alone = _told(setup, dataset, hidden, known)
@@ -129,7 +130,7 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     row |= _accuracy(simulation, diagnosis, told, floor)
     row["laws"] = len(diagnosis.discovered)
     if case.kind == "unknown":
-        row |= law_columns(simulation, diagnosis, prepare(dataset))
+        row |= law_columns(simulation, diagnosis, prepare(problem_of(dataset)))
     alike = moving_alike(simulation, setup.passive)
     row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
     row["intervals_told"] = json.dumps(intervals(setup, hidden, told, alike))
@@ -160,7 +161,7 @@ def _told(
     setup: Setup, dataset: Dataset, hidden: Sequence[Entry], effects: Sequence[str]
 ) -> tuple[Identification, dict[str, Identification]]:
     """The fit of a model that was told the effects and where they are, and its fits without each of them."""
-    prepared = prepare(dataset)
+    prepared = prepare(problem_of(dataset))
     wanted = list(
         dict.fromkeys(
             f"{effect}:{place}" if place else effect for effect, place, _ in hidden_places(setup, hidden)
@@ -177,8 +178,7 @@ def _told(
 
 
 def _fitted(prepared: Prepared, wanted: Sequence[str]) -> Identification:
-    weighed = [name for name, one in prepared.dataset.payloads.items() if one.mass is not None]
-    places = places_in(prepared.model.geometry, weighed)
+    places = places_in(prepared.model.geometry, prepared.dataset.weighed)
     return fit(with_effects(prepared, select_effects(wanted, places, CATALOGUE)))
 
 

@@ -1,0 +1,44 @@
+"""What is asked of recordings, in one value: the model to begin with, the effects that are known, filters and gains."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.dataset.dataset import Dataset
+from bench.effects import Effect, catalogue_for
+from bench.signals.settings import FilterSettings
+
+Filters = FilterSettings | Mapping[str, Any] | None
+"""Settings, some of them by name, or none: what is left out is chosen from the spectra."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A dataset and what is to be found from it. `problem_of` makes it, `bench.identification.prepare` its equations.
+
+    effects: of the model, as EFFECT[:PLACE][@recording]. catalogue: every effect that is known, by name. fit_gains:
+    whether drive gains are unknowns; None: where a fitted recording carries a payload of known mass.
+    """
+
+    dataset: Dataset
+    catalogue: Mapping[str, Effect]
+    effects: tuple[str, ...] = ()
+    filters: Filters = None
+    fit_gains: bool | None = None
+
+
+def problem_of(
+    dataset: Dataset,
+    effects: Sequence[str] = (),
+    filters: Filters = None,
+    *,
+    effect_files: Iterable[str | Path] = (),
+    fit_gains: bool | None = None,
+) -> Problem:
+    """With the built-in effects, the dataset's own, and those of further Python files.
+
+    Raises BenchError that names a file and what is wrong with it, or two effects of the same name.
+    """
+    catalogue = catalogue_for(dataset.effect_files, map(Path, effect_files))
+    return Problem(dataset, catalogue, tuple(effects), filters, fit_gains)
