@@ -11,6 +11,8 @@ from bench.truth.machine import build_machine
 from bench.truth.simulate import simulate
 
 SHORT = {"optimise": False, "duration": 2.0, "ramp": 0.5}
+BRIEF = {**SHORT, "duration": 1.0}
+STEP = 0.0005  # s, of the simulation: a law at a state does not ask for a finer one
 
 
 def scenario(name, hidden=(), recordings=("free", "held"), **overrides):
@@ -21,7 +23,8 @@ def scenario(name, hidden=(), recordings=("free", "held"), **overrides):
         "free": {"name": "free", "use": "identify", "design": {"seed": 1}},
         "held": {"name": "held", "use": "identify", "payload": payload, "design": {"seed": 2}},
     }
-    changes = {"design": SHORT, "recordings": [tables[r] for r in recordings], "hidden": list(hidden)}
+    changes = {"design": SHORT, "recordings": [tables[r] for r in recordings], "step": STEP}
+    changes["hidden"] = list(hidden)
     return load_scenario(name, changes | overrides)
 
 
@@ -41,7 +44,7 @@ def bare_machine(name):
 def run(name, *hidden, every_step=False, **overrides):
     """The simulation of a short scenario with hidden effects; every_step: each step is logged."""
     if every_step:
-        overrides["log_rate"] = 4000.0
+        overrides["log_rate"] = 1.0 / STEP
     return simulate(scenario(name, hidden, **overrides), threads=1)
 
 

@@ -11,7 +11,7 @@ from bench.dataset.catalogue import catalogue_folder
 from bench.truth.dataset import as_dataset
 from bench.truth.hidden.geometric_error import GeometricError
 from bench.truth.report import truth
-from tests.hidden_kit import bare_machine, cart, needed, run, states
+from tests.hidden_kit import STEP, bare_machine, cart, needed, run, states
 
 PASSIVE = {"five_bar": 0.08, "delta": 0.6}
 
@@ -97,7 +97,10 @@ GEOMETRY = {
 
 @pytest.mark.parametrize("joint", GEOMETRY)
 def test_geometric_error_is_a_longer_link_in_the_mjcf(joint, tmp_path):
-    tuning = {"controller": {"kp": 200.0, "kv": 6.0}}  # not from an inertia, which the length changes
+    tuning = {
+        "controller": {"kp": 200.0, "kv": 6.0},  # not from an inertia, which the length changes
+        "step": STEP / 2,
+    }
     error = {"effect": "geometric_error", "joint": joint, "error": 0.003}
     hidden, unchanged = run("five_bar", error, **tuning), run("five_bar", **tuning)
     known = run("five_bar", **tuning, **changed_robot(tmp_path, "five_bar", GEOMETRY[joint]))
@@ -193,13 +196,13 @@ def test_platform_force_acts_at_the_tool_in_the_base_s_frame(robot):
         return data.site("tool").xpos.copy()
 
     home = tool(machine.home)
-    samples = np.arange(1001, len(motion.time) - 1, 50)
+    samples = np.arange(501, len(motion.time) - 1, 25)
     place = np.array([[tool(motion.qpos[i + d]) for d in (-1, 0, 1)] for i in samples])
     lifted = needed(model, motion, machine.dofs, samples) - motion.torque[samples]
     acting = force - k * (place[:, 1] - home)
-    speed = (place[:, 2] - place[:, 0]) / 0.0005
+    speed = (place[:, 2] - place[:, 0]) / (2 * STEP)
     angles = motion.qpos[:, machine.addresses]
-    rate = (angles[samples + 1] - angles[samples - 1]) / 0.0005
+    rate = (angles[samples + 1] - angles[samples - 1]) / (2 * STEP)
     given, taken = (acting * speed).sum(axis=1), (lifted * rate).sum(axis=1)
     assert np.abs(given).max() > 0.1
     np.testing.assert_allclose(taken, given, atol=1e-4 * np.abs(given).max())
@@ -218,12 +221,12 @@ def test_tool_drag_takes_the_power_of_its_speed_cubed(robot):
         mujoco.mj_kinematics(model, data)
         return data.site("tool").xpos.copy()
 
-    samples = np.arange(1001, len(motion.time) - 1, 50)
+    samples = np.arange(501, len(motion.time) - 1, 25)
     place = np.array([[tool(motion.qpos[i + d]) for d in (-1, 1)] for i in samples])
-    speed = np.linalg.norm(place[:, 1] - place[:, 0], axis=1) / 0.0005
+    speed = np.linalg.norm(place[:, 1] - place[:, 0], axis=1) / (2 * STEP)
     added = motion.torque[samples] - needed(model, motion, machine.dofs, samples)
     angles = motion.qpos[:, machine.addresses]
-    rate = (angles[samples + 1] - angles[samples - 1]) / 0.0005
+    rate = (angles[samples + 1] - angles[samples - 1]) / (2 * STEP)
     wanted = 2.0 * speed**3
     assert wanted.max() > 0.1
     np.testing.assert_allclose((added * rate).sum(axis=1), wanted, atol=5e-3 * wanted.max())
@@ -271,7 +274,7 @@ def test_transmission_error_is_in_the_log_and_in_what_the_controller_does():
         error = np.column_stack([2e-3 * np.cos(phase) - 1e-3 * np.sin(phase), 0 * phase])
         np.testing.assert_allclose(recording.position - true, error, atol=1e-15)
         # the velocity that the controller takes from its encoders, a step late
-        rate = motion.qvel[1:, machine.dofs] + np.diff(error, axis=0) / 0.00025
+        rate = motion.qvel[1:, machine.dofs] + np.diff(error, axis=0) / STEP
         q, qd, _ = (part[1:] for part in recording.trajectory.evaluate(motion.time))
         current = drive.kp * (q - recording.position[1:]) + drive.kv * (qd - rate)
         np.testing.assert_allclose(recording.current[1:], current / drive.nominal_gains, atol=1e-9)

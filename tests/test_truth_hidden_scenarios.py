@@ -11,7 +11,7 @@ from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.report import truth
 from bench.truth.simulate import simulate
-from tests.hidden_kit import SHORT, bare_machine, cart, plain, run, scenario, states
+from tests.hidden_kit import BRIEF, STEP, bare_machine, cart, plain, run, scenario, states
 
 # each large enough to be felt and small enough for any robot: torques as shares of what its motors give
 EACH = {
@@ -55,7 +55,6 @@ EACH = {
     "viscoelastic_cable": {"k": 1.0, "T": 0.5},
     "viscous_friction": {"Fv": 0.1},
 }
-BRIEF = {**SHORT, "duration": 1.0}
 KEEPS = {"position_dependent_friction": {"effect": "coulomb_friction", "Fc": 0.1}}
 
 
@@ -77,7 +76,9 @@ def test_catalogue_folder_and_this_table_are_in_step():
 @pytest.mark.parametrize("effect", EACH)
 def test_each_effect_changes_the_currents_and_leaves_the_loops_closed(effect, robot):
     hidden = [{"effect": effect, **EACH[effect]}] + ([KEEPS[effect]] if effect in KEEPS else [])
-    simulation, without = run(robot, *hidden, design=BRIEF), plain(robot, duration=BRIEF["duration"])
+    step = STEP / 2 if effect == "drive_flexibility" else STEP
+    simulation = run(robot, *hidden, design=BRIEF, step=step)
+    without = plain(robot, duration=BRIEF["duration"], step=step)
     assert simulation.loop_gap < 1e-5
     for recording, reference in zip(simulation.recordings, without.recordings, strict=True):
         assert np.isfinite(recording.current).all()
@@ -93,15 +94,15 @@ def test_each_effect_changes_the_currents_and_leaves_the_loops_closed(effect, ro
 @pytest.mark.parametrize("effect", ["backlash", "stribeck_friction", "torque_drift", "presliding_hysteresis"])
 def test_same_scenario_same_bits_and_no_recording_depends_on_another(effect):
     hidden = {"effect": effect, **EACH[effect]}
-    one, two = run("five_bar", hidden), run("five_bar", hidden)
-    alone = run("five_bar", hidden, recordings=("held",))
+    one, two = run("five_bar", hidden, design=BRIEF), run("five_bar", hidden, design=BRIEF)
+    alone = run("five_bar", hidden, design=BRIEF, recordings=("held",))
     for a, b in [*zip(one.recordings, two.recordings, strict=True), (one.recordings[1], alone.recordings[0])]:
         np.testing.assert_array_equal(a.log.position, b.log.position)
         np.testing.assert_array_equal(a.log.current, b.log.current)
 
 
 def test_the_number_of_threads_changes_nothing():
-    given = scenario("five_bar", [{"effect": "load_dependent_friction", "mu": 0.1}])
+    given = scenario("five_bar", [{"effect": "load_dependent_friction", "mu": 0.1}], design=BRIEF)
     for a, b in zip(
         simulate(given, threads=1).recordings, simulate(given, threads=2).recordings, strict=True
     ):
@@ -124,7 +125,7 @@ def test_effects_add_up_whichever_way_they_are_simulated():
         {"effect": "gain_saturation", "k": 2e-3, "joint": "left"},
         {"effect": "torque_ripple", "a": 0.03, "b": 0.02, "period": 0.25, "joint": "left"},
     )
-    for s in states(run("five_bar", *hidden), "five_bar", slowest=0.02):
+    for s in states(run("five_bar", *hidden, design=BRIEF), "five_bar", slowest=0.02):
         sign = np.sign(s.v)
         both = 0.1 * s.v + (0.1 + 0.2 * np.exp(-((s.v / 0.5) ** 2))) * sign - 0.1
         both += 0.1 * np.cos(2 * np.pi * s.q / 0.2) + 0.3 * (s.q - 0.1)
@@ -140,11 +141,13 @@ def test_effects_add_up_whichever_way_they_are_simulated():
 def test_delays_and_lags_add_up():
     """A lag after a delay, and a log that is late on top: each shifts what is logged further."""
     delay, lag = {"effect": "current_delay", "T": 0.001}, {"effect": "current_loop_lag", "T": 0.002}
-    simulation = run("five_bar", delay, lag, {"effect": "current_delay", "T": -0.003}, every_step=True)
+    simulation = run(
+        "five_bar", delay, lag, {"effect": "current_delay", "T": -0.003}, every_step=True, design=BRIEF
+    )
     for s in states(simulation, "five_bar", step=1):
-        flowing, entering = (s.torque / s.gains)[:-8], s.current[8:]  # what enters: the reference 4 steps ago
-        stay = np.exp(-0.00025 / 0.002)
-        mean = (1 - stay) * 0.002 / 0.00025
+        flowing, entering = (s.torque / s.gains)[:-4], s.current[4:]  # what enters: the reference 2 steps ago
+        stay = np.exp(-STEP / 0.002)
+        mean = (1 - stay) * 0.002 / STEP
         expected = stay * flowing[:-1] + (1 - mean) * entering[1:] + (mean - stay) * entering[:-1]
         np.testing.assert_allclose(flowing[1:], expected, atol=1e-8)
 
@@ -176,7 +179,7 @@ def test_a_law_in_python_and_the_same_law_in_mujoco_move_alike():
 def test_a_longer_step_moves_nearly_alike(effect):
     """Of 0.5 ms instead of 0.25 ms: what the step alone makes of the currents."""
     hidden = {"effect": effect, **EACH[effect]}
-    fine, coarse = run("five_bar", hidden), run("five_bar", hidden, step=0.0005)
+    fine, coarse = run("five_bar", hidden, step=STEP / 2), run("five_bar", hidden)
     for one, other in zip(fine.recordings, coarse.recordings, strict=True):
         difference = np.sqrt(np.mean((one.current - other.current) ** 2) / np.mean(one.current**2))
         assert difference < 2e-3

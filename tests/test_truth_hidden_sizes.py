@@ -1,5 +1,7 @@
 """Effects of a wished size: what the rules give, a simulation must show."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -10,13 +12,16 @@ from bench.truth.hidden.machine_sizes import MACHINE_SIZES
 from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import measured_share, typical
 from bench.truth.inverse import motor_torque
-from tests.hidden_kit import SHORT, cart, plain, run
+from tests import hidden_kit
+from tests.hidden_kit import BRIEF, SHORT, cart
 
+run = functools.partial(hidden_kit.run, design=BRIEF)
+plain = functools.partial(hidden_kit.plain, duration=BRIEF["duration"])
 # asked for by default; less where a robot's motors or controller would not stand it
 SHARE = 0.03
 SHARES = {"gain_saturation": 0.01, "current_loop_lag": 0.01, "current_delay": 0.01, "backlash": 0.01}
-STEP = 0.0005  # s: nothing here asks for a finer one
-ROUGH = {"drive_flexibility", "torque_drift"}  # springs that swing; long waves in two seconds
+ROUGH = {"drive_flexibility", "torque_drift"}  # springs that swing; long waves in a second
+SLOW = {"hysteretic_cable"}  # wound up over more than a second's way
 
 
 def entry(effect, robot):
@@ -50,15 +55,16 @@ def test_every_effect_has_one_rule():
 @pytest.mark.parametrize("robot", ["five_bar", "delta"])
 @pytest.mark.parametrize("effect", HIDDEN_EFFECTS)
 def test_a_simulation_shows_the_share_that_was_asked_for(effect, robot):
-    reference, hidden = Reference(plain(robot, step=STEP)), entry(effect, robot)
+    design = SHORT if effect in SLOW else BRIEF
+    reference, hidden = Reference(plain(robot, duration=design["duration"])), entry(effect, robot)
     share = SHARES.get(effect, SHARE)
     hidden |= typical(effect, reference, share, hidden.get("joint"))
     if "rotor_inertia" in hidden:
-        found = share_of_current(*with_rotor(lambda *h: run(robot, *h, step=STEP), hidden))
+        found = share_of_current(*with_rotor(lambda *h: run(robot, *h), hidden))
     elif "joint" in hidden:
-        found = measured_share(run(robot, hidden, step=STEP), reference)[0]
+        found = measured_share(run(robot, hidden, design=design), reference)[0]
     else:
-        simulation = run(robot, hidden, step=STEP)
+        simulation = run(robot, hidden)
         weight = np.mean(reference.torque() ** 2, axis=0)
         found = np.sqrt(np.average(measured_share(simulation, reference) ** 2, weights=weight))
     low, high = (0.3, 3.0) if effect in ROUGH else (0.8, 1.25)
@@ -158,4 +164,3 @@ def test_sizes_do_not_depend_on_what_they_are_tried_with():
     first = typical("geometric_error", reference, 0.02, "left")
     assert typical("geometric_error", reference, 0.02, "left") == first
     np.testing.assert_array_equal(reference.torque(), before)
-    assert SHORT["duration"] == 2.0
