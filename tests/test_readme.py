@@ -22,6 +22,10 @@ def test_the_python_example_runs_on_what_the_demo_leaves(blocks, project_root, t
     assert main(["demo"]) == 0
     shown = capsys.readouterr().out
     assert shown.rstrip().splitlines()[-1].startswith("next: bench open results/demo/dataset ")
+    quoted = gains_in((project_root / "README.md").read_text(encoding="utf-8"))
+    assert list(quoted) == ["left", "right"]
+    for joint, (value, std) in gains_in(shown).items():
+        assert quoted[joint] == (pytest.approx(value, abs=0.1 * std), pytest.approx(std, rel=0.1))
     (example,) = [code for language, code in blocks if language == "python"]
     (reference,) = python_of(project_root / "docs" / "pages" / "reference" / "python.md")
     (twin,) = python_of(project_root / "docs" / "pages" / "howto" / "export.md")
@@ -39,6 +43,11 @@ def test_the_python_example_runs_on_what_the_demo_leaves(blocks, project_root, t
     assert main(["export", model, "--to", "mjcf", "-o", "five_bar_identified.xml"]) == 0
     exec(compile(twin, "README.md", "exec"), names)
     assert names["twin"].data.time >= 2.0
+
+
+def gains_in(text):
+    rows = re.findall(r"^(left|right) +([\d.]+) ± ([\d.]+) .* σ$", text, flags=re.MULTILINE)
+    return {joint: (float(value), float(std)) for joint, value, std in rows}
 
 
 def python_of(page):

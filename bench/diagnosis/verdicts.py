@@ -74,7 +74,7 @@ def _error(system: System, one: Scored, scale: float) -> float:
 
 
 def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
-    by = f", above all {proposal.taken_up_by}" if proposal.taken_up_by else ""
+    by = f", above all {proposal.taken_up_by}," if proposal.taken_up_by else ""
     why = (
         f"The model's own parameters{by} take {spoken(proposal.name)} up completely: no data of this robot with "
         "these payloads can show it."

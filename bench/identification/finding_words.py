@@ -167,8 +167,9 @@ def _far_worse(one: Finding) -> str:
 
 
 def _poorly(one: Finding) -> str:
+    verb = "is" if one.numbers["count"] == 1 else "are"
     return (
-        f"{one.numbers['count']:.0f} of {one.numbers['of']:.0f} parameters are poorly determined (deviation above "
+        f"{one.numbers['count']:.0f} of {one.numbers['of']:.0f} parameters {verb} poorly determined (deviation above "
         f"{in_percent(one.numbers['limit'])} of the value); `bench identify --essential` leaves out what does not "
         "matter."
     )
