@@ -7,6 +7,7 @@
 #   make measured  identify and diagnose measured logs, beside what is known of their machines
 #   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
 #   make docs    the documentation as a site, in site/; open site/index.html
+#   make pictures  the pictures of the README and the tutorials, by the commands that they show, in results/pictures
 #   make atlas   the figures of the atlas of effects, in results/atlas
 #   make format  put the code into the shape that `make test` asks for
 
@@ -21,7 +22,7 @@ SCRIPTS := $(wildcard bench/*/assets/*.js docs/pages/*.js)
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint types imports tests test-kernels check check-full speed measured peers docs atlas format constraints clean
+.PHONY: demo test lint types imports tests test-kernels check check-full speed measured peers docs pictures atlas format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -76,6 +77,9 @@ docs: $(INSTALLED)
 
 atlas: $(INSTALLED)
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/atlas/draw.py
+
+pictures: $(INSTALLED)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/pictures/draw.py
 
 format: $(INSTALLED)
 	$(BIN)/ruff check --fix-only .

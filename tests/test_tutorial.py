@@ -53,9 +53,11 @@ def held(blocks, capsys):
 
 
 def parts_of(text):
-    """A block of sentences is held line by line, as bullets stand between them; what runs on over lines as a whole."""
+    """A block of sentences is held line by line, as bullets stand between them, an indented line with the one before;
+    what runs on over lines as a whole.
+    """
     whole = any(words in text for words in ("noise of the currents", "falls from"))
-    return [text] if whole else text.strip().splitlines()
+    return [text] if whole else text.strip().replace("\n  ", " ").splitlines()
 
 
 def check(part, printed):
