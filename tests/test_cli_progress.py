@@ -10,6 +10,7 @@ import time
 import pytest
 
 from bench.cli import main
+from bench.cli.progress import progress_to
 
 PATIENCE = 60.0  # s: a machine that does other work as well is slow to start a process
 FIRST = {
@@ -75,25 +76,56 @@ def arguments(name, folder, data):
 
 
 @pytest.mark.parametrize(
-    ("name", "phases"),
+    ("name", "phases", "steps"),
     [
-        ("simulate", ["starting", "designing trajectories", "simulating"]),
-        ("diagnose", ["starting", "reading the recordings", "searching, round 1"]),
-        ("report", ["starting", "reading the recordings"]),
-        ("discriminate", ["starting", "fitting both models"]),
-        ("trial", ["starting", "designing trajectories"]),
-        ("sweep", ["starting", "designing trajectories"]),
+        ("simulate", ["starting", "designing trajectories", "simulating"], ["/132", "left"]),
+        ("trial", ["starting", "designing trajectories"], []),
+        ("sweep", ["starting", "designing trajectories"], []),
     ],
 )
-def test_a_terminal_shows_the_phases_from_the_beginning(name, phases, tmp_path, data):
-    text = shown(arguments(name, tmp_path, data), phases)
+def test_a_terminal_shows_the_phases_from_the_beginning(name, phases, steps, tmp_path, data):
+    """And, where it has any, the steps and the time left."""
+    text = shown(arguments(name, tmp_path, data), [*phases, *steps])
+    assert all(step in text for step in steps)
     places = [text.find(phase) for phase in phases]
     assert -1 not in places, text
     assert places == sorted(places)
 
 
-def test_steps_and_time_left_are_shown(tmp_path, data):
-    assert "left" in shown(arguments("simulate", tmp_path, data), ["/132", "left"])
+class SeenError(Exception):
+    """Enough was told."""
+
+
+class Until:
+    """Progress that keeps the phases, and ends the command at the last of them."""
+
+    def __init__(self, phases):
+        self.phases, self.told = phases, []
+
+    def phase(self, name, total=None):
+        self.told.append(name)
+        if name.startswith(self.phases[-1]):
+            raise SeenError
+
+    def advance(self, steps=1):
+        """Not what is looked at."""
+
+
+@pytest.mark.parametrize(
+    ("name", "phases"),
+    [
+        ("diagnose", ["starting", "reading the recordings", "searching, round 1"]),
+        ("report", ["starting", "reading the recordings"]),
+        ("discriminate", ["starting", "fitting both models"]),
+    ],
+)
+def test_commands_that_share_their_bar_tell_their_phases_from_the_beginning(name, phases, tmp_path, data):
+    heard = Until(phases)
+    with pytest.raises(SeenError), progress_to(heard):
+        main(arguments(name, tmp_path, data))
+    assert heard.told[0] == phases[0]
+    places = [heard.told.index(next(told for told in heard.told if told.startswith(one))) for one in phases]
+    assert places == sorted(places)
 
 
 def test_nothing_is_shown_when_piped(tmp_path, brief, capfd):
@@ -102,9 +134,8 @@ def test_nothing_is_shown_when_piped(tmp_path, brief, capfd):
 
 
 def test_nothing_is_shown_when_quiet(tmp_path, brief):
-    words = ["simulate", str(brief), "-o", str(tmp_path / "out")]
-    assert "starting" in shown(words, ["starting"])
-    assert shown([*words, "--quiet"], ["never"]) == ""
+    words = ["simulate", str(brief), "-o", str(tmp_path / "out"), "--quiet"]
+    assert shown(words, ["never"]) == ""
     assert (tmp_path / "out" / "dataset.toml").is_file()
 
 
