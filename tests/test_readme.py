@@ -82,7 +82,7 @@ def test_figures_of_the_readme_are_those_of_the_results(project_root):
     (row,) = re.findall(r"^\| largest gain error \|(.*)\|$", text, flags=re.MULTILINE)
     found = dict(zip(robots, map(str.strip, row.split("|")), strict=True))
     for robot, cell in found.items():
-        seeds = {"five_bar": "five_bar", "delta": "delta"}.get(robot, "robots")
+        seeds = robot if robot in ("five_bar", "delta", "dualv") else "robots"
         table = pq.read_table(project_root / "results" / "montecarlo" / f"{seeds}_seeds.parquet").to_pylist()
         errors = [one["gain_error"] for one in table if one["scenario"] == robot]
         assert cell == f"{100 * statistics.median(errors):.3f} %"

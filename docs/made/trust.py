@@ -14,7 +14,7 @@ from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Figure
 from bench.studies.trial.unknown_page import unknown_table
 
-SEEDS = ("five_bar", "delta", "robots")
+SEEDS = ("five_bar", "delta", "robots", "dualv")
 METRICS = ("gain_error", "validate_error_over_noise_floor", "gain_within")
 GAIN_GOAL = "0.1 % five-bar, 0.4 % Delta, 0.3 % others"
 ENCODER_BITS = 20
