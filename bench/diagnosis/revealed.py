@@ -1,4 +1,4 @@
-"""Effects that show only when the shape of a found one gives way."""
+"""Effects that show only when the shape of a found one gives way, or when all are settled with them."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.diagnosis.candidates import Context, Proposal
+from bench.effects import EffectInstance
 from bench.identification.newton import with_shape_columns
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared
@@ -21,20 +22,31 @@ def partners(
     """Proposals (indices) that would explain much of what the settled model leaves, the most first.
 
     Beside the model's columns stand the derivatives by its shape parameters: a time constant that was found without a
-    viscous friction has taken its part, and would leave it there. context: of the model; found: what the model has
-    already.
+    viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in what joins
+    it, a search has said all there is. context: of the model; found: what the model has already.
     """
+    bends = any(map(_bends, model.effects))
+    able = [
+        i
+        for i, one in enumerate(proposals)
+        if i not in found and not one.absorbed and (bends or (found and any(map(_bends, one.instances))))
+    ]
+    if not able:
+        return []
     stack, solution = solved_quickly(model)
     bent, extended = with_shape_columns(model, stack, solution, np.arange(model.layout.size))
-    if bent.phi.shape[2] == stack.phi.shape[2]:
-        return []
     left = partial_regression(bent, extended)
     shares = {
-        i: left.explained(candidate_columns(context.prepared, one.instances))[1] / left.sum_of_squares
-        for i, one in enumerate(proposals)
-        if i not in found and not one.absorbed
+        i: left.explained(candidate_columns(context.prepared, proposals[i].instances))[1]
+        / left.sum_of_squares
+        for i in able
     }
     return sorted((i for i in shares if shares[i] > WORTH), key=lambda i: -shares[i])[:MOST]
+
+
+def _bends(one: EffectInstance) -> bool:
+    """Whether its columns depend on what else the model has."""
+    return bool(one.effect.shape) or one.effect.depends_on_model
 
 
 def beside(proposals: Sequence[Proposal], model: Prepared, own: int) -> list[Proposal]:

@@ -8,12 +8,14 @@ from bench.diagnosis.candidates import Context, Proposal, context_of, propose, s
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
-from bench.diagnosis.search import NEEDED, Found, search
+from bench.diagnosis.search import MATERIAL, NEEDED, Found, score, search
 from bench.effects import ActuatorEffect, Effect, EffectInstance
 from bench.identification.nonlinear import present_model, settled
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
+from bench.identification.result import relative_error
 from bench.identification.solve_only import solved_quickly
+from bench.identification.summary import modelled_series
 
 ROUNDS = 6
 
@@ -95,21 +97,32 @@ def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progr
 
 
 def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
-    """Search, linearise about what was found, and search again until the same is found.
+    """Search, linearise about what was found, and search again until the same is found; then as long as an effect that
+    joins leads to a set which, settled, leaves clearly less.
 
     barred: effects that may not be found: of an impossible sign, or superfluous.
     """
     here = replace(first, found=_search(first.system, first.proposals, barred)) if barred else first
-    tried: list[frozenset[int]] = []
-    for _ in range(ROUNDS):
-        here = _again(origin, here, barred, progress)
-        tried.append(frozenset(here.chosen))
+    here = _again(origin, here, barred, progress)
+    tried = {frozenset(here.chosen)}
+    for _ in range(ROUNDS - 1):
         progress.phase("searching for partners")
         better = _with_partner(origin, here, barred)
         if better is None or frozenset(better.chosen) in tried:
             break
-        here = better
+        there = _again(origin, better, barred, progress)
+        if error_of(there.model) >= (1.0 - MATERIAL) * error_of(here.model):
+            break
+        here = there
+        tried.add(frozenset(here.chosen))
     return here
+
+
+def error_of(model: Prepared) -> float:
+    """Relative error of a settled model on recordings that were not fitted, without anything else of its answer."""
+    _, solution = solved_quickly(model)
+    judged = [modelled_series(model, one, solution) for one in model.observations if one.use == "validate"]
+    return relative_error(judged) or 0.0
 
 
 def _again(origin: Origin, here: Round, barred: Collection[str], progress: Progress) -> Round:
@@ -130,7 +143,10 @@ def _again(origin: Origin, here: Round, barred: Collection[str], progress: Progr
 
 
 def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
-    """What is found when an effect joins the model and all shapes are settled anew; None if nothing better is."""
+    """What is found when an effect joins the model and all shapes are settled anew; None if nothing better is.
+
+    Sets are compared in one system: what each promises holds where it was linearised about the same model.
+    """
     context = origin.context(here.model)
     for i in partners(here.model, context, here.proposals, here.chosen):
         if here.proposals[i].name in barred:
@@ -139,7 +155,8 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
             joined = settle(here.proposals, (*here.chosen, i))
             others = beside(here.proposals, joined, len(origin.start.effects))
             wider = judged(origin, joined, others, barred)
-            if wider.found.best.total <= here.found.best.total + NEEDED:
+            without = score(wider.system, solve_set(wider.system, here.chosen), wider.found.empty)
+            if wider.found.best.total <= without.total + NEEDED:
                 break
         else:
             return wider

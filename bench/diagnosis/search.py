@@ -21,10 +21,13 @@ MATERIAL = 0.03  # share of the error on checked recordings that an effect must 
 
 @dataclass(frozen=True)
 class Scored:
-    """A set with its evidence against the present model, in nats: on checked recordings, and in all."""
+    """A set with its evidence against the present model, in nats: on checked recordings, on fitted ones beyond what
+    noise alone gives as many unknowns, and in all.
+    """
 
     fit: SetFit
     checked: float
+    fitted: float
     total: float
 
 
@@ -32,7 +35,8 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     """Log-likelihood ratios against `reference`, with as many samples as are independent.
 
     On checked recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
-    of their number is taken off for each parameter (Schwarz 1978). So are the priors of the set.
+    of their number is taken off for each parameter (Schwarz 1978). So are the priors of the set. Noise alone gives half
+    a nat a parameter there (Wilks 1938).
     """
     tiny = np.finfo(float).tiny
     samples = system.checked.rows / system.memory
@@ -41,7 +45,7 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     fitted = 0.5 * samples * np.log((reference.fitted + tiny) / (fit.fitted + tiny))
     extra = len(fit.columns) - len(reference.columns)
     penalty = 0.5 * extra * np.log(samples) + system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
-    return Scored(fit, float(checked), float(checked + fitted - penalty))
+    return Scored(fit, float(checked), float(fitted - 0.5 * extra), float(checked + fitted - penalty))
 
 
 @dataclass(frozen=True)
@@ -95,12 +99,15 @@ def _shortlist(
 
 
 def earned(system: System, one: Scored, empty: SetFit) -> bool:
-    """Whether the set is clearly poorer without any one of its effects, on recordings that were not fitted."""
+    """Whether the set is clearly poorer without any of its effects, on recordings that were not fitted, and on fitted
+    ones: where those say nothing of an effect, what it does elsewhere makes up for errors of the other parameters.
+    """
     chosen = one.fit.chosen
     for i in range(len(chosen)):
         fewer = solve_set(system, chosen[:i] + chosen[i + 1 :])
         without = score(system, fewer, empty)
-        if one.checked - without.checked < NEEDED or one.total - without.total < NEEDED:
+        gained = (one.checked - without.checked, one.fitted - without.fitted, one.total - without.total)
+        if min(gained) < NEEDED:
             return False
         if not material(fewer, one.fit):
             return False

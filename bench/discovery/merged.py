@@ -4,9 +4,10 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 from bench.diagnosis.diagnose import Finding
+from bench.diagnosis.rounds import error_of
 from bench.discovery.factors import Power
 from bench.discovery.grammar import V
-from bench.discovery.refine import AS_GOOD, Refined, error_of, instances_of
+from bench.discovery.refine import AS_GOOD, Refined, instances_of
 from bench.discovery.screen import Screened
 from bench.discovery.seen import places_of
 from bench.discovery.term import Term

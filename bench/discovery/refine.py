@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from bench.diagnosis.rounds import Origin, at_its_solution
+from bench.diagnosis.rounds import Origin, at_its_solution, error_of
 from bench.diagnosis.search import MATERIAL
 from bench.discovery.screen import Screened, at_place
 from bench.discovery.source import law_effect
@@ -13,9 +13,6 @@ from bench.discovery.variables import Place
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.result import relative_error
-from bench.identification.solve_only import solved_quickly
-from bench.identification.summary import modelled_series
 
 MOST = 18  # models that are tried
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
@@ -100,10 +97,3 @@ def better(new: Refined, old: Refined, own: int) -> bool:
     """Whether a model's error is clearly smaller, or as small with fewer effects beyond the first `own` instances."""
     fewer = new.size(own) < old.size(own)
     return new.error < ((1.0 + AS_GOOD) if fewer else (1.0 - MATERIAL)) * old.error
-
-
-def error_of(model: Prepared) -> float:
-    """Relative error of a settled model on recordings that were not fitted, without anything else of its answer."""
-    _, solution = solved_quickly(model)
-    judged = [modelled_series(model, one, solution) for one in model.observations if one.use == "validate"]
-    return relative_error(judged) or 0.0

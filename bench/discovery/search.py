@@ -8,12 +8,12 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.rounds import Origin, Round, reshaped, system_about
+from bench.diagnosis.rounds import Origin, Round, error_of, reshaped, system_about
 from bench.diagnosis.search import NEEDED, Found, score
 from bench.discovery.choose import best_set
 from bench.discovery.grammar import grammar
 from bench.discovery.named import BASICS, name_of
-from bench.discovery.refine import Refined, better, error_of, instances_of, refined
+from bench.discovery.refine import Refined, better, instances_of, refined
 from bench.discovery.screen import Known, few_rows, left_without
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.states import State, best_states
