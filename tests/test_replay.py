@@ -12,9 +12,10 @@ from rich.console import Console
 
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
+from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
 from bench.export.gravity import still_determined
-from bench.export.identified import load_identified
+from bench.export.identified import declaring, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.identification.identify import identify
@@ -72,6 +73,26 @@ def test_its_error_falls_step_by_step_as_effects_are_added(replays):
     errors = [one.twin.error.identify for one in replays]
     assert errors[1] < 0.7 * errors[0]
     assert errors[2] < 0.3 * errors[1]
+
+
+def test_a_load_of_which_only_the_mass_is_known_is_replayed_where_the_rest_moves_nothing(tmp_path):
+    dataset = as_dataset(run("delta", design=BRIEF))
+    block = Payload("block", mass=dataset.payloads["block"].mass)  # the platform does not turn
+    dataset = replace(dataset, payloads={"block": block})
+    save_model(identify(prepare(problem_of(dataset))), tmp_path / "model.json")
+    identified = declaring(load_identified(tmp_path / "model.json"), dataset.payloads)
+    assert identified.payloads == {"block": {}}
+    found = replay(problem_of(dataset), physical_set(identified))
+    assert found.twin.error.identify == pytest.approx(found.model.error.identify, rel=0.1)
+
+
+def test_a_report_shows_machine_model_and_twin(recorded, models, tmp_path, capsys):
+    words = ["replay", str(recorded), "--model", str(models[-1]), "-o", str(tmp_path / "page")]
+    assert main(words) == 0
+    page = (tmp_path / "page" / "report.html").read_text(encoding="utf-8")
+    assert "Simulated by MuJoCo along 2 recorded motions" in page
+    assert "error of the twin" in page
+    assert f"wrote {tmp_path / 'page' / 'report.html'} (report)" in capsys.readouterr().out
 
 
 def test_twenty_lines_of_mujoco_and_numpy_find_the_same(recorded, models, project_root, tmp_path):

@@ -5,7 +5,13 @@ from pathlib import Path
 import click
 
 from bench.cli.last_lines import say, write_answer, wrote
-from bench.cli.options import dataset_argument, effect_file_option, in_existing_folder, json_option
+from bench.cli.options import (
+    dataset_argument,
+    effect_file_option,
+    in_existing_folder,
+    json_option,
+    output_option,
+)
 from bench.cli.progress import quiet_option
 
 
@@ -29,6 +35,7 @@ from bench.cli.progress import quiet_option
 )
 @effect_file_option
 @json_option
+@output_option("Folder for a report: currents of machine, model and twin, and the robot in motion.")
 @quiet_option
 @click.option(
     "--rrd",
@@ -45,6 +52,7 @@ def replay(
     nearest: bool,
     effect_files: tuple[Path, ...],
     json_file: Path | None,
+    output: Path | None,
     rrd_file: Path | None,
     quiet: bool,
 ) -> None:
@@ -62,8 +70,9 @@ def replay(
     from bench.cli.next_steps import after_replay
     from bench.cli.progress import shown_progress
     from bench.dataset.dataset import load_dataset
-    from bench.export.identified import load_identified
+    from bench.export.identified import declaring, load_identified
     from bench.export.physical import physical_set
+    from bench.identification.model_file import read_identification
     from bench.identification.problem import problem_of
     from bench.replay.replay import replay as replayed
     from bench.replay.replay import replay_json
@@ -71,23 +80,29 @@ def replay(
 
     data = load_dataset(dataset)
     identified = load_identified(model_file, data.robot.folder, (*data.effect_files, *effect_files))
-    identified = replace(identified, declared={**identified.declared, **data.payloads})
+    identified = declaring(identified, data.payloads)
     physical = physical_set(identified, use_cad=cad)
     if physical.contradiction is not None and not nearest:
         raise BenchError(f"{model_file}: {physical.contradiction.words()}; --nearest takes them all the same")
     problem = problem_of(data, effect_files=effect_files)
     with shown_progress(quiet) as progress:
         result = replayed(problem, physical, progress)
+    saved = read_identification(model_file, problem)
     written = []
     if json_file is not None:
         write_answer(json_file, replay_json(result))
         written.append(wrote(json_file, "answer"))
+    if output is not None:
+        from bench.page.section_run import Run
+        from bench.page.write import write_replay_report
+
+        given = {"model": str(model_file), "no_cad": not cad, "nearest": nearest}
+        run = Run("replay", str(dataset), (), tuple(map(str, effect_files)), given, str(output))
+        written.append(wrote(write_replay_report(output, result, problem, saved, run), "report"))
     if rrd_file is not None:
-        from bench.identification.model_file import read_identification
         from bench.viewer.recording import write_rrd
 
-        model = read_identification(model_file, problem)
-        told = replace(model, method="twin", recordings=result.twin.recordings, error=result.twin.error)
+        told = replace(saved, method="twin", recordings=result.twin.recordings, error=result.twin.error)
         write_rrd(rrd_file, told, data)
         written.append(wrote(rrd_file, "recording"))
     replay_report(result, Console())

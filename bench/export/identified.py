@@ -13,7 +13,9 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
 from bench.files.toml_input import read_toml
+from bench.identification.layout import parameter_layout
 from bench.identification.model_file import SavedModel, load_model, with_own_effects
+from bench.identification.payload_parameters import payload_columns
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import PARAMETERS
 
@@ -40,7 +42,8 @@ class EffectValues:
 class IdentifiedModel:
     """What was identified.
 
-    base (nb,) base parameters; payloads: what was estimated of each, by index among its ten standard parameters;
+    base (nb,) base parameters; payloads: what was estimated of each, by index among its ten standard parameters
+    (nothing, where what is not declared moves no motor);
     declared: what the dataset declares of them; gains (n,) in actuator order. covariance of [base, payloads in their
     order, linear parameters of effects, gains], (k, k); fixed (nb + ...,): base and payload parameters that were left
     out as not needed, zero and without a deviation.
@@ -134,6 +137,16 @@ def load_identified(
     return replace(model, effect_files=(*files, *effect_files, *own))
 
 
+def declaring(identified: IdentifiedModel, payloads: Mapping[str, Payload]) -> IdentifiedModel:
+    """The model with what a dataset declares of payloads, too."""
+    declared = {**identified.declared, **payloads}
+    return replace(
+        identified,
+        declared=declared,
+        payloads={**_moving_nothing(identified.model, declared), **identified.payloads},
+    )
+
+
 def identified_model(
     path: Path,
     saved: SavedModel,
@@ -156,7 +169,7 @@ def identified_model(
             f"{path}: no base parameter {unknown[0]}: the model does not belong to robot {robot.name}, or its "
             "geometry has changed since"
         )
-    loads = _payload_values(saved, names)
+    loads = {**_moving_nothing(model, payloads), **_payload_values(saved, names)}
     weighed = [name for name, one in payloads.items() if one.mass is not None]
     instances = select_effects(
         saved.model.effects, places_in(model.geometry, weighed), catalogue, saved.fitted
@@ -187,6 +200,17 @@ def _payload_values(saved: SavedModel, base: Sequence[str]) -> dict[str, dict[in
             symbol, _, payload = name.removesuffix(")").partition("(")
             found.setdefault(payload, {})[PARAMETERS.index(symbol)] = saved.parameters.get(name, 0.0)
     return {payload: dict(sorted(values.items())) for payload, values in found.items()}
+
+
+def _moving_nothing(
+    model: IdentificationModel, payloads: Mapping[str, Payload]
+) -> dict[str, dict[int, float]]:
+    """Payloads whose unknown parameters move no motor, as those of a platform that does not turn: none is estimated."""
+    weighed = [
+        name for name, one in payloads.items() if one.mass is not None and len(payload_columns(one).unknown)
+    ]
+    seen = parameter_layout(model, payloads, weighed, 0).payloads
+    return {name: {} for name in weighed if not len(seen[name])}
 
 
 def _with_values(path: Path, saved: SavedModel, instance: EffectInstance) -> EffectValues:

@@ -27,13 +27,17 @@ from bench.page.verdict import (
     diagnosis_verdict,
     identification_tiles,
     identification_verdict,
+    replay_tiles,
 )
 from bench.page.words import plural, typeset
+from bench.replay.replay import Replay
+from bench.replay.report import replay_sentences
 from bench.signals.settings import FilterSettings
 from bench.studies.sweep.versions import versions
 
 FRAMES = 150  # of the robot in motion: enough for the eye, and small
 AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
+OF_MODEL, OF_TWIN = "of the model itself", "of the twin"
 
 
 def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
@@ -122,6 +126,29 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
             gains_section(saved, None),
             parameters_section(saved, None),
             limits_section(None, None, dataset, settings),
+            run_section(dataset, settings, None, made),
+        ),
+        generator=_generator(),
+        footer=_footer(),
+    )
+
+
+def replay_page(result: Replay, problem: Problem, saved: Identification, made: Made) -> Page:
+    """A saved model's twin, simulated along the recorded motions, and the model itself beside it."""
+    dataset, settings = problem.dataset, saved.settings
+    model = shown(OF_MODEL, "before", problem, result.model, settings)
+    twin = shown(OF_TWIN, "after", problem, result.twin, settings)
+    noise = relative_noise_floor(dataset.recordings, result.twin.recordings, settings)
+    return Page(
+        title=f"The twin of {result.twin.robot} along recorded motions",
+        facts=_facts(dataset, f"model {result.twin.model}", "simulated by MuJoCo alone"),
+        verdict=tuple(typeset(one) for one in replay_sentences(result)),
+        tiles=replay_tiles(result, twin.where, noise),
+        sections=(
+            errors_section(twin, result.twin.recordings, noise),
+            currents_section([model, twin], _moving(dataset, result.twin.recordings, settings)),
+            where_section([model, twin]),
+            gains_section(saved, None),
             run_section(dataset, settings, None, made),
         ),
         generator=_generator(),

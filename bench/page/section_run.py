@@ -27,6 +27,8 @@ OPTIONS = {
     "essential": "--essential",
     "physical": "--physical",
     "model": "--model",
+    "no_cad": "--no-cad",
+    "nearest": "--nearest",
     "data": "--data",
 }
 

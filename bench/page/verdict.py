@@ -6,9 +6,10 @@ from bench.diagnosis.summary import and_list, found_effects, or_list, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
-from bench.identification.result import ErrorSummary, Identification
+from bench.identification.result import ErrorSummary, Identification, relative_error
 from bench.page.parts import Tile
 from bench.page.words import effect_name, share, short, typeset
+from bench.replay.replay import Replay
 from bench.residuals.residuals import WhereItFails
 from bench.residuals.words import motor_words
 
@@ -103,6 +104,18 @@ def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> 
     if worst is not None:
         tiles.append(Tile("Worst motor", worst.joint, f"error {share(worst.error)}, all recordings"))
     return tuple(tiles)
+
+
+def replay_tiles(result: Replay, where: WhereItFails, noise: float) -> tuple[Tile, ...]:
+    """The numbers that count of a replay."""
+    twins, models = (relative_error(one.recordings) for one in (result.twin, result.model))
+    worst = max(where.motors, key=lambda one: one.error, default=None)
+    return (
+        Tile("Error of the twin", share(twins), "of the current, all recordings"),
+        Tile("Error of the model", share(models), "from which the twin was exported"),
+        Tile("Noise floor", share(noise), "of the currents, as an error"),
+        *([Tile("Worst motor", worst.joint, f"error {share(worst.error)}")] if worst is not None else []),
+    )
 
 
 def _gain_tile(result: Identification, before: Identification | None) -> Tile:

@@ -9,14 +9,16 @@ from bench.diagnosis.result import Diagnosis
 from bench.effects.select import TAG
 from bench.files.atomic import write_text_atomically
 from bench.identification.model_file import Comparison, model_json
+from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.page.folder import Kept, keep_run
-from bench.page.pages import comparison_page, diagnosis_page, identification_page
+from bench.page.pages import comparison_page, diagnosis_page, identification_page, replay_page
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
 from bench.page.section_run import Made, Run, quoted
 from bench.page.sweep_page import read_sweep, sweep_page
 from bench.page.trial_page import again_line, read_trial, trial_page
+from bench.replay.replay import Replay
 from bench.studies.sweep.run_sweep import FILE
 from bench.workbench.page_data import page_data, with_command
 from bench.workbench.page_files import script, style
@@ -48,6 +50,13 @@ def write_identification_report(
     kept = Kept(run, dataset, result, None, model)
     keep_run(folder, kept)
     return write_kept(folder / REPORT_FILE, kept, folder)
+
+
+def write_replay_report(
+    folder: Path, result: Replay, problem: Problem, saved: Identification, run: Run
+) -> Path:
+    """Write report.html of a replay into a folder; saved: the model that was exported."""
+    return write_page(folder / REPORT_FILE, replay_page(result, problem, saved, Made((run.line(),))))
 
 
 def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Progress = SILENT) -> Path:
