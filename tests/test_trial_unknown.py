@@ -16,7 +16,8 @@ from bench.studies.trial.law_judged import _alike
 from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, named_parts, sized
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 from bench.studies.trial.work import _answer
-from bench.truth.hidden.reference import Reference, rms
+from bench.truth.hidden.movement import rms
+from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import simulate
 
 ROW = {

@@ -18,7 +18,6 @@ from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import Quantity
 from bench.identification.solve_only import candidate_columns, solved_quickly
 
-MAY_DIFFER = ("constant_offset", "coulomb_friction", "viscous_friction")
 MATERIAL = (
     0.1  # share of a motor's error that values for each recording must take away: less may be another effect
 )
@@ -76,8 +75,8 @@ def _candidates(
     logs = model.logs
     candidates: list[_Candidate] = []
     instances: list[EffectInstance] = []
-    for name in MAY_DIFFER:
-        for joint in model.dataset.robot.joints if name in catalogue else ():
+    for name in (name for name, effect in catalogue.items() if effect.varies_by_run):
+        for joint in model.dataset.robot.joints:
             there = present.get((name, joint))
             if there is not None and there.recording:
                 continue

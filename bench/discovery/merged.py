@@ -13,15 +13,6 @@ from bench.discovery.seen import places_of
 from bench.discovery.term import Term
 from bench.effects import EffectInstance
 
-OVER_THE_VELOCITY = (
-    "coulomb_friction",
-    "quadratic_drag",
-    "shear_thinning_friction",
-    "stribeck_friction",
-    "viscous_friction",
-)
-"""Effects that are odd functions of the velocity alone: a sum of some is near to almost any other."""
-
 EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
 
@@ -32,7 +23,7 @@ def merged(finding: Finding) -> Refined | None:
     """
     origin = finding.origin
     added = finding.model.effects[len(origin.start.effects) :]
-    sits = [one for one in added if one.effect.name in OVER_THE_VELOCITY]
+    sits = [one for one in added if one.effect.of_velocity]
     motors = [one.joint for one in sits]
     alike = [one for one in sits if motors.count(one.joint) > 1]
     if not alike:

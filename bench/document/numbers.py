@@ -137,7 +137,7 @@ def flat_effects(
 
 
 def effect_key(effect: str, joint: str, parameter: str) -> str:
-    """Under which name the truth of an effect parameter is given: "viscous_friction:left.Fv"."""
+    """Under which name the truth of an effect parameter is given: EFFECT:PLACE.NAME."""
     return f"{effect}:{joint}.{parameter}"
 
 

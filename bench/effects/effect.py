@@ -82,12 +82,15 @@ class Effect(ABC):
 
     law: a sentence with the law as a formula in written symbols; symbols: what they mean, with their units. Both are
     "" where the effect tells none. shown_by: the motion in which it differs most from the others. seen: how the error
-    of a model without it looks, what is most often seen first.
+    of a model without it looks, what is most often seen first; in_key: the words of the atlas's key for each of them,
+    which continue its question, "" where another of them says it.
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`):
     columns times parameter is then exact where the parameter has that value. bends: the columns change much with it,
     so that the fit goes by derivatives. every_sample: its columns follow from all samples, as differences do, or change
-    much between few, as friction does where a joint is slow: a search must not take few of them.
+    much between few, as friction does where a joint is slow: a search must not take few of them. of_velocity: its
+    torque is an odd function of its joint's velocity alone. varies_by_run: it may have another value from one recording
+    to the next, as an amplifier's offset has, and a diagnosis looks for that.
     """
 
     name: ClassVar[str]
@@ -95,6 +98,7 @@ class Effect(ABC):
     symbols: ClassVar[str] = ""
     shown_by: ClassVar[str] = "move over the whole range, fast and slowly"
     seen: ClassVar[tuple[Seen, ...]] = ()
+    in_key: ClassVar[tuple[str, ...]] = ()
     parameters: ClassVar[tuple[EffectParameter, ...]]
     shape: ClassVar[tuple[ShapeParameter, ...]] = ()
     place: ClassVar[Place] = "actuator"
@@ -103,6 +107,8 @@ class Effect(ABC):
     before_torque: ClassVar[bool] = False
     bends: ClassVar[bool] = False
     every_sample: ClassVar[bool] = False
+    of_velocity: ClassVar[bool] = False
+    varies_by_run: ClassVar[bool] = False
 
     @abstractmethod
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:

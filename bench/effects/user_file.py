@@ -91,6 +91,8 @@ def effect_fault(effect: Effect) -> str | None:
         return "shape must be a tuple of ShapeParameter"
     if effect.place not in get_args(Place):
         return f"place {effect.place!r} is none of {', '.join(get_args(Place))}"
+    if effect.varies_by_run and len(parameters) != 1:
+        return "varies_by_run goes with one parameter"
     return _parameter_fault(effect)
 
 

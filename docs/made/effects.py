@@ -16,6 +16,7 @@ from bench.effects import CATALOGUE, Effect
 from bench.effects.display_names import begun, spoken
 from bench.effects.effect import EffectParameter, ShapeParameter
 from bench.identification.wording import in_percent
+from bench.residuals.look_alikes import QUESTION
 from bench.studies.trial.summary import LARGE, NOTHING, SOMETHING
 
 RESULTS = Path(__file__).resolve().parents[2] / "results"
@@ -218,6 +219,18 @@ def seen_table(drawn: Numbers) -> str:
     return rows_in_markdown(("effect", "error over noise", *variables), rows)
 
 
+def key_table(question: int) -> str:
+    """What the answers to a question of the key lead to, the plainest law first; effects that look alike in one row."""
+    found: dict[str, list[str]] = {}
+    for effect in sorted(
+        CATALOGUE.values(), key=lambda one: (len(one.parameters) + len(one.shape), one.name)
+    ):
+        for look, words in zip(effect.seen, effect.in_key, strict=True):
+            if words and QUESTION[look] == question:
+                found.setdefault(words, []).append(f"[{spoken(effect.name)}]({effect.name}.md)")
+    return "\n".join(f"    | {words} | {', '.join(links)} |" for words, links in found.items())
+
+
 def outside_table(trials: Mapping[str, Sequence[Numbers]]) -> str:
     """What was said of machines with an effect that no model here knows, large enough to be seen."""
     rows = []
@@ -258,5 +271,7 @@ for effect_name, found in sorted(CATALOGUE.items()):
 with mkdocs_gen_files.open("atlas/index.md", "r") as key:
     text = key.read()
 with mkdocs_gen_files.open("atlas/index.md", "w") as written:
+    for number in sorted(set(QUESTION.values())):
+        text = text.replace(f"    <!-- key {number} -->", key_table(number))
     text = text.replace("<!-- seen -->", seen_table(seen)).replace("<!-- outside -->", outside_table(tried))
     written.write(text)

@@ -25,6 +25,7 @@ class AsymmetricViscousFriction(ActuatorEffect):
     symbols = "Fv_plus, Fv_minus: positive, N·m·s/rad or N·s/m; equal, they are plain viscous friction."
     shown_by = "move fast in both directions"
     seen = ("velocity",)
+    in_key = ("two straight lines, steeper on one side",)
     parameters = (
         EffectParameter("Fv_plus", "{effort}*s/{angle}", positive=True),
         EffectParameter("Fv_minus", "{effort}*s/{angle}", positive=True),

@@ -30,6 +30,7 @@ class BaseTilt(Effect):
     )
     shown_by = "move slowly over the whole range"
     seen = ("position",)
+    in_key = ("that of a part of the weight, at all motors",)
     parameters = (EffectParameter("tilt_x", "rad"), EffectParameter("tilt_y", "rad"))
     place = "robot"
     depends_on_model = True

@@ -28,6 +28,7 @@ class CoggingTorque(ActuatorEffect):
     )
     shown_by = "turn slowly, without a payload"
     seen = ("repeats",)
+    in_key = ("is the same at any torque",)
     parameters = (EffectParameter("a", "{effort}"), EffectParameter("b", "{effort}"))
     shape = (PERIODS,)
 

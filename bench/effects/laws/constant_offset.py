@@ -21,6 +21,8 @@ class ConstantOffset(ActuatorEffect):
     symbols = "c: N·m or N, of either sign."
     shown_by = "move slowly in both directions"
     seen = ("position",)
+    in_key = ("a constant, or where gravity takes up a part, a bowl",)
+    varies_by_run = True
     parameters = (EffectParameter("c", "{effort}"),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -21,6 +21,9 @@ class CoulombFriction(ActuatorEffect):
     symbols = "Fc: Coulomb friction, positive, N·m or N."
     shown_by = "reverse slowly"
     seen = ("opposes",)
+    in_key = ("is the same at all speeds",)
+    varies_by_run = True
+    of_velocity = True
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -29,6 +29,10 @@ class CurrentDelay(ActuatorEffect):
     symbols = "T: s, of either sign; τ: torque that the present model needs, interpolated between samples."
     shown_by = "reverse fast"
     seen = ("current", "velocity")
+    in_key = (
+        "largest where the current changes fast; over the usual motions the two are the same",
+        "a line in a wide band, since it is the current's change that counts",
+    )
     parameters = (EffectParameter("T", "s"),)
     depends_on_model = True
     before_torque = True

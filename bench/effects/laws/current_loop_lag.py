@@ -23,6 +23,10 @@ class CurrentLoopLag(ActuatorEffect):
     symbols = "T: time constant, positive, s; τ: torque that the present model needs."
     shown_by = "reverse fast"
     seen = ("current", "velocity")
+    in_key = (
+        "largest where the current changes fast; over the usual motions the two are the same",
+        "a line in a wide band, since it is the current's change that counts",
+    )
     parameters = (EffectParameter("T", "s", positive=True),)
     depends_on_model = True
     before_torque = True

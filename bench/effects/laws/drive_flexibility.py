@@ -48,6 +48,7 @@ class DriveFlexibility(Effect):
     )
     shown_by = "reverse fast, with a heavy payload"
     seen = ("acceleration",)
+    in_key = ("grows with the change of the torque, and rings",)
     parameters = (
         EffectParameter("C", "{angle}/({effort})", positive=True),
         EffectParameter("CIa", "s^2", positive=True),

@@ -27,6 +27,7 @@ class EncoderOffset(Effect):
     symbols = "offset: rad or m, of either sign, constant."
     shown_by = "move slowly over the whole range"
     seen = ("position",)
+    in_key = ("small, and grows with acceleration too",)
     parameters = (EffectParameter("offset", "{angle}"),)
     depends_on_model = True
 

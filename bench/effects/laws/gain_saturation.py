@@ -27,6 +27,7 @@ class GainSaturation(ActuatorEffect):
     )
     shown_by = "carry a second payload, or accelerate harder"
     seen = ("current",)
+    in_key = ("a bowl over the current, largest where the current is",)
     parameters = (EffectParameter("k", "1/{drive}^2", positive=True),)
     depends_on_model = True
     before_torque = True

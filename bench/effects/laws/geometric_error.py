@@ -31,6 +31,7 @@ class GeometricError(Effect):
     )
     shown_by = "move over the whole range"
     seen = ("position",)
+    in_key = ("small, and grows with acceleration too",)
     parameters = (EffectParameter("dl", "m"),)
     place = "body"
     depends_on_model = True

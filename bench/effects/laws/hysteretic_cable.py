@@ -32,6 +32,7 @@ class HystereticCable(ActuatorEffect):
     )
     shown_by = "reverse slowly, in strokes of all sizes"
     seen = ("opposes",)
+    in_key = ("rises over a long way after it and bends, a round loop over the position",)
     parameters = (EffectParameter("F", "{effort}", positive=True),)
     shape = (
         ShapeParameter("x0", "{angle}", (0.003, 0.01, 0.03, 0.1, 0.3, 1.0), scale="speed"),

@@ -23,6 +23,7 @@ class JointSpring(ActuatorEffect):
     )
     shown_by = "move slowly over the whole range"
     seen = ("position",)
+    in_key = ("a straight line at one motor, or what gravity leaves of it, an S",)
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
     contains = ("constant_offset",)
 

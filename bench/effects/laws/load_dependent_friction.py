@@ -32,6 +32,7 @@ class LoadDependentFriction(ActuatorEffect):
     )
     shown_by = "carry a second payload"
     seen = ("load", "opposes")
+    in_key = ("grows with the torque of the motor", "")
     parameters = (EffectParameter("mu", "1", positive=True, below=MOST),)
     depends_on_model = True
     every_sample = True

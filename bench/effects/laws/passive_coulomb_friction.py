@@ -25,6 +25,7 @@ class PassiveCoulombFriction(Effect):
     )
     shown_by = "move one motor alone, slowly"
     seen = ("opposes",)
+    in_key = ("is there at several motors at once, and varies with the pose",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
     place = "passive"
 

@@ -26,6 +26,7 @@ class PassiveSpring(Effect):
     )
     shown_by = "move slowly over the whole range"
     seen = ("position",)
+    in_key = ("a curve at several motors, that of a spring in a joint without a motor",)
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
     place = "passive"
 

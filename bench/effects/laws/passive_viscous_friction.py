@@ -25,6 +25,7 @@ class PassiveViscousFriction(Effect):
     )
     shown_by = "move one motor alone, fast"
     seen = ("velocity",)
+    in_key = ("a line whose slope depends on the pose, at several motors",)
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
     place = "passive"
 

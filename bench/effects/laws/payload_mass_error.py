@@ -22,6 +22,7 @@ class PayloadMassError(Effect):
     symbols = "dm: kg, of either sign; τ_L: torque of the payload as it was declared, with mass m."
     shown_by = "carry a second payload"
     seen = ("current",)
+    in_key = ("there with a payload only",)
     parameters = (EffectParameter("dm", "kg"),)
     place = "payload"
 

@@ -26,6 +26,7 @@ class PlatformForce(Effect):
     )
     shown_by = "move slowly over the whole range, without a payload"
     seen = ("position",)
+    in_key = ("that of a force at the tool",)
     parameters = (
         EffectParameter("Fx", "N"),
         EffectParameter("Fy", "N"),

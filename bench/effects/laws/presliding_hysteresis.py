@@ -25,6 +25,7 @@ class PreslidingHysteresis(ActuatorEffect):
     )
     shown_by = "reverse slowly, in small strokes"
     seen = ("opposes",)
+    in_key = ("rises over a short way after the reversal, as a spring does",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
     shape = (ShapeParameter("x0", "{angle}", (0.001, 0.003, 0.01, 0.03, 0.1, 0.3), scale="speed"),)
     every_sample = True

@@ -21,6 +21,8 @@ class QuadraticDrag(ActuatorEffect):
     symbols = "c: positive, N·m·s²/rad² or N·s²/m²."
     shown_by = "move as fast as allowed"
     seen = ("velocity",)
+    in_key = ("bent, small at low speeds",)
+    of_velocity = True
     parameters = (EffectParameter("c", "{effort}*s^2/{angle}^2", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -24,6 +24,7 @@ class RotorInertia(ActuatorEffect):
     symbols = "Ia: positive, kg·m² or kg."
     shown_by = "carry a second payload"
     seen = ("acceleration",)
+    in_key = ("is in proportion to the motor's own acceleration",)
     parameters = (EffectParameter("Ia", "{effort}*s^2/{angle}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -28,6 +28,8 @@ class StribeckFriction(ActuatorEffect):
     )
     shown_by = "reverse slowly"
     seen = ("opposes",)
+    in_key = ("is larger just after a reversal, and falls with the speed",)
+    of_velocity = True
     parameters = (
         EffectParameter("Fc", "{effort}", positive=True),
         EffectParameter("Fs", "{effort}", positive=True),

@@ -26,6 +26,11 @@ class ThermalFrictionDrift(ActuatorEffect):
     )
     shown_by = "start cold and record for longer"
     seen = ("fades", "opposes", "velocity")
+    in_key = (
+        "fades or grows in the course of a recording",
+        "",
+        "a fan: a line whose slope changes in the course of a recording",
+    )
     parameters = (EffectParameter("Fc", "{effort}"), EffectParameter("Fv", "{effort}*s/{angle}"))
     shape = (ShapeParameter("T", "s", (0.05, 0.1, 0.2, 0.4, 0.8, 2.0), scale="duration"),)
     every_sample = True

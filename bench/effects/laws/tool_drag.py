@@ -26,6 +26,7 @@ class ToolDrag(Effect):
     )
     shown_by = "move the tool fast, in all directions"
     seen = ("velocity",)
+    in_key = ("bent, and its size depends on the pose, at several motors",)
     parameters = (EffectParameter("c", "N*s^2/m^2", positive=True),)
     place = "robot"
 

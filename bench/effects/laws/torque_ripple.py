@@ -33,6 +33,7 @@ class TorqueRipple(ActuatorEffect):
     )
     shown_by = "turn slowly, with and without a payload"
     seen = ("repeats",)
+    in_key = ("grows with the current",)
     parameters = (EffectParameter("a", "1"), EffectParameter("b", "1"))
     shape = (PERIODS,)
     depends_on_model = True

@@ -37,6 +37,7 @@ class TransmissionError(Effect):
     )
     shown_by = "move fast over the whole range"
     seen = ("repeats",)
+    in_key = ("grows with the speed",)
     parameters = (EffectParameter("a", "{angle}"), EffectParameter("b", "{angle}"))
     shape = (ShapeParameter("periods", "1/{turn}", (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)),)
     depends_on_model = True

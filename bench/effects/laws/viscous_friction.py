@@ -21,6 +21,9 @@ class ViscousFriction(ActuatorEffect):
     symbols = "Fv: viscous friction coefficient, positive, N·m·s/rad or N·s/m."
     shown_by = "move fast and slowly"
     seen = ("velocity",)
+    in_key = ("a straight line",)
+    varies_by_run = True
+    of_velocity = True
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

@@ -11,6 +11,7 @@ from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from bench.basics.errors import BenchError
 from bench.files.toml_input import UserTable, first_mistake
+from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.streams import stream
 
 Value: TypeAlias = Any
@@ -58,6 +59,24 @@ class Cases(UserTable):
     """{ cases = { NAME = { "a.path" = value, … }, … } }: several settings that go together."""
 
     cases: Annotated[Mapping[str, Mapping[str, Any]], Field(min_length=1)]
+
+
+class Hideable(UserTable):
+    """{ effects = "catalogue" } or "all" of those that can be hidden; without = [ … ] leaves some out."""
+
+    effects: Literal["catalogue", "all"]
+    without: tuple[str, ...] = ()
+
+    def values(self) -> tuple[Value, ...]:
+        """Names of effects, in alphabetical order."""
+        for name in self.without:
+            if name not in HIDDEN_EFFECTS:
+                raise ValueError(f"without: no effect {name!r}; there are {', '.join(HIDDEN_EFFECTS)}")
+        return tuple(
+            name
+            for name, kind in sorted(HIDDEN_EFFECTS.items())
+            if name not in self.without and (kind.in_catalogue or self.effects == "all")
+        )
 
 
 class Even(UserTable):
@@ -108,7 +127,13 @@ class Choice(UserTable):
 
 Draw: TypeAlias = Even | Normal | Choice
 DRAW: TypeAdapter[Draw] = TypeAdapter(Annotated[Draw, Field(discriminator="draw")])
-KEYS = ("from", "values", "draw", "cases")  # a table with one of these is an axis, another one holds axes
+KEYS = (
+    "from",
+    "values",
+    "draw",
+    "cases",
+    "effects",
+)  # a table with one of these is an axis, another one holds axes
 
 
 @dataclass(frozen=True)
@@ -186,6 +211,8 @@ def _axis(name: str, value: Any) -> Axis:
         return GridAxis(name, tuple(Point(label, dict(_paths(case))) for label, case in cases.items()))
     if "from" in value:
         return _grid(name, list(Range.model_validate(value).values()))
+    if "effects" in value:
+        return _grid(name, list(Hideable.model_validate(value).values()))
     return _grid(name, value["values"])
 
 

@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from itertools import combinations
 
-EXCLUSIVE: tuple[frozenset[str], ...] = (
-    frozenset(
-        {
-            "coulomb_friction",
-            "hysteretic_cable",
-            "position_dependent_friction",
-            "presliding_hysteresis",
-            "stribeck_friction",
-        }
-    ),
-    frozenset({"asymmetric_viscous_friction", "shear_thinning_friction", "viscous_friction"}),
+from bench.effects import CATALOGUE
+
+RIVALS: tuple[frozenset[str], ...] = (
+    frozenset({"position_dependent_friction", "coulomb_friction"}),
     frozenset({"passive_coulomb_friction", "passive_viscous_friction"}),
     frozenset({"current_delay", "current_loop_lag"}),
     frozenset({"backlash", "drive_flexibility", "rotor_inertia"}),
-    frozenset({"constant_offset", "joint_spring", "passive_spring"}),
+    frozenset({"constant_offset", "passive_spring"}),
     frozenset({"encoder_offset", "geometric_error"}),
 )
-"""Of each group a machine has one at most: they contain each other, or are two names for the same part."""
+"""Of each group a machine has one at most: they are two names for the same part."""
 
 ALONE = frozenset({"payload_mass_error", "rotor_inertia"})
 """Not hidden beside others: a robot's own parameters take them up, so that they would add nothing to find."""
@@ -42,7 +36,22 @@ def compatible(effects: Iterable[str]) -> bool:
     names = tuple(effects)
     if len(names) > 1 and ALONE.intersection(names):
         return False
-    return not any({a, b} <= group for a, b in combinations(names, 2) for group in EXCLUSIVE)
+    return not any(exclusive(a, b) for a, b in combinations(names, 2))
+
+
+def exclusive(one: str, other: str) -> bool:
+    """Whether a machine has one of these two at most: rivals, or of effects of which some contain the others."""
+    return other in _kin(one)
+
+
+@cache
+def _kin(effect: str) -> frozenset[str]:
+    """An effect with all that it contains or that contain it, their rivals, and so on."""
+    groups = [*RIVALS, *(frozenset({name, *one.contains}) for name, one in CATALOGUE.items() if one.contains)]
+    kin = frozenset({effect})
+    while wider := frozenset().union(*(group for group in groups if kin & group)) - kin:
+        kin |= wider
+    return kin
 
 
 def expected(effects: Iterable[str]) -> tuple[str, ...]:

@@ -99,12 +99,13 @@ def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
         return False  # drawn with numbers of its own, see bench.studies.trial.unknown
     if HIDDEN_EFFECTS[effect].in_catalogue and effect not in CATALOGUE:
         return False
-    if effect == "payload_mass_error":
-        return bool(setup.payloads)
-    if effect in ("platform_force", "tool_drag"):
-        return robot.tool_site is not None
-    if effect == "current_crosstalk":
-        return len(setup.motors) > 1
+    there = {
+        "payload": bool(setup.payloads),
+        "tool": robot.tool_site is not None,
+        "motors": len(setup.motors) > 1,
+    }
+    if HIDDEN_EFFECTS[effect].needs is not None:
+        return there[HIDDEN_EFFECTS[effect].needs]
     here: Sequence[str] = {
         "passive": setup.passive,
         "link": tuple(setup.links),

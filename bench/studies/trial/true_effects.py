@@ -3,79 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, fields
 from typing import Any
 
 import numpy as np
+
+from bench.effects import CATALOGUE
+from bench.truth.hidden import HIDDEN_EFFECTS
 
 True_ = Mapping[str, float]
 Conversion = Callable[[True_], float]
 
 
-def _same(name: str, default: float | None = None) -> Conversion:
-    return lambda p: p[name] if default is None else p.get(name, default)
-
-
-MODEL_PARAMETERS: Mapping[str, Mapping[str, Conversion]] = {
-    "asymmetric_viscous_friction": {"Fv_plus": _same("Fv_plus"), "Fv_minus": _same("Fv_minus")},
-    "backlash": {"b": _same("play")},
-    "base_tilt": {"tilt_x": _same("about_x", 0.0), "tilt_y": _same("about_y", 0.0)},
-    "cogging_torque": {
-        "a": _same("a"),
-        "b": _same("b"),
-        "periods": lambda p: 2 * np.pi / p["period"],  # in a turn of a hinge
-    },
-    "constant_offset": {"c": _same("c")},
-    "coulomb_friction": {"Fc": _same("Fc")},
-    "current_delay": {"T": _same("T")},
-    "current_loop_lag": {"T": _same("T")},
+OTHERWISE: Mapping[str, Mapping[str, Conversion]] = {
+    "backlash": {"b": lambda p: p["play"]},
+    "base_tilt": {"tilt_x": lambda p: p["about_x"], "tilt_y": lambda p: p["about_y"]},
+    "cogging_torque": {"periods": lambda p: 2 * np.pi / p["period"]},  # in a turn of a hinge
     "drive_flexibility": {
         "C": lambda p: 1 / p["stiffness"],
-        "CIa": lambda p: p.get("rotor_inertia", np.nan) / p["stiffness"],
+        "CIa": lambda p: (p["rotor_inertia"] or np.nan) / p["stiffness"],
     },
-    "encoder_offset": {"offset": _same("offset")},
-    "gain_saturation": {"k": _same("k")},
-    "geometric_error": {"dl": _same("error")},
-    "hysteretic_cable": {"F": _same("F"), "x0": _same("reach"), "n": _same("sharpness", 2.0)},
-    "joint_spring": {"k": _same("k"), "kq0": lambda p: p["k"] * p["q0"]},
-    "load_dependent_friction": {"mu": _same("mu")},
-    "passive_coulomb_friction": {"Fc": _same("Fc")},
-    "passive_spring": {"k": _same("k")},
-    "passive_viscous_friction": {"Fv": _same("Fv")},
-    "payload_mass_error": {"dm": _same("error")},
+    "geometric_error": {"dl": lambda p: p["error"]},
+    "hysteretic_cable": {"x0": lambda p: p["reach"], "n": lambda p: p["sharpness"]},
+    "joint_spring": {"kq0": lambda p: p["k"] * p["q0"]},
+    "payload_mass_error": {"dm": lambda p: p["error"]},
     "platform_force": {
-        "Fx": _same("fx", 0.0),
-        "Fy": _same("fy", 0.0),
-        "Fz": _same("fz", 0.0),
-        "kx": _same("k", 0.0),
-        "ky": _same("k", 0.0),
-        "kz": _same("k", 0.0),
+        **{f"F{axis}": lambda p, axis=axis: p[f"f{axis}"] for axis in "xyz"},
+        **{f"k{axis}": lambda p: p["k"] for axis in "xyz"},
     },
-    "position_dependent_friction": {"a": _same("a"), "b": _same("b"), "harmonic": _same("harmonic", 1.0)},
-    "presliding_hysteresis": {"Fc": _same("Fc"), "x0": lambda p: p["Fc"] / p["stiffness"]},
-    "quadratic_drag": {"c": _same("c")},
-    "rotor_inertia": {"Ia": _same("Ia")},
-    "shear_thinning_friction": {"Fa": _same("Fa"), "va": _same("va")},
-    "stribeck_friction": {
-        "Fc": _same("Fc"),
-        "Fs": _same("Fs"),
-        "vs": _same("vs"),
-        "delta": _same("delta", 2.0),
-    },
-    "thermal_friction_drift": {"Fc": _same("Fc", 0.0), "Fv": _same("Fv", 0.0), "T": _same("T")},
-    "tool_drag": {"c": _same("c")},
-    "torque_ripple": {
-        "a": _same("a"),
-        "b": _same("b"),
-        "periods": lambda p: 2 * np.pi / p["period"],
-    },
-    "transmission_error": {
-        "a": _same("a"),
-        "b": _same("b"),
-        "periods": lambda p: 2 * np.pi / p["period"],
-    },
-    "viscous_friction": {"Fv": _same("Fv")},
+    "presliding_hysteresis": {"x0": lambda p: p["Fc"] / p["stiffness"]},
+    "torque_ripple": {"periods": lambda p: 2 * np.pi / p["period"]},
+    "transmission_error": {"periods": lambda p: 2 * np.pi / p["period"]},
 }
-"""Effect -> the model's parameter -> its true value from the parameters of the hidden effect.
+"""Effect -> the model's parameter -> its true value from the parameters of the hidden effect, where these have another
+name or another value.
 
 SI units on both sides; nan where the entry does not tell, as of a rotor whose inertia is the joint's in the MJCF.
 Angles of hinges. For slides the periods are per metre, without 2 pi; see `true_values`.
@@ -94,7 +55,15 @@ WITHOUT_TRUTH: Mapping[str, frozenset[str]] = {
 
 def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str, float]:
     """The model's parameters of an effect, as they truly are; empty for an effect that no model knows."""
-    values = {name: float(rule(hidden)) for name, rule in MODEL_PARAMETERS.get(effect, {}).items()}
+    if effect not in CATALOGUE or effect not in HIDDEN_EFFECTS:
+        return {}
+    own = {one.name: one.default for one in fields(HIDDEN_EFFECTS[effect]) if one.default is not MISSING} | {
+        **hidden
+    }
+    known = CATALOGUE[effect]
+    names = [one.name for one in (*known.parameters, *known.shape)]
+    values = {name: float(own[name]) for name in names if name in own}
+    values |= {name: float(rule(own)) for name, rule in OTHERWISE.get(effect, {}).items()}
     if slide and "periods" in values:
         values["periods"] /= 2 * np.pi
     return {name: value for name, value in values.items() if np.isfinite(value)}

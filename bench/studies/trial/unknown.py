@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.truth.hidden.movement import rms
 from bench.truth.hidden.product_law import unit_torque
-from bench.truth.hidden.reference import Reference, rms
+from bench.truth.hidden.reference import Reference
 
 LAW = "product_law"
 BESIDE = (0, 1, 2)

@@ -9,6 +9,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -21,6 +22,7 @@ class AccelerationDependentFriction(JointEffect):
     """
 
     name: ClassVar[str] = "acceleration_dependent_friction"
+    law: ClassVar[str] = "c |q̈| sign(q̇)"
     not_negative: ClassVar[tuple[str, ...]] = ("c",)
     in_catalogue: ClassVar[bool] = False
     c: float
@@ -34,3 +36,10 @@ class AccelerationDependentFriction(JointEffect):
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:
         return lambda: p["c"] * np.abs(s.acceleration)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        c = share * rms(j.torque) / rms(j.acceleration)
+        if c > 0.5 * j.inertia:
+            raise too_large("acceleration_dependent_friction", j, share, "it would outweigh the inertia")
+        return {"c": c}

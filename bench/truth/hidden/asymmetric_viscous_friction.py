@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -19,6 +20,7 @@ class AsymmetricViscousFriction(JointEffect):
     """
 
     name: ClassVar[str] = "asymmetric_viscous_friction"
+    law: ClassVar[str] = "Fv_plus q̇ for q̇ > 0, Fv_minus q̇ for q̇ < 0"
     not_negative: ClassVar[tuple[str, ...]] = ("Fv_plus", "Fv_minus")
     Fv_plus: float
     Fv_minus: float
@@ -26,3 +28,9 @@ class AsymmetricViscousFriction(JointEffect):
     @staticmethod
     def torque(p: Parameters, s: Signals) -> Law:
         return lambda: np.where(s.velocity > 0, p["Fv_plus"], p["Fv_minus"]) * s.velocity
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        """Twice as much backwards as forwards."""
+        unit = rms(np.where(j.velocity > 0, 1.0, 2.0) * j.velocity)
+        return {"Fv_plus": share * rms(j.torque) / unit, "Fv_minus": 2 * share * rms(j.torque) / unit}

@@ -21,6 +21,7 @@ class Backlash(DriveTrain):
     """
 
     name: ClassVar[str] = "backlash"
+    law: ClassVar[str] = "play between motor and joint, with flanks as stiff as given"
     positive: ClassVar[tuple[str, ...]] = ("play", "stiffness")
     play: float
     stiffness: float

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot
+from bench.truth.hidden.movement import JointMovement, Sizes
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 Array = NDArray[np.float64]
@@ -71,6 +72,12 @@ class HiddenEffect:
     """Whether it changes what the motors turn, so that it comes before them."""
     in_catalogue: ClassVar[bool] = True
     """False: something that no model is expected to know."""
+    law: ClassVar[str] = ""
+    """In a line, for the table of scenarios/README.md."""
+    needs: ClassVar[Literal["tool", "payload", "motors"] | None] = None
+    """What a machine must have for it beside the joint: a tool site, a payload, or several motors."""
+    scaled: ClassVar[tuple[str, float] | None] = None
+    """A parameter with which its torques grow in proportion, and a value to begin with when its size is looked for."""
 
     def change(self, draft: Draft) -> None:
         """Add the effect to the uncompiled model."""
@@ -98,6 +105,11 @@ class JointEffect(HiddenEffect):
     where: ClassVar[Literal["actuated", "passive", "any"]] = "actuated"
     """The joints that can have it. All actuated, or all passive ones have it if none is named."""
     joint: str
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes | None:  # noqa: ARG004
+        """Parameters for which the RMS of its torque is `share` of that of the joint's torque; None: no rule."""
+        return None
 
     @staticmethod
     def encoder(p: Parameters, s: Signals) -> Law | None:  # noqa: ARG004

@@ -20,6 +20,9 @@ class BaseTilt(HiddenEffect):
     """
 
     name: ClassVar[str] = "base_tilt"
+    law: ClassVar[str] = (
+        "the base turned about its y axis, then about the x axis of the floor; of the whole machine"
+    )
     about_x: float = 0.0
     about_y: float = 0.0
 

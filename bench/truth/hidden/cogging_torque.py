@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class CoggingTorque(JointEffect):
     """
 
     name: ClassVar[str] = "cogging_torque"
+    law: ClassVar[str] = "a cos(2πq / period) + b sin(2πq / period)"
     positive: ClassVar[tuple[str, ...]] = ("period",)
     a: float
     b: float
@@ -30,3 +32,11 @@ class CoggingTorque(JointEffect):
         add_dc_motor(
             draft, self.name, draft.motor_side(self.joint), cogging=[size, 2 * np.pi / self.period, phase]
         )
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {
+            "a": 0.0,
+            "b": np.sqrt(2) * share * rms(j.torque),
+            "period": j.span / 6,
+        }

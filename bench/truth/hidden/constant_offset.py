@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,12 @@ class ConstantOffset(JointEffect):
     """
 
     name: ClassVar[str] = "constant_offset"
+    law: ClassVar[str] = "c"
     c: float
 
     def change(self, draft: Draft) -> None:
         add_affine_actuator(draft, self.name, draft.motor_side(self.joint), (-self.c, 0.0))
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"c": share * rms(j.torque)}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -18,9 +19,14 @@ class CoulombFriction(JointEffect):
     """
 
     name: ClassVar[str] = "coulomb_friction"
+    law: ClassVar[str] = "Fc sign(q̇)"
     not_negative: ClassVar[tuple[str, ...]] = ("Fc",)
     Fc: float
 
     def change(self, draft: Draft) -> None:
         draft.motor_side(self.joint).frictionloss += self.Fc
         hard_friction(draft, self.joint)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"Fc": share * rms(j.torque)}

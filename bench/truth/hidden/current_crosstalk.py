@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from bench.basics.errors import BenchError
 from bench.truth.hidden.base import Draft, JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -18,6 +19,8 @@ class CurrentCrosstalk(JointEffect):
     """
 
     name: ClassVar[str] = "current_crosstalk"
+    law: ClassVar[str] = "c · (sum of the torques of the other motors)"
+    needs = "motors"
     in_catalogue: ClassVar[bool] = False
     c: float
 
@@ -28,3 +31,9 @@ class CurrentCrosstalk(JointEffect):
     @staticmethod
     def torque(p: Parameters, s: Signals) -> Law:
         return lambda: p["c"] * (s.all_torques.sum(axis=1, keepdims=True) - s.torque)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        if not rms(j.other_torques) > 0:
+            raise BenchError("current_crosstalk: the robot has one motor only")
+        return {"c": share * rms(j.torque) / rms(j.other_torques)}

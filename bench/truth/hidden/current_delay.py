@@ -8,7 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import Array, JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
 from bench.truth.hidden.signals import Law, Parameters, Signals
+
+LONGEST_DELAY = 0.05  # s
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,7 @@ class CurrentDelay(JointEffect):
     """
 
     name: ClassVar[str] = "current_delay"
+    law: ClassVar[str] = "the current acts T late; T < 0: it was logged |T| late"
     T: float
 
     @staticmethod
@@ -31,6 +35,14 @@ class CurrentDelay(JointEffect):
     @staticmethod
     def current(p: Parameters, s: Signals) -> Law | None:
         return delayed(s.current, np.maximum(p["T"], 0.0) / s.step)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        """In the drive, or where the controller would not stand it, in the log."""
+        late = share * rms(j.current) / rms(j.current_rate)
+        if late > LONGEST_DELAY:
+            raise too_large("current_delay", j, share, f"it would take {1e3 * late:.0f} ms")
+        return {"T": late if late * j.damping / j.inertia < 0.4 else -late}
 
 
 def delayed(signal: Array, steps: Array) -> Law | None:

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import Array, JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -21,6 +22,7 @@ class CurrentLoopLag(JointEffect):
     """
 
     name: ClassVar[str] = "current_loop_lag"
+    law: ClassVar[str] = "T di/dt = i_ref − i"
     positive: ClassVar[tuple[str, ...]] = ("T",)
     T: float
 
@@ -40,3 +42,10 @@ class CurrentLoopLag(JointEffect):
             return now
 
         return law
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        lag = share * rms(j.current) / rms(j.current_rate)
+        if lag > 0.3 * j.damping / j.stiffness:
+            raise too_large("current_loop_lag", j, share, "the controller would not stand it")
+        return {"T": lag}

@@ -20,6 +20,7 @@ class DriveFlexibility(DriveTrain):
     """
 
     name: ClassVar[str] = "drive_flexibility"
+    law: ClassVar[str] = "a spring and a damper between motor and joint, the encoder on the motor"
     stiffness: float
     damping: float
     rotor_inertia: float = 0.0

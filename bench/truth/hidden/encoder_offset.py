@@ -16,4 +16,5 @@ class EncoderOffset(JointEffect):
     """
 
     name: ClassVar[str] = "encoder_offset"
+    law: ClassVar[str] = "logged and controlled position = q + offset"
     offset: float

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms, too_large
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -20,9 +23,18 @@ class GainSaturation(JointEffect):
     """
 
     name: ClassVar[str] = "gain_saturation"
+    law: ClassVar[str] = "τ = g i (1 − k i²)"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     k: float
 
     @staticmethod
     def gain(p: Parameters, s: Signals) -> Law:
         return lambda: 1.0 - p["k"] * s.current**2
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        k = share * rms(j.current) / rms(j.current**3)
+        # the greatest torque is 2/3 of g / √(3 k); a fifth of it is kept for the controller
+        if 3 * k * np.abs(j.current).max() ** 2 > (0.8 * 2 / 3) ** 2:
+            raise too_large("gain_saturation", j, share, "the motor could not give the greatest torque")
+        return {"k": k}

@@ -27,6 +27,8 @@ class GeometricError(JointEffect):
     """
 
     name: ClassVar[str] = "geometric_error"
+    law: ClassVar[str] = "the link that the joint moves is longer than in the MJCF; for any joint"
+    scaled: ClassVar[tuple[str, float] | None] = ("error", 1e-3)
     where = "any"
     error: float
 

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import Draft, JointEffect, refuse_fast_swing
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -23,6 +24,7 @@ class HystereticCable(JointEffect):
     """
 
     name: ClassVar[str] = "hysteretic_cable"
+    law: ClassVar[str] = "Bouc and Wen: F z, reach dz/dt = q̇ − |q̇| |z|^(sharpness−1) z"
     positive: ClassVar[tuple[str, ...]] = ("F", "reach", "sharpness")
     F: float
     reach: float
@@ -47,3 +49,8 @@ class HystereticCable(JointEffect):
             return p["F"] * z
 
         return law
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        """Most of it is there after a fifth of the span: loops of all strokes are round."""
+        return {"F": share * rms(j.torque), "reach": 0.1 * j.span}

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from bench.truth.hidden.base import Draft, JointEffect, add_affine_actuator
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -16,9 +19,15 @@ class JointSpring(JointEffect):
     """
 
     name: ClassVar[str] = "joint_spring"
+    law: ClassVar[str] = "k (q − q0)"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     k: float
     q0: float
 
     def change(self, draft: Draft) -> None:
         add_affine_actuator(draft, self.name, draft.spec.joint(self.joint), (self.k * self.q0, -self.k))
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        middle = float(np.mean(j.position))
+        return {"k": share * rms(j.torque) / rms(j.position - middle), "q0": middle}

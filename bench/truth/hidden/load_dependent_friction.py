@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.movement import JointMovement, Sizes
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -23,6 +24,7 @@ class LoadDependentFriction(JointEffect):
     """
 
     name: ClassVar[str] = "load_dependent_friction"
+    law: ClassVar[str] = "mu |τ| sign(q̇), τ of the motor"
     not_negative: ClassVar[tuple[str, ...]] = ("mu",)
     mu: float
 
@@ -32,3 +34,7 @@ class LoadDependentFriction(JointEffect):
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:
         return lambda: p["mu"] * np.abs(s.torque)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:  # noqa: ARG004 - a share of any torque
+        return {"mu": share}

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from bench.basics.errors import BenchError
 from bench.scenario.scenario import Scenario
 from bench.scenario.tables import Hidden
-from bench.truth.hidden.reference import JointMovement, Reference, rms
+from bench.truth.hidden.base import HiddenEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
+from bench.truth.hidden.reference import Reference
 from bench.truth.inverse import motor_torque
 from bench.truth.machine import build_machine
 from bench.truth.simulate import Simulation, simulate
 
 Array = NDArray[np.float64]
-Sizes = dict[str, float]
 
 SAMPLES = 40  # of each recording
 CLOSE = 0.02  # of the wished share
@@ -34,12 +35,6 @@ def passive_spring_size(reference: Reference, effect: str, joint: str | None, sh
     return _scaled(reference, effect, joint, None, share, lambda x: {"k": x, "q0": q0}, 0.1)
 
 
-def passive_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """Friction in one passive joint, or in all of them."""
-    key = {"passive_viscous_friction": "Fv", "passive_coulomb_friction": "Fc"}[effect]
-    return _scaled(reference, effect, joint, None, share, lambda x: {key: x}, 0.01)
-
-
 def base_tilt_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
     """About the axis that the motors feel more."""
     keys = ("about_x", "about_y")
@@ -54,22 +49,6 @@ def platform_force_size(reference: Reference, effect: str, _joint: str | None, s
     level = max(("fx", "fy"), key=lambda k: felt[k])
     key = level if felt[level] > 0.2 * felt["fz"] else "fz"
     return _scaled(reference, effect, None, None, share, lambda x: {key: x}, 1.0)
-
-
-def tool_drag_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
-    """As all motors feel it."""
-    return _scaled(reference, effect, None, None, share, lambda x: {"c": x}, 1.0)
-
-
-def payload_mass_error_size(reference: Reference, effect: str, _joint: str | None, share: float) -> Sizes:
-    """Too heavy, over all recordings with and without payload."""
-    return _scaled(reference, effect, None, None, share, lambda x: {"error": x}, 0.01)
-
-
-def geometric_error_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """A link that is too long, as its own motor feels it, or all motors if it has none."""
-    actuated = joint if joint in reference.simulation.robot.joints else None
-    return _scaled(reference, effect, joint, actuated, share, lambda x: {"error": x}, 1e-3)
 
 
 def encoder_offset_size(reference: Reference, _effect: str, joint: str | None, share: float) -> Sizes:
@@ -142,16 +121,22 @@ MACHINE_SIZES: Mapping[str, Callable[[Reference, str, str | None, float], Sizes]
     "base_tilt": base_tilt_size,
     "drive_flexibility": drive_flexibility_size,
     "encoder_offset": encoder_offset_size,
-    "geometric_error": geometric_error_size,
-    "passive_coulomb_friction": passive_size,
     "passive_spring": passive_spring_size,
-    "passive_viscous_friction": passive_size,
-    "payload_mass_error": payload_mass_error_size,
     "platform_force": platform_force_size,
-    "tool_drag": tool_drag_size,
     "transmission_error": transmission_error_size,
 }
-"""Rules by name of the effect: parameters for a share of the torque of `joint`, or of all motors."""
+"""Rules of effects whose torques do not grow in proportion with one parameter alone."""
+
+
+def machine_sizes(kind: type[HiddenEffect], reference: Reference, joint: str | None, share: float) -> Sizes:
+    """Parameters for a share of the torque of `joint`, or of all motors."""
+    if kind.name in MACHINE_SIZES:
+        return MACHINE_SIZES[kind.name](reference, kind.name, joint, share)
+    if kind.scaled is None:
+        raise BenchError("no rule tells its size")
+    name, start = kind.scaled
+    actuated = joint if joint in reference.simulation.robot.joints else None
+    return _scaled(reference, kind.name, joint, actuated, share, lambda x: {name: x}, start)
 
 
 @dataclass(frozen=True, eq=False)

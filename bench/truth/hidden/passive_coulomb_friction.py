@@ -18,6 +18,8 @@ class PassiveCoulombFriction(JointEffect):
     """
 
     name: ClassVar[str] = "passive_coulomb_friction"
+    law: ClassVar[str] = "Fc sign(q̇) in a joint without a motor"
+    scaled: ClassVar[tuple[str, float] | None] = ("Fc", 0.01)
     not_negative: ClassVar[tuple[str, ...]] = ("Fc",)
     where = "passive"
     Fc: float

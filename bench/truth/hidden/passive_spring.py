@@ -17,6 +17,7 @@ class PassiveSpring(JointEffect):
     """
 
     name: ClassVar[str] = "passive_spring"
+    law: ClassVar[str] = "k (q − q0) in a joint without a motor"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     where = "passive"
     k: float

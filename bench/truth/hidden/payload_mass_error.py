@@ -20,6 +20,9 @@ class PayloadMassError(HiddenEffect):
     """
 
     name: ClassVar[str] = "payload_mass_error"
+    law: ClassVar[str] = "every payload weighs this much more than its table says; of the whole machine"
+    needs = "payload"
+    scaled: ClassVar[tuple[str, float] | None] = ("error", 0.01)
     error: float
 
     def change(self, draft: Draft) -> None:

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -19,6 +20,7 @@ class PeriodicDisturbance(JointEffect):
     """
 
     name: ClassVar[str] = "periodic_disturbance"
+    law: ClassVar[str] = "size sin(2π frequency t + phase)"
     positive: ClassVar[tuple[str, ...]] = ("frequency",)
     in_catalogue: ClassVar[bool] = False
     size: float
@@ -28,3 +30,10 @@ class PeriodicDisturbance(JointEffect):
     @staticmethod
     def torque(p: Parameters, s: Signals) -> Law:
         return lambda: p["size"] * np.sin(2 * np.pi * p["frequency"] * s.clock.time + p["phase"])
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {
+            "size": np.sqrt(2) * share * rms(j.torque),
+            "frequency": 2.7 * rms(j.acceleration) / rms(j.velocity) / (2 * np.pi),
+        }

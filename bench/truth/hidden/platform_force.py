@@ -23,6 +23,8 @@ class PlatformForce(HiddenEffect):
     """
 
     name: ClassVar[str] = "platform_force"
+    law: ClassVar[str] = "f − k (x − x_home) acts on the tool; of the whole machine"
+    needs = "tool"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     fx: float = 0.0
     fy: float = 0.0

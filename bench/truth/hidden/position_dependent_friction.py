@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.movement import JointMovement, Sizes, wave_sizes
 from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
 
 
@@ -20,6 +23,7 @@ class PositionDependentFriction(JointEffect):
     """
 
     name: ClassVar[str] = "position_dependent_friction"
+    law: ClassVar[str] = "(a cos hq + b sin hq) sign(q̇); not negative"
     positive: ClassVar[tuple[str, ...]] = ("harmonic",)
     a: float
     b: float
@@ -31,3 +35,7 @@ class PositionDependentFriction(JointEffect):
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:
         return lambda: harmonic(p, s.position, p["harmonic"])
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return wave_sizes(j, np.ones_like(j.position), share)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, wave_sizes
 from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
 
 
@@ -17,6 +18,7 @@ class PositionDependentViscousFriction(JointEffect):
     """
 
     name: ClassVar[str] = "position_dependent_viscous_friction"
+    law: ClassVar[str] = "(a cos hq + b sin hq) q̇"
     positive: ClassVar[tuple[str, ...]] = ("harmonic",)
     in_catalogue: ClassVar[bool] = False
     a: float
@@ -26,3 +28,7 @@ class PositionDependentViscousFriction(JointEffect):
     @staticmethod
     def torque(p: Parameters, s: Signals) -> Law:
         return lambda: harmonic(p, s.position, p["harmonic"]) * s.velocity
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return wave_sizes(j, j.velocity, share)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, add_dc_motor, refuse_fast_swing
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class PreslidingHysteresis(JointEffect):
     """
 
     name: ClassVar[str] = "presliding_hysteresis"
+    law: ClassVar[str] = "Dahl: a spring until it slides with Fc"
     positive: ClassVar[tuple[str, ...]] = ("Fc", "stiffness")
     Fc: float
     stiffness: float
@@ -29,3 +31,9 @@ class PreslidingHysteresis(JointEffect):
         refuse_fast_swing(draft, self, self.stiffness, draft.motor_inertia(self.joint))
         lugre = [self.stiffness, self.stiffness * draft.step, self.Fc, self.Fc, 1.0]
         add_dc_motor(draft, self.name, draft.motor_side(self.joint), lugre=lugre)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        """Most of the friction is there after 3/50 of the span."""
+        size = share * rms(j.torque)
+        return {"Fc": size, "stiffness": size / (0.02 * j.span)}

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 Array = NDArray[np.float64]
@@ -25,6 +26,7 @@ class ProductLaw(JointEffect):
     """
 
     name: ClassVar[str] = "product_law"
+    law: ClassVar[str] = "c s |q̇|^v |q̈|^a |τ|^tau …: a product of powers, a wave, a fading and a memory"
     not_negative: ClassVar[tuple[str, ...]] = ("v", "a", "tau", "others", "q", "wave", "T", "omega", "zeta")
     in_catalogue: ClassVar[bool] = False
     c: float
@@ -62,6 +64,14 @@ class ProductLaw(JointEffect):
     def dry_friction(p: Parameters, s: Signals) -> Law:
         sizes, rubs = _size(p, s), _rubs(p)
         return lambda: np.where(rubs, sizes(), 0.0)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {
+            "c": share * rms(j.torque) / rms(np.abs(j.velocity) ** 1.5),
+            "direction": 1.0,
+            "v": 1.5,
+        }
 
 
 def unit_torque(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, add_damping
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -16,8 +17,13 @@ class QuadraticDrag(JointEffect):
     """
 
     name: ClassVar[str] = "quadratic_drag"
+    law: ClassVar[str] = "c q̇ |q̇|"
     not_negative: ClassVar[tuple[str, ...]] = ("c",)
     c: float
 
     def change(self, draft: Draft) -> None:
         add_damping(draft, self.joint, 0.0, self.c)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"c": share * rms(j.torque) / rms(j.velocity**2)}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.truth.hidden.movement import JointMovement
 from bench.truth.simulate import Simulation
 
 Array = NDArray[np.float64]
@@ -67,47 +68,3 @@ class Reference:
             stiffness=float(machine.drive.kp[i]),
             damping=float(machine.drive.kv[i]),
         )
-
-
-@dataclass(frozen=True, eq=False)
-class JointMovement:
-    """One actuated joint of a reference; N samples of all recordings, SI units."""
-
-    joint: str
-    slide: bool
-    time: Array
-    """(N,) in each recording from 0."""
-    period: float
-    position: Array
-    velocity: Array
-    acceleration: Array
-    torque: Array
-    """Of the motor, as its first and second derivative with time below."""
-    torque_rate: Array
-    torque_bend: Array
-    current: Array
-    current_rate: Array
-    other_torques: Array
-    """Sum of the torques of the other motors."""
-    inertia: float
-    """That the joint feels at home, loops closed."""
-    armature: float
-    stiffness: float
-    """kp of the controller."""
-    damping: float
-    """kv of the controller."""
-
-    @property
-    def duration(self) -> float:
-        """Of the longest recording, s."""
-        return float(self.time.max())
-
-    @property
-    def span(self) -> float:
-        """From the least to the greatest position."""
-        return float(np.ptp(self.position))
-
-
-def rms(values: Array) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -16,8 +17,13 @@ class RotorInertia(JointEffect):
     """
 
     name: ClassVar[str] = "rotor_inertia"
+    law: ClassVar[str] = "Ia q̈"
     not_negative: ClassVar[tuple[str, ...]] = ("Ia",)
     Ia: float
 
     def change(self, draft: Draft) -> None:
         draft.motor_side(self.joint).armature += self.Ia
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"Ia": share * rms(j.torque) / rms(j.acceleration)}

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -19,6 +20,7 @@ class ShearThinningFriction(JointEffect):
     """
 
     name: ClassVar[str] = "shear_thinning_friction"
+    law: ClassVar[str] = "Fa asinh(q̇/va)"
     positive: ClassVar[tuple[str, ...]] = ("va",)
     not_negative: ClassVar[tuple[str, ...]] = ("Fa",)
     Fa: float
@@ -31,3 +33,9 @@ class ShearThinningFriction(JointEffect):
             return np.asarray(np.sign(s.velocity) * p["Fa"] * np.log(x + np.sqrt(x**2 + 1.0)))
 
         return friction
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        """Bent from a fifth of the RMS speed on."""
+        va = 0.2 * rms(j.velocity)
+        return {"Fa": share * rms(j.torque) / rms(np.arcsinh(j.velocity / va)), "va": va}

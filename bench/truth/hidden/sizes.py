@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
-from bench.truth.hidden import HIDDEN_EFFECTS
-from bench.truth.hidden.law_sizes import LAW_SIZES
-from bench.truth.hidden.machine_sizes import MACHINE_SIZES
+from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
+from bench.truth.hidden.machine_sizes import machine_sizes
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import Simulation
 
@@ -29,17 +28,18 @@ def typical(effect: str, reference: Reference, share: float, joint: str | None =
     """
     if not (np.isfinite(share) and share > 0):
         raise BenchError(f"the share of an effect should be greater than 0, not {share!r}")
-    if effect in LAW_SIZES:
+    kind = HIDDEN_EFFECTS.get(effect)
+    if kind is None:
+        raise BenchError(f"no effect {effect!r}; there are {', '.join(HIDDEN_EFFECTS)}")
+    if issubclass(kind, JointEffect) and kind.sized is not JointEffect.sized:
         if joint is None:
             raise BenchError(f"{effect}: name a joint: one of {', '.join(reference.simulation.robot.driven)}")
-        sizes = LAW_SIZES[effect](reference.movement(joint), share)
-    elif effect in MACHINE_SIZES:
+        sizes = kind.sized(reference.movement(joint), share) or {}
+    else:
         try:
-            sizes = MACHINE_SIZES[effect](reference, effect, joint, share)
+            sizes = machine_sizes(kind, reference, joint, share)
         except BenchError as error:
             raise BenchError(f"{effect} with a share of {share:g}: {error}") from error
-    else:
-        raise BenchError(f"no effect {effect!r}; there are {', '.join(HIDDEN_EFFECTS)}")
     return {name: float(f"{value:.{DIGITS}g}") for name, value in sizes.items()}
 
 

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -19,6 +20,7 @@ class SpeedDependentGain(JointEffect):
     """
 
     name: ClassVar[str] = "speed_dependent_gain"
+    law: ClassVar[str] = "τ = g i (1 − |q̇|/v0)"
     positive: ClassVar[tuple[str, ...]] = ("v0",)
     in_catalogue: ClassVar[bool] = False
     v0: float
@@ -26,3 +28,7 @@ class SpeedDependentGain(JointEffect):
     @staticmethod
     def gain(p: Parameters, s: Signals) -> Law:
         return lambda: 1.0 - np.abs(s.velocity) / p["v0"]
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"v0": rms(j.torque * j.velocity) / (share * rms(j.torque))}

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import Draft, JointEffect, hard_friction
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -21,6 +22,7 @@ class StribeckFriction(JointEffect):
     """
 
     name: ClassVar[str] = "stribeck_friction"
+    law: ClassVar[str] = "(Fc + Fs exp(−|q̇/vs|^delta)) sign(q̇)"
     positive: ClassVar[tuple[str, ...]] = ("vs", "delta")
     not_negative: ClassVar[tuple[str, ...]] = ("Fc", "Fs")
     Fc: float
@@ -34,3 +36,11 @@ class StribeckFriction(JointEffect):
     @staticmethod
     def dry_friction(p: Parameters, s: Signals) -> Law:
         return lambda: p["Fc"] + p["Fs"] * np.exp(-((np.abs(s.velocity) / p["vs"]) ** p["delta"]))
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        """Twice the friction at low speed, which ends at a fifth of the RMS speed."""
+        vs = 0.2 * rms(j.velocity)
+        unit = rms(1 + np.exp(-((j.velocity / vs) ** 2)))
+        size = share * rms(j.torque) / unit
+        return {"Fc": size, "Fs": size, "vs": vs}

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import Array, Draft, JointEffect, hard_friction
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -21,6 +22,7 @@ class ThermalFrictionDrift(JointEffect):
     """
 
     name: ClassVar[str] = "thermal_friction_drift"
+    law: ClassVar[str] = "(Fv q̇ + Fc sign(q̇)) exp(−t/T), every recording from cold"
     positive: ClassVar[tuple[str, ...]] = ("T",)
     not_negative: ClassVar[tuple[str, ...]] = ("Fv", "Fc")
     T: float
@@ -43,3 +45,12 @@ class ThermalFrictionDrift(JointEffect):
             return size
 
         return law
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        """Viscous friction that has gone to a third after a third of the recording."""
+        cooling = 0.3 * j.duration
+        return {
+            "T": cooling,
+            "Fv": share * rms(j.torque) / rms(j.velocity * np.exp(-j.time / cooling)),
+        }

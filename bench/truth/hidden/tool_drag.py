@@ -23,6 +23,9 @@ class ToolDrag(HiddenEffect):
     """
 
     name: ClassVar[str] = "tool_drag"
+    law: ClassVar[str] = "c v |v| acts against the velocity v of the tool; of the whole machine"
+    needs = "tool"
+    scaled: ClassVar[tuple[str, float] | None] = ("c", 1.0)
     not_negative: ClassVar[tuple[str, ...]] = ("c",)
     c: float
 

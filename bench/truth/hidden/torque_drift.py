@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 from bench.truth.streams import stream
 
@@ -25,6 +26,7 @@ class TorqueDrift(JointEffect):
     """
 
     name: ClassVar[str] = "torque_drift"
+    law: ClassVar[str] = "slow and random, another course in each recording"
     positive: ClassVar[tuple[str, ...]] = ("T",)
     not_negative: ClassVar[tuple[str, ...]] = ("seed",)
     in_catalogue: ClassVar[bool] = False
@@ -46,3 +48,7 @@ class TorqueDrift(JointEffect):
         omega, phase = 2 * draws[:, :, 0] / p["T"][:, None], 2 * np.pi * draws[:, :, 1]
         size = p["size"] * np.sqrt(2 / WAVES)
         return lambda: size * np.cos(omega * s.clock.time + phase).sum(axis=2)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"size": share * rms(j.torque), "T": j.duration / 20}

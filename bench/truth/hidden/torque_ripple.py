@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes
 from bench.truth.hidden.signals import Law, Parameters, Signals, harmonic
 
 
@@ -19,6 +20,7 @@ class TorqueRipple(JointEffect):
     """
 
     name: ClassVar[str] = "torque_ripple"
+    law: ClassVar[str] = "τ = g i (1 + a cos(2πq / period) + b sin(2πq / period))"
     positive: ClassVar[tuple[str, ...]] = ("period",)
     a: float
     b: float
@@ -28,3 +30,7 @@ class TorqueRipple(JointEffect):
     def gain(p: Parameters, s: Signals) -> Law:
         wave_number = 2 * np.pi / p["period"]
         return lambda: 1.0 + harmonic(p, s.position, wave_number)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"a": 0.0, "b": np.sqrt(2) * share, "period": j.span / 6}

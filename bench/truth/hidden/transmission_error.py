@@ -19,6 +19,7 @@ class TransmissionError(JointEffect):
     """
 
     name: ClassVar[str] = "transmission_error"
+    law: ClassVar[str] = "logged and controlled position = q + a cos(2πq / period) + b sin(2πq / period)"
     positive: ClassVar[tuple[str, ...]] = ("period",)
     a: float
     b: float

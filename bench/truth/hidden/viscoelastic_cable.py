@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.signal import lfilter
 
 from bench.truth.hidden.base import JointEffect
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 from bench.truth.hidden.signals import Law, Parameters, Signals
 
 
@@ -21,6 +23,7 @@ class ViscoelasticCable(JointEffect):
     """
 
     name: ClassVar[str] = "viscoelastic_cable"
+    law: ClassVar[str] = "k z, dz/dt = q̇ − z/T"
     positive: ClassVar[tuple[str, ...]] = ("T",)
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     in_catalogue: ClassVar[bool] = False
@@ -39,3 +42,10 @@ class ViscoelasticCable(JointEffect):
             return p["k"] * z
 
         return law
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        relaxation = 0.5
+        left = np.exp(-j.period / relaxation)
+        z = lfilter([(1 - left) * relaxation], [1.0, -left], j.velocity)
+        return {"k": share * rms(j.torque) / rms(z), "T": relaxation}

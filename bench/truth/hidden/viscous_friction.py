@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.truth.hidden.base import Draft, JointEffect, add_damping
+from bench.truth.hidden.movement import JointMovement, Sizes, rms
 
 
 @dataclass(frozen=True)
@@ -16,8 +17,13 @@ class ViscousFriction(JointEffect):
     """
 
     name: ClassVar[str] = "viscous_friction"
+    law: ClassVar[str] = "Fv q̇"
     not_negative: ClassVar[tuple[str, ...]] = ("Fv",)
     Fv: float
 
     def change(self, draft: Draft) -> None:
         add_damping(draft, self.joint, self.Fv)
+
+    @staticmethod
+    def sized(j: JointMovement, share: float) -> Sizes:
+        return {"Fv": share * rms(j.torque) / rms(j.velocity)}
