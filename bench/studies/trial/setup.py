@@ -99,13 +99,14 @@ def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
         return False  # drawn with numbers of its own, see bench.studies.trial.unknown
     if HIDDEN_EFFECTS[effect].in_catalogue and effect not in CATALOGUE:
         return False
+    needs = HIDDEN_EFFECTS[effect].needs
     there = {
         "payload": bool(setup.payloads),
         "tool": robot.tool_site is not None,
         "motors": len(setup.motors) > 1,
     }
-    if HIDDEN_EFFECTS[effect].needs is not None:
-        return there[HIDDEN_EFFECTS[effect].needs]
+    if needs is not None:
+        return there[needs]
     here: Sequence[str] = {
         "passive": setup.passive,
         "link": tuple(setup.links),

@@ -28,8 +28,12 @@ OTHERWISE: Mapping[str, Mapping[str, Conversion]] = {
     "joint_spring": {"kq0": lambda p: p["k"] * p["q0"]},
     "payload_mass_error": {"dm": lambda p: p["error"]},
     "platform_force": {
-        **{f"F{axis}": lambda p, axis=axis: p[f"f{axis}"] for axis in "xyz"},
-        **{f"k{axis}": lambda p: p["k"] for axis in "xyz"},
+        "Fx": lambda p: p["fx"],
+        "Fy": lambda p: p["fy"],
+        "Fz": lambda p: p["fz"],
+        "kx": lambda p: p["k"],
+        "ky": lambda p: p["k"],
+        "kz": lambda p: p["k"],
     },
     "presliding_hysteresis": {"x0": lambda p: p["Fc"] / p["stiffness"]},
     "torque_ripple": {"periods": lambda p: 2 * np.pi / p["period"]},
@@ -61,7 +65,7 @@ def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str,
         **hidden
     }
     known = CATALOGUE[effect]
-    names = [one.name for one in (*known.parameters, *known.shape)]
+    names = [*(one.name for one in known.parameters), *(one.name for one in known.shape)]
     values = {name: float(own[name]) for name in names if name in own}
     values |= {name: float(rule(own)) for name, rule in OTHERWISE.get(effect, {}).items()}
     if slide and "periods" in values:
