@@ -36,7 +36,7 @@ def simulated(name: str, overrides: dict[str, object]) -> Simulation:
 
 @pytest.fixture(scope="module", params=["five_bar_clean", "delta_clean"])
 def clean(request: pytest.FixtureRequest) -> Simulation:
-    return simulated(request.param, {})
+    return simulated(request.param, {"design": {"optimise": False, "duration": 10.0}, "step": 0.0005})
 
 
 @pytest.fixture(scope="module")

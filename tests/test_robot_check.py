@@ -1,5 +1,6 @@
 """`bench robot check`: what it finds is right, and it says so in a table, in JSON and in one line."""
 
+import functools
 import json
 import re
 from dataclasses import replace
@@ -40,9 +41,15 @@ def verdict(report, name):
 # --- good robots --------------------------------------------------------------------------------------------
 
 
+@functools.cache
+def checked(name):
+    """The report of a built-in robot."""
+    return check_robot(load_robot(name))
+
+
 @pytest.mark.parametrize("name", built_in_robots())
 def test_built_in_robots_pass(name):
-    report = check_robot(load_robot(name))
+    report = checked(name)
     assert failures(report) == []
     assert all(loop.gap < 1e-9 for loop in report.loops)
     assert len(report.base.names) > 0
@@ -52,7 +59,7 @@ def test_built_in_robots_pass(name):
     ("name", "tree", "equations", "rank", "motors"), [("five_bar", 4, 3, 2, 2), ("delta", 21, 18, 18, 3)]
 )
 def test_degrees_of_freedom(name, tree, equations, rank, motors):
-    found = check_robot(load_robot(name)).mobility
+    found = checked(name).mobility
     assert (found.tree, found.equations, found.rank, found.motors) == (tree, equations, rank, motors)
     assert found.remaining == motors
 
