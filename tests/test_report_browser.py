@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.page.browser import opened, scrolled
+from bench.page.browser import blank, scrolled
 from tests.report_kit import diagnosed_page, identified_page, write
 
 PHONE = 390
@@ -21,12 +21,12 @@ def look(chromium, report):
 
     def look(path=report, **options):
         heard = []
-        page = opened(chromium, path, **options)
+        page = blank(chromium, **options)
         page.on("console", lambda message: heard.append(message.text))
         page.on("pageerror", lambda error: heard.append(str(error)))
         page.on("request", lambda request: heard.append(request.url))
         pages.append(page)
-        page.reload()  # with ears open
+        page.goto(path.resolve().as_uri())
         heard.remove(path.resolve().as_uri())
         page.heard = heard
         return page

@@ -114,13 +114,9 @@ def test_a_robot_that_has_changed_counts_as_well(copied, tmp_path, capsys):
     shutil.copytree(load_robot("two_link").folder, copied / "arm")
     toml = copied / "data" / "dataset.toml"
     toml.write_text(toml.read_text().replace('"two_link"', '"../arm"'))
-    known = [
-        "--with",
-        "viscous_friction:shoulder",
-        "--with",
-        "coulomb_friction:elbow",
-    ]  # nothing to search for
-    assert main(["diagnose", str(copied / "data"), *known, "-o", str(copied / "found")]) == 0
+    known = ["--with", "viscous_friction:shoulder", "--with", "coulomb_friction:elbow"]
+    shutil.rmtree(copied / "found")
+    assert main(["identify", str(copied / "data"), *known, "-o", str(copied / "found")]) == 0
     capsys.readouterr()
     assert reported(copied, tmp_path / "page.html") == 0
     assert capsys.readouterr().err == ""

@@ -1,6 +1,7 @@
-"""Ten thousand runs, with a cheap stand-in for the work: killed twice, gone on with, summarised."""
+"""Ten thousand runs, with a cheap stand-in for the work: cut off, killed, gone on with, summarised."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from bench.studies.sweep.run_sweep import JOURNAL, TABLE
 from tests.sweep_stand_in import plan_of
 
 SEEDS, RUNS = 560, 10_080
-KILLED_AT = (2_500, 7_000)
+CUT_AT, KILLED_AT = 7_000, 8_000
 GROWTH = 4_000  # kB from the first thousand runs to the last; measured: 90
 
 
@@ -35,16 +36,20 @@ def undisturbed(tmp_path_factory):
     return folder
 
 
-def test_killed_twice_the_table_is_the_same_to_the_last_bit(tmp_path, undisturbed):
+def test_cut_off_and_killed_the_table_is_the_same_to_the_last_bit(tmp_path, undisturbed):
+    """As a loss of power in the middle of a line leaves it; killed twice from its start: test_sweep_run.py."""
     plan_of(tmp_path, seeds=SEEDS)
+    shutil.copytree(undisturbed / "out", tmp_path / "out")
+    (tmp_path / "out" / TABLE).unlink()
     journal = tmp_path / "out" / JOURNAL
-    for kept in KILLED_AT:
-        with subprocess.Popen(command(tmp_path)) as process:
-            while not journal.exists() or journal.read_bytes().count(b"\n") < kept:
-                assert process.poll() is None
-                time.sleep(0.01)
-            os.kill(process.pid, signal.SIGKILL)
-        assert kept <= journal.read_bytes().count(b"\n") < RUNS
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines[:CUT_AT]) + lines[CUT_AT][:10])
+    with subprocess.Popen(command(tmp_path)) as process:
+        while journal.read_bytes().count(b"\n") < KILLED_AT:
+            assert process.poll() is None
+            time.sleep(0.01)
+        os.kill(process.pid, signal.SIGKILL)
+    assert KILLED_AT <= journal.read_bytes().count(b"\n") < RUNS
     subprocess.run(command(tmp_path), check=True)
     assert journal.read_bytes().count(b"\n") == RUNS, "no run was made twice"
     assert (tmp_path / "out" / TABLE).read_bytes() == (undisturbed / "out" / TABLE).read_bytes()

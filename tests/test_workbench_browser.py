@@ -4,12 +4,13 @@ import json
 import re
 
 import pytest
+from playwright.sync_api import expect
 
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.identification.model_file import apply_model, load_model, model_json
 from bench.identification.problem import problem_of
-from bench.page.browser import opened
+from bench.page.browser import blank
 from bench.page.parts import Page, Section
 from bench.page.render import Workbench, render_page
 from bench.workbench.page_data import page_data, with_command
@@ -49,13 +50,12 @@ def look(chromium, folder):
     pages = []
 
     def look(address="", **options):
-        page = opened(chromium, folder / "page.html", **options)
+        page = blank(chromium, **options)
         pages.append(page)
         page.heard = []
         page.on("console", lambda message: page.heard.append(message.text))
         page.on("pageerror", lambda error: page.heard.append(str(error)))
         page.on("request", lambda request: page.heard.append(request.url))
-        page.goto("about:blank")
         page.goto((folder / "page.html").as_uri() + address)
         page.heard = [one for one in page.heard if not one.startswith((folder / "page.html").as_uri())]
         return settled(page)
@@ -222,8 +222,7 @@ def test_deviations_stand_beside_the_gains_of_what_was_fitted(look, folder):
 def test_the_command_can_be_copied_and_the_model_downloaded(look, tmp_path, folder):
     page = look()
     page.get_by_role("button", name="Copy the command").click()
-    page.wait_for_function("document.querySelector('.bench-command button').textContent !== 'Copy'")
-    assert page.locator(".bench-command button").text_content() in ("Copied", "Selected")
+    expect(page.locator(".bench-command button")).to_have_text(re.compile("Copied|Selected"))
     with page.expect_download() as given:
         page.get_by_role("button", name="Download model").click()
     given.value.save_as(tmp_path / "model.json")

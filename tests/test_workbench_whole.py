@@ -86,18 +86,17 @@ def test_all_rows_are_fitted_as_identify_does(page, robot, requests):
 
 @pytest.mark.parametrize(("robot", "requests"), CASES, ids=str)
 def test_a_browser_shows_what_identify_shows(chromium, page, robot, requests):
-    from bench.page.browser import opened
+    from bench.page.browser import blank
 
     dataset, parts, _, file = page(robot)
     expected, judged = (
         identify(prepare(problem_of(dataset, requests))),
         identify(prepare(problem_of(parts, requests))),
     )
-    shown = opened(chromium, file)
+    shown = blank(chromium)
     heard = []
     shown.on("console", lambda message: heard.append(message.text))
     shown.on("pageerror", lambda error: heard.append(str(error)))
-    shown.goto("about:blank")
     shown.goto(f"{file.as_uri()}#workbench?with={','.join(requests) or 'none'}")
     shown.wait_for_selector("#workbench[data-ready=true]")
 

@@ -32,21 +32,26 @@ def browser() -> Iterator[Browser]:
             launched.close()
 
 
-def opened(browser: Browser, path: Path, *, width: int = 1366, height: int = 900, dark: bool = False) -> Page:
-    """A page from its file, at a width in px, in light or dark colours."""
-    page = browser.new_page(
+def blank(browser: Browser, *, width: int = 1366, height: int = 900, dark: bool = False) -> Page:
+    """A window with nothing in it yet, so that what a page says and asks for can be heard from its start."""
+    return browser.new_page(
         viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
     )
+
+
+def opened(browser: Browser, path: Path, *, width: int = 1366, height: int = 900, dark: bool = False) -> Page:
+    """A page from its file, at a width in px, in light or dark colours."""
+    page = blank(browser, width=width, height=height, dark=dark)
     page.goto(path.resolve().as_uri())
     return page
 
 
 def scrolled(page: Page) -> Page:
     """The same page after all its figures came into view, at its top again."""
-    at = 0
+    at, step = 0, (page.viewport_size or {"height": 500})["height"]
     while at < int(page.evaluate("document.documentElement.scrollHeight")):  # it grows as figures are drawn
         page.evaluate(f"scrollTo({{top: {at}, behavior: 'instant'}})")
         page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        at += 500
+        at += step
     page.evaluate("scrollTo({top: 0, behavior: 'instant'})")
     return page
