@@ -1,5 +1,8 @@
 """Hidden effects of one's own, from a file that a scenario names."""
 
+import pickle
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -74,3 +77,15 @@ def test_mistakes_in_the_file_are_named(tmp_path: Path, text: str, told: str) ->
     file.write_text(text, encoding="utf-8")
     with pytest.raises(BenchError, match=told):
         hidden_in(file)
+
+
+def test_such_an_effect_goes_to_a_process_that_has_not_run_its_file(fan: Path, tmp_path: Path) -> None:
+    sent = tmp_path / "effect"
+    sent.write_bytes(pickle.dumps(hidden_in(fan)["fan"](joint="left", c=0.05)))
+    fan.unlink()
+    script = (
+        "import pickle, sys; one = pickle.loads(open(sys.argv[1], 'rb').read()); "
+        "print(one.name, one.joint, one.c, one.torque.__qualname__)"
+    )
+    done = subprocess.run([sys.executable, "-c", script, str(sent)], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["fan", "left", "0.05", "Fan.torque"]

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import inspect
 import sys
+from collections.abc import Callable, Mapping
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.files.python_file import module_name, module_of, read_source
@@ -18,7 +21,10 @@ def hidden_in(path: Path) -> dict[str, type[HiddenEffect]]:
 
     The file is run. Raises BenchError that names the file, and the line where it can.
     """
-    source = read_source(path)
+    return _hidden_of(read_source(path), path)
+
+
+def _hidden_of(source: str, path: Path) -> dict[str, type[HiddenEffect]]:
     name = module_name(source, path, PREFIX)
     module = sys.modules.get(name) or module_of(source, path, PREFIX)
     classes = [
@@ -29,4 +35,20 @@ def hidden_in(path: Path) -> dict[str, type[HiddenEffect]]:
     found = {one.name: one for one in classes if isinstance(inspect.getattr_static(one, "name", None), str)}
     if not found:
         raise BenchError(f"{path}: no subclass of HiddenEffect or JointEffect that has a name")
+    for one in found.values():
+        one.__reduce__ = _reducer(source, path)  # type: ignore[method-assign]
     return found
+
+
+def _reducer(source: str, path: Path) -> Callable[[HiddenEffect], tuple[Any, ...]]:
+    """How such an effect goes to another process, which has not run its file: with the file's text."""
+
+    def reduced(effect: HiddenEffect) -> tuple[Any, ...]:
+        values = {one.name: getattr(effect, one.name) for one in fields(effect)}
+        return _restored, (source, str(path), effect.name, values)
+
+    return reduced
+
+
+def _restored(source: str, path: str, name: str, values: Mapping[str, Any]) -> HiddenEffect:
+    return _hidden_of(source, Path(path))[name](**values)
