@@ -1,6 +1,7 @@
 """Laws that no catalogue has: found exactly, beside known effects, and not where there is none."""
 
 import json
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,10 +15,10 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.diagnose import diagnose
 from bench.diagnosis.law_words import law_sentences, symbols
-from bench.diagnosis.result import Diagnosis
+from bench.diagnosis.result import Diagnosis, Unexplained
 from bench.diagnosis.summary import summary_sentences
 from bench.discovery import find
-from bench.discovery.find import find_missing_effects
+from bench.discovery.find import find_missing_effects, something_left
 from bench.discovery.merged import fewer
 from bench.discovery.written import write_laws
 from bench.effects import CATALOGUE, EffectInstance, catalogue_for
@@ -115,6 +116,13 @@ def test_where_the_catalogue_explains_all_nothing_is_discovered() -> None:
 def test_without_anything_hidden_no_law_is_claimed() -> None:
     found = find_missing_effects(problem_of(measured()), discover=True)
     assert (found.missing, found.discovered) == ((), ())
+
+
+def test_noise_of_the_encoders_is_not_searched_for_laws() -> None:
+    left = Unexplained(significant=False, error=0.02, noise_floor=0.01, depends_on=(), why="")
+    assert something_left(left)
+    assert not something_left(replace(left, encoders=0.015))
+    assert something_left(replace(left, encoders=0.015, significant=True))
 
 
 def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:

@@ -11,16 +11,17 @@ from bench.diagnosis.rounds import origin_of
 from bench.discovery.factors import Decay, Memory, Power, Step, Wave
 from bench.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
 from bench.discovery.named import NAMED, name_of
-from bench.discovery.screen import Known, Left, few_rows, left_without, screened
+from bench.discovery.refine import Refined, _slower, instances_of
+from bench.discovery.screen import Known, Left, Screened, few_rows, left_without, screened
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.source import law_effect, law_source
 from bench.discovery.table import Table, table_over
-from bench.discovery.term import Term, at_other_harmonics, freed
+from bench.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.discovery.units import times, written
 from bench.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
-from bench.identification.prepare import prepare
+from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import problem_of
 from tests.discover_kit import BRAKED, measured
 
@@ -110,6 +111,7 @@ def test_a_first_order_state_follows_a_ramp_exactly():
         [Term((Power(V, 0.0), Power(A, 1.5, odd=False, free=True)))],
         [Term((Power(V), Wave(Q, 2.0, 0.5, free=True))), Term((Power(V, 0.0), Decay(3.0)))],
         [Term((Power(V, 0.0), Memory(0.2, (Power(V, 1.0, odd=False),)))), Term(())],
+        [Term((Power(V, 0.0), Wave(Q, 2.0, 0.5, about_mean=True)))],
         [Term((Power(Variable("load", 1)), Step(Q, 0.1, 0.2)))],
         [Term((Power(V, 0.0), Table(A, (-2.0, 0.0, 1.0, 3.0)))), Term((Table(Q, (-1.0, 0.5)),))],
         [Term((Power(V), Power(TOOL, 2.0, odd=False))), Term((Power(LOAD), Power(Variable("velocity", 1))))],
@@ -199,6 +201,27 @@ def test_a_wave_is_tried_at_other_harmonics_of_the_turn():
     assert [one.factors[-1].rate for one in at_other_harmonics(term)] == pytest.approx([2.0, 3.0, 12.0])
     assert [one.factors[-1].rate for one in at_other_harmonics(Term((Wave(Q, 1.0, 0.5),)))] == [2.0]
     assert at_other_harmonics(Term((Wave(T, 4.0, 0.5, free=True),))) == ()
+
+
+def test_a_wave_and_its_mean_can_be_one_term(seen: Seen):
+    friction = (Power(V, 0.0), Power(LOAD, 1.0, odd=False))
+    wave = Term((*friction, Wave(Q, 2.0, 0.5)))
+    joined, mean = about_its_mean(wave) or (wave, wave)
+    assert name_of(mean) == "load_dependent_friction"
+    assert joined.formulas(MIXED) == (*mean.formulas(MIXED), *wave.formulas(MIXED))
+    assert np.array_equal(joined.values(seen), np.hstack((mean.values(seen), wave.values(seen))))
+    assert [joined.part(k).variables for k in range(3)] == [mean.variables, wave.variables, wave.variables]
+    assert about_its_mean(mean) is None
+
+
+@pytest.mark.parametrize(("rate", "slower"), [(0.05, True), (0.6, False)])
+def test_a_wave_that_has_become_a_straight_line_is_known(rate: float, slower: bool, context):
+    """Over a travel of a radian or two it would stand for what a steeper function does better."""
+    term = Term((Power(V), Wave(Q, 1.0, 0.5, free=True)))
+    start = context.prepared
+    instances = instances_of("wave", Screened(term.with_numbers([rate]), {}, 0.0), places_of(start))
+    model = with_effects(start, (*start.effects, *instances))
+    assert _slower(Refined(model, {"wave": term}, 0.0), len(start.effects)) is slower
 
 
 def test_a_law_of_the_load_is_a_part_of_that_load(context):

@@ -10,6 +10,7 @@ from bench.effects import CATALOGUE
 from bench.studies.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
 from bench.studies.trial.compatible import compatible, exclusive, expected
 from bench.studies.trial.judge import Named, judged
+from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import hidden_places
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import NOTHING, SOMETHING, summarised
@@ -97,6 +98,13 @@ def test_unknown_laws_go_through_every_family_beside_none_one_or_two_effects(fiv
     assert len({tuple(name for name, _ in case.hides[0].numbers) for case in cases}) > 8
     assert cases[5] == draw_case(five_bar, "unknown", 5)
     assert five_bar.outside == tuple(name for name in five_bar.outside if name != LAW)
+
+
+def test_a_set_that_begins_later_has_no_case_in_common(five_bar: Setup) -> None:
+    here, apart = TrialPlan(five_bar, "unknown", 1), TrialPlan(five_bar, "unknown", 1, first=10)
+    numbers = [run.number for (run,) in apart.tasks(lambda number: number == 12)]
+    assert numbers == [10, 11, *range(13, 20)]
+    assert not {here.case(i).seed for i in here.numbers} & {apart.case(i).seed for i in apart.numbers}
 
 
 def test_one_goes_through_every_effect(five_bar: Setup) -> None:

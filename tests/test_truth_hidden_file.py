@@ -87,5 +87,7 @@ def test_such_an_effect_goes_to_a_process_that_has_not_run_its_file(fan: Path, t
         "import pickle, sys; one = pickle.loads(open(sys.argv[1], 'rb').read()); "
         "print(one.name, one.joint, one.c, one.torque.__qualname__)"
     )
-    done = subprocess.run([sys.executable, "-c", script, str(sent)], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(sent)], capture_output=True, text=True, check=True
+    )
     assert done.stdout.split() == ["fan", "left", "0.05", "Fan.torque"]

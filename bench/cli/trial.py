@@ -28,6 +28,13 @@ from bench.cli.progress import quiet_option, shown_progress
     help="Datasets for each effect of `one` and `outside`, and tens of datasets of the other kinds.",
 )
 @click.option(
+    "--first",
+    type=click.IntRange(0),
+    default=0,
+    metavar="N",
+    help="Number of the first dataset of every kind, for a set that has none in common with another. [default: 0]",
+)
+@click.option(
     "--scenario", metavar="NAME", help="Movements, sensors and payload; by default the robot's own."
 )
 @click.option("--duration", type=click.FloatRange(2.0), metavar="S", help="Of each designed movement, s.")
@@ -58,6 +65,7 @@ def trial(
     effects: str,
     kinds: str,
     seeds: int,
+    first: int,
     scenario: str | None,
     duration: float | None,
     output: Path,
@@ -71,14 +79,12 @@ def trial(
     """
     with shown_progress(running["quiet"]):
         from bench.studies.sweep.workers import Workers
-        from bench.studies.trial.command import run_command
+        from bench.studies.trial.command import Drawn, run_command
 
     code = run_command(
         robot,
         output,
-        effects=_listed(effects),
-        kinds=_listed(kinds),
-        seeds=seeds,
+        Drawn(_listed(effects), _listed(kinds), seeds, first),
         scenario=scenario,
         duration=duration,
         workers=Workers(running["workers"], running["scheduler"]),
@@ -96,6 +102,7 @@ def trial(
         *(["--effects", effects] if effects else []),
         *(["--kinds", kinds] if kinds else []),
     ]
+    words += ["--first", f"{first}"] if first else []
     words += ["--scenario", scenario] if scenario else []
     words += ["--duration", f"{duration:g}"] if duration else []
     again = next_line([*words, "--seeds", str(2 * seeds), "-o", output], "adds as many datasets again")

@@ -9,6 +9,9 @@ from bench.diagnosis.search import NEEDED, Scored, earned, possible, score, simp
 BEGUN = 4  # sets from which a search sets out
 STEPS = 6
 LARGEST = 6  # members of a set
+SWAPS = (
+    5  # sets with another effect in the place of one of an impossible sign that are looked at more closely
+)
 
 
 def best_set(system: System, begin: Iterable[Sequence[int]], usable: Sequence[int]) -> Scored:
@@ -31,7 +34,7 @@ def best_set(system: System, begin: Iterable[Sequence[int]], usable: Sequence[in
 
 def _climbed(system: System, start: Scored, usable: Sequence[int], empty: SetFit) -> Scored:
     """One change after the other, as long as evidence grows; members that do not earn their place leave."""
-    here = _all_earned(system, start, empty)
+    here = _all_earned(system, start, usable, empty)
     for _ in range(STEPS):
         chosen = here.fit.chosen
         others = [i for i in usable if i not in chosen]
@@ -52,11 +55,22 @@ def _needed(here: Scored, one: Scored) -> float:
     return NEEDED if len(one.fit.chosen) > len(here.fit.chosen) else 0.0
 
 
-def _all_earned(system: System, one: Scored, empty: SetFit) -> Scored:
-    """Without the members that do not earn their place, the least first."""
+def _all_earned(system: System, one: Scored, usable: Sequence[int], empty: SetFit) -> Scored:
+    """Without the members that do not earn their place, the least first.
+
+    Where a sign is impossible, another effect in the place of one member comes first, if all of that set earn theirs:
+    what the sign belongs to may stand for a neighbour, as a spring that pushes stands for an offset.
+    """
     while one.fit.chosen and not (possible(system, one.fit) and earned(system, one, empty)):
         chosen = one.fit.chosen
-        one = _scored(system, [tuple(k for k in chosen if k != out) for out in chosen], empty)[0]
+        fewer = [tuple(k for k in chosen if k != out) for out in chosen]
+        if not possible(system, one.fit):
+            swaps = [(*base, i) for base in fewer for i in usable if i not in chosen]
+            able = [each for each in _scored(system, swaps, empty) if possible(system, each.fit)][:SWAPS]
+            found = next((each for each in able if earned(system, each, empty)), None)
+            if found is not None:
+                return found
+        one = _scored(system, fewer, empty)[0]
     return one
 
 

@@ -137,17 +137,18 @@ def _power(x: str, number: str, exponent: float | None, odd: bool, prefix: str) 
 class Wave(Factor):
     """cos(w x) and sin(w x): a wave whose phase is free. x: a position or the time; w: `rate`, rad a unit of x.
 
-    reach: how far the rate may be adapted, where it is free.
+    reach: how far the rate may be adapted, where it is free. about_mean: with its mean as the first part.
     """
 
     variable: Variable
     rate: float
     reach: float
     free: bool = False
+    about_mean: bool = False
 
     @property
     def parts(self) -> int:
-        return 2
+        return 3 if self.about_mean else 2
 
     @property
     def variables(self) -> tuple[Variable, ...]:
@@ -171,7 +172,8 @@ class Wave(Factor):
 
     def values(self, seen: Seen) -> np.ndarray:
         angle = self.rate * seen.values[self.variable]
-        return np.column_stack((np.cos(angle), np.sin(angle)))
+        mean = (np.ones_like(angle),) if self.about_mean else ()
+        return np.column_stack((*mean, np.cos(angle), np.sin(angle)))
 
     def formula(self, place: Place) -> tuple[str, ...]:
         return self._written(place, f"{self.rate:.5g}", "")
@@ -182,7 +184,7 @@ class Wave(Factor):
     def _written(self, place: Place, number: str, prefix: str) -> tuple[str, ...]:
         x = self.variable.symbol(place)
         angle = x if number == "1" else f"{number}*{x}"
-        return f"{prefix}cos({angle})", f"{prefix}sin({angle})"
+        return (*(("1",) if self.about_mean else ()), f"{prefix}cos({angle})", f"{prefix}sin({angle})")
 
 
 @dataclass(frozen=True)

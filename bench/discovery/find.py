@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import hypot
 
 import numpy as np
 
@@ -10,10 +11,11 @@ from bench.basics.threads import on_one_thread
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.diagnose import Case, Finding, answered, found, found_from, opened
 from bench.diagnosis.normal_equations import solve_set
-from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt
+from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
 from bench.diagnosis.rounds import judged
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.diagnosis.verdicts import checked_error
+from bench.discovery.doubted import doubted
 from bench.discovery.laws import Law, laws_of
 from bench.discovery.merged import merged
 from bench.discovery.named import name_of
@@ -27,7 +29,7 @@ from bench.identification.identify import fit
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 
-LEFT = 1.15  # times the noise floor: where more is left, laws are looked for, whatever it varies with
+LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
 TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
 HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
 
@@ -44,8 +46,7 @@ def find_missing_effects(
     case = opened(problem, progress)
     finding = found(case, progress)
     plain = answered(case, finding, progress)
-    left = plain.unexplained
-    wanted = left.significant or left.error > LEFT * left.noise_floor
+    wanted = something_left(plain.unexplained)
     answer = _Answer(finding, (), plain)
     if discover is not False and not wanted:
         answer = _with_one_for_several(case, answer, progress)
@@ -55,6 +56,11 @@ def find_missing_effects(
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
     return _with_tables(case, answer, progress).diagnosis
+
+
+def something_left(left: Unexplained) -> bool:
+    """Whether there is enough beyond the noise to look for laws in."""
+    return left.significant or left.error > LEFT * hypot(left.noise_floor, left.encoders)
 
 
 @dataclass(frozen=True)
@@ -164,6 +170,7 @@ def _told(finding: Finding, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagno
     """The laws as what was discovered, and the catalogue's names as what is missing."""
     names = {law.name for law in laws}
     ranking = tuple(_without(one, names) for one in diagnosis.ranking if one.effect not in names)
+    ranking = doubted(finding, laws, ranking)
     return replace(
         diagnosis,
         missing=tuple(name for name in diagnosis.missing if name not in names),
@@ -198,7 +205,11 @@ def _discovered(finding: Finding, law: Law, i: int) -> Discovered:
     linear = [one for one in values if one.startswith("c")]
     numbers = {label: value for label, value in values.items() if label not in linear}
     terms = law.at({label: value.value for label, value in numbers.items()})
-    formulas = [(formula, _looks_at(term, place)) for term in terms for formula in term.formulas(place)]
+    formulas = [
+        (formula, _looks_at(term.part(k), place))
+        for term in terms
+        for k, formula in enumerate(term.formulas(place))
+    ]
     error = finding.after.error
     without = finding.fits(frozenset(finding.names) - {law.name}).error
     single = {name_of(term) for term in law.terms}

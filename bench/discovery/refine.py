@@ -6,13 +6,16 @@ from itertools import islice
 
 from bench.diagnosis.rounds import Origin, at_its_solution, error_of
 from bench.diagnosis.search import MATERIAL
+from bench.discovery.grammar import LOAD
+from bench.discovery.named import name_of
 from bench.discovery.screen import Screened, at_place
 from bench.discovery.source import law_effect
-from bench.discovery.term import Term, at_other_harmonics, freed
+from bench.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.discovery.variables import Place
 from bench.effects import EffectInstance
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, with_effects
+from bench.identification.solve_only import solved_quickly
 
 MOST = 18  # models that are tried
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
@@ -51,7 +54,7 @@ def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: 
     own = len(origin.start.effects)
     best = Refined(model, terms, error_of(model))
     for new in islice(_tried(origin, best, places), MOST):
-        if new.size(own) <= best.size(own) and better(new, best, own):
+        if new.size(own) <= best.size(own) and better(new, best, own) and not _slower(new, own):
             best = new
     return best
 
@@ -66,6 +69,12 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
         terms = {key: one for key, one in found.terms.items() if key in kept} | {name: variant}
         return Refined(model, terms, error_of(model))
 
+    added_names = {one.effect.name for one in found.model.effects[own:]}
+    for name, term in found.terms.items():
+        for variant, mean in _with_a_mean(term, added_names):
+            others = [one for one in found.model.effects[own:] if one.effect.name not in (name, mean)]
+            added = instances_of(f"{name}_mean", Screened(variant, {}, 0.0), places)
+            yield told(origin.with_instances([*others, *added]), f"{name}_mean", variant)
     for name, term in found.terms.items():
         others = [one for one in found.model.effects[own:] if one.effect.name != name]
         for variant in (*at_other_harmonics(term), *freed(term)):
@@ -81,6 +90,46 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
             fewer = _without(origin, whole, {*names, free} - {name}, found.error)
             if fewer is not None:
                 yield told(fewer, free, variant)
+
+
+def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str]]:
+    """A wave of the load together with its mean, where that is found by its name, at this and other harmonics.
+
+    Each is a part of the load of the other, which only one law of both can tell.
+    """
+    for one in (term, *at_other_harmonics(term)):
+        joined = about_its_mean(one)
+        if joined is None or LOAD not in term.variables:
+            continue
+        variant, mean = joined
+        name = name_of(mean)
+        if name is not None and name in names:
+            yield variant, name
+
+
+def _slower(new: Refined, own: int) -> bool:
+    """Whether a wave's rate has run below the range that it is free in, at the motor where that law is largest.
+
+    So slow a wave is a straight line over the travel, and stands for something else.
+    """
+    at = new.model.layout.size - new.model.layout.effects
+    _, solution = solved_quickly(new.model)
+    largest: dict[str, tuple[float, EffectInstance]] = {}
+    begin = 0
+    for i, one in enumerate(new.model.effects):
+        part = slice(begin, begin := begin + len(one.effect.parameters))
+        if i < own or one.effect.name not in new.terms:
+            continue
+        values = solution.theta[at + part.start : at + part.stop]
+        size = sum(float(((seen.effects[:, :, part] @ values) ** 2).sum()) for seen in new.model.fitted)
+        if size >= largest.get(one.effect.name, (0.0, one))[0]:
+            largest[one.effect.name] = size, one
+    return any(
+        value < number.low
+        for name, (_, one) in largest.items()
+        for number, value in zip(new.terms[name].numbers, one.effect.shape_values().values(), strict=True)
+        if number.name == "w"
+    )
 
 
 def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:

@@ -12,7 +12,7 @@ from bench.discovery.variables import Place, Seen, Variable
 
 @dataclass(frozen=True)
 class Term:
-    """A product of factors, of which one at most is a wave; without any, a constant."""
+    """A product of factors, of which one at most has several parts; without any, a constant."""
 
     factors: tuple[Factor, ...]
 
@@ -67,13 +67,18 @@ class Term:
         written = [one.code(place, "" if one.number is None else left.pop(0)) for one in self.factors]
         return tuple(_product([each[min(k, len(each) - 1)] for each in written]) for k in range(self.parts))
 
+    def part(self, k: int) -> "Term":
+        """The term whose coefficient the k-th is: a wave's mean goes by nothing that the wave goes by."""
+        mean = [one for one in self.factors if isinstance(one, Wave) and one.about_mean and k == 0]
+        return Term(tuple(one for one in self.factors if one not in mean)) if mean else self
+
     def unit(self, place: Place) -> str:
         """Of its coefficients."""
         return unit_of(self.factors, place)
 
 
 def _product(factors: Sequence[str]) -> str:
-    return "*".join(factors) or "1"
+    return "*".join(one for one in factors if one != "1") or "1"
 
 
 def _structure(factor: Factor) -> tuple[object, ...]:
@@ -99,6 +104,15 @@ def at_other_harmonics(term: Term) -> tuple[Term, ...]:
         for ratio in (1.0 / 3.0, 0.5, 2.0)
         if abs(ratio * one.rate - round(ratio * one.rate)) < WHOLE
     )
+
+
+def about_its_mean(term: Term) -> tuple[Term, Term] | None:
+    """A term with a wave as one with the wave's mean beside it, and that mean alone; None without a wave."""
+    for i, one in enumerate(term.factors):
+        if isinstance(one, Wave):
+            before, after = term.factors[:i], term.factors[i + 1 :]
+            return Term((*before, replace(one, about_mean=True), *after)), Term((*before, *after))
+    return None
 
 
 def freed(term: Term) -> tuple[Term, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -31,13 +32,21 @@ from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """Which datasets a trial is of: effects and kinds (none: all), `seeds` of each from number `first` on."""
+
+    effects: Sequence[str] = ()
+    kinds: Sequence[str] = ()
+    seeds: int = 3
+    first: int = 0
+
+
 def run_command(
     robot: str,
     folder: Path,
+    drawn: Drawn,
     *,
-    effects: Sequence[str] = (),
-    kinds: Sequence[str] = (),
-    seeds: int = 3,
     scenario: str | None = None,
     duration: float | None = None,
     workers: Workers = ON_ALL_CORES,
@@ -49,7 +58,7 @@ def run_command(
     setup = make_setup(robot, scenario, duration)
     asked = {"robot": robot, "scenario": scenario, "duration": duration}
     given = {name: value for name, value in asked.items() if value is not None}
-    request = Request(setup, _kinds(kinds), seeds, tuple(effects), given)
+    request = Request(setup, _kinds(drawn.kinds), drawn.seeds, tuple(drawn.effects), given, drawn.first)
     _check(setup, request)
     start = time.monotonic()
 
@@ -137,7 +146,7 @@ def _check(setup: Setup, request: Request) -> None:
     if not request.plans:
         raise BenchError("trial: none of these effects is of the kinds asked for")
     for plan in request.plans:
-        plan.case(0)
+        plan.case(plan.first)
 
 
 def _write_rows(path: Path, rows: Sequence[Row]) -> None:

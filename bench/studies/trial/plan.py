@@ -17,13 +17,20 @@ MOVED = ("robot", "design", "recordings", "payloads")
 class TrialPlan:
     """All cases of one kind; with more seeds, those of fewer seeds stay as they are.
 
-    effects: what is drawn from; empty: all that the robot can have.
+    effects: what is drawn from; empty: all that the robot can have. first: number of the first case; sets that begin
+    far enough from each other have no case in common.
     """
 
     setup: Setup
     kind: Kind
     seeds: int
     effects: tuple[str, ...] = ()
+    first: int = 0
+
+    @property
+    def numbers(self) -> range:
+        """Of its cases."""
+        return range(self.first, self.first + self.size)
 
     @property
     def size(self) -> int:
@@ -51,7 +58,7 @@ class TrialPlan:
 
     def tasks(self, is_done: Callable[[int], bool] = lambda _: False) -> Iterator[tuple[Run, ...]]:
         """All cases that are not done, in order."""
-        return ((self.run(i),) for i in range(self.size) if not is_done(i))
+        return ((self.run(i),) for i in self.numbers if not is_done(i))
 
     @cached_property
     def _design(self) -> str:

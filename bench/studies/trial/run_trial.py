@@ -25,6 +25,7 @@ DESIGNS = "designs"
 class Request:
     """What a trial goes through. seeds: see `datasets_a_seed`. effects: drawn from these; empty: from all.
 
+    first: number of the first dataset of every kind.
     given: what its command named besides (robot, scenario, duration), only to be told again.
     """
 
@@ -33,11 +34,12 @@ class Request:
     seeds: int
     effects: tuple[str, ...] = ()
     given: Mapping[str, str | float] = field(default_factory=dict)
+    first: int = 0
 
     @property
     def plans(self) -> tuple[TrialPlan, ...]:
         """One for each kind that has any case."""
-        plans = (TrialPlan(self.setup, kind, self.seeds, self.effects) for kind in self.kinds)
+        plans = (TrialPlan(self.setup, kind, self.seeds, self.effects, self.first) for kind in self.kinds)
         return tuple(plan for plan in plans if plan.size)
 
 
@@ -59,10 +61,10 @@ def run_trial(
     try:
         for plan in request.plans:
             journal = Journal(
-                _journal_path(folder, plan.kind), max(plan.size, _rows_there(folder, plan.kind))
+                _journal_path(folder, plan.kind), max(plan.numbers.stop, _rows_there(folder, plan.kind))
             )
             try:
-                if any(number not in journal for number in range(plan.size)):
+                if any(number not in journal for number in plan.numbers):
                     report = progress(plan)
                     phase("starting workers")
                     pool = pool or make_pool()

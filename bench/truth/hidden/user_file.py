@@ -36,14 +36,14 @@ def _hidden_of(source: str, path: Path) -> dict[str, type[HiddenEffect]]:
     if not found:
         raise BenchError(f"{path}: no subclass of HiddenEffect or JointEffect that has a name")
     for one in found.values():
-        one.__reduce__ = _reducer(source, path)  # type: ignore[method-assign]
+        one.__reduce__ = _reducer(source, path)  # type: ignore[assignment, method-assign]
     return found
 
 
-def _reducer(source: str, path: Path) -> Callable[[HiddenEffect], tuple[Any, ...]]:
+def _reducer(source: str, path: Path) -> Callable[[Any], tuple[Any, ...]]:
     """How such an effect goes to another process, which has not run its file: with the file's text."""
 
-    def reduced(effect: HiddenEffect) -> tuple[Any, ...]:
+    def reduced(effect: Any) -> tuple[Any, ...]:
         values = {one.name: getattr(effect, one.name) for one in fields(effect)}
         return _restored, (source, str(path), effect.name, values)
 

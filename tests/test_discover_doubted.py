@@ -1,0 +1,37 @@
+"""Names of the catalogue beside laws: which of them are sure."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bench.diagnosis.result import EffectVerdict
+from bench.discovery.doubted import doubted
+
+
+def _fitted(error: float) -> Any:
+    return SimpleNamespace(error=SimpleNamespace(identify=error, validate=error))
+
+
+@pytest.mark.parametrize(
+    ("places", "without", "verdict"),
+    [
+        (("left",), 0.0015, "resembles"),  # a twentieth of what the law explains
+        (("left",), 0.0200, "missing"),
+        (("right",), 0.0015, "missing"),  # where no law is, none can be inexact
+        (("left", "right"), 0.0015, "missing"),
+    ],
+)
+def test_what_may_make_up_for_an_inexact_law_is_not_sure(
+    places: tuple[str, ...], without: float, verdict: str
+) -> None:
+    errors = {frozenset({"ripple"}): 0.030, frozenset({"law"}): without}
+    finding: Any = SimpleNamespace(
+        names=("law", "ripple"), after=_fitted(0.001), fits=lambda names: _fitted(errors[names])
+    )
+    law: Any = SimpleNamespace(name="law", places=(SimpleNamespace(name="left"),))
+    named = EffectVerdict("ripple", "missing", without, 0.001, 50.0, places, (), {}, "It helps.")
+    other = EffectVerdict("lag", "not supported", 0.001, 0.001, 0.0, (), (), {}, "It does not help.")
+    told = doubted(finding, (law,), (named, other))
+    assert [one.verdict for one in told] == [verdict, "not supported"]
+    assert told[1] is other
