@@ -80,6 +80,12 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         page = look(site)
         expect(page.locator("#dataset-choice")).to_contain_text("drop the first log")
         import_by_mouse(page, logs / "free.csv", "")
+        page.locator("#files").set_input_files(
+            {"name": "free.csv", "mimeType": "text/csv", "buffer": b"t,q\n0,0\n"}
+        )
+        expect(page.locator("#add-log [role=alert]")).to_contain_text("another file of that name")
+        assert ["400 (Bad Request)" in one for one in page.heard] == [True]
+        page.heard.clear()
         import_by_mouse(page, logs / "held.csv", "disc")
         expect(page.locator("#recordings-table")).to_contain_text("disc, 0.5 kg")
         page.locator("#compare").click()

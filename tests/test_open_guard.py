@@ -180,7 +180,7 @@ def test_only_what_belongs_to_the_page_is_an_asset(site, name):
         (".hidden2.csv", CSV, "give a name"),
         ("-rf.csv", CSV, "give a name"),
         ("%3Cimg%20src=x%3E.csv", CSV, "give a name"),
-        ("log.csv", CSV, "in the folder already"),
+        ("log.csv", CSV + b"0,0\n", "another file of that name is in the folder already"),
         ("empty.csv", b"", "empty"),
         ("program.parquet", b"\x7fELF", "does not begin as"),
         ("program.mat", b"MZ", "does not begin as"),
@@ -197,6 +197,12 @@ def test_only_logs_are_taken(site, root, name, content, says):
     if says is not None:
         assert says in answer.json["error"]
     assert sorted(os.listdir(root)) == before
+
+
+def test_a_log_that_is_there_already_is_taken_as_it_is(site, root):
+    content = (root / "log.csv").read_bytes()
+    assert site.ask("PUT", "api/logs/log.csv", content).status == 200
+    assert (root / "log.csv").read_bytes() == content
 
 
 async def parts(*content):

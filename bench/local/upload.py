@@ -1,5 +1,6 @@
 """Files that come and go: a log is taken into the folder whole or not at all, a dataset leaves as a zip archive."""
 
+import filecmp
 import zipfile
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -22,16 +23,16 @@ STARTS: dict[str, tuple[bytes, ...]] = {
 
 
 async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest: int = LARGEST) -> str:
-    """Write a log into the folder and return its path in it.
+    """Write a log into the folder and return its path in it; a file that is there already with this content stays.
 
-    Raises BenchError for a name that is none, a kind that no log has, a file that is there already, content that is
-    not of its kind, and too much of it; nothing is written then.
+    Raises BenchError for a name that is none, a kind that no log has, another file of that name, content that is not of
+    its kind, and too much of it; nothing is written then.
     """
     suffix = Path(folder.name(name)).suffix.lower()
     if suffix not in LOGS:
         raise BenchError(f"{name}: a log is one of {', '.join(LOGS)}")
     target = folder.inside(name)
-    if target.exists() or target.is_symlink():
+    if target.is_symlink() or (target.exists() and not target.is_file()):
         raise BenchError(f"{name}: is in the folder already; rename one of the two")
     with atomic_path(target) as partial:
         size = 0
@@ -47,6 +48,10 @@ async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest
                 file.write(part)
         if size == 0:
             raise BenchError(f"{name}: the file is empty")
+        if target.exists() and not filecmp.cmp(partial, target, shallow=False):
+            raise BenchError(
+                f"{name}: another file of that name is in the folder already; rename one of the two"
+            )
     return name
 
 

@@ -21,6 +21,7 @@ const Recordings = (() => {
   let app,
     logs,
     setup,
+    faults = [], // why logs were not taken
     last = null;
 
   function start(given) {
@@ -60,19 +61,20 @@ const Recordings = (() => {
 
   async function take(files) {
     await app.ready;
-    const faults = [];
+    const refused = [];
     for (const file of files) {
       if (file.size > app.folder.largest)
-        faults.push(`${file.name}: larger than this page takes; put it into the folder by hand`);
+        refused.push(`${file.name}: larger than this page takes; put it into the folder by hand`);
       else
         await Server.upload(file).then(
           () => (form.log = file.name),
-          (error) => faults.push(error.message),
+          (error) => refused.push(error.message),
         );
     }
     await app.refresh();
-    if (faults.length) logs.append(...faults.map((text) => el("p", {class: "fault", role: "alert"}, text)));
     await choose(form.log);
+    faults = refused;
+    render();
   }
 
   function render() {
@@ -101,6 +103,7 @@ const Recordings = (() => {
           );
         }),
       ),
+      ...faults.map((text) => el("p", {class: "fault", role: "alert"}, text)),
     );
   }
 
@@ -165,6 +168,7 @@ const Recordings = (() => {
   /* Show a log, with its robot if one is chosen. */
   async function choose(log) {
     Object.assign(form, {log, load: null, mass: "", center: "", inertia: "", topic: "", rate: "", use: "identify"}); // what holds of one log is asked for again
+    faults = [];
     form.dataset = app.dataset === null ? NEW : app.dataset;
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
     last = null;
