@@ -20,7 +20,7 @@ from bench.truth.simulate import simulate
 CURRENT_NOISE = 0.01  # of the RMS current, in the scenario five_bar
 GAINS = {"left": 3.0 * 1.10, "right": 3.0 * 0.92}
 MOST_DEVIATIONS = 4.5
-STEP = 0.0005  # s, of the simulation
+STEP, DURATION = 0.0005, 12.0  # s, of the simulation and of each of its recordings
 
 Values = dict[str, float]
 
@@ -106,10 +106,11 @@ ABSORBED = {"payload_mass_error": {"error": 0.03}, "rotor_inertia": {"Ia": 0.01}
 
 
 def measurements(*hidden: dict[str, float | str], robot: str = "five_bar") -> Dataset:
-    """Three of the scenario's recordings, at twice its step: one to judge on says what two would."""
+    """Three of the scenario's recordings, at twice its step and shorter: one to judge on says what two would."""
     tables = [one.model_dump(exclude_none=True) for one in load_scenario(robot).settings.recordings]
     kept = [one for one in tables if one["use"] == "identify" or "payload" in one]
-    scenario = load_scenario(robot, {"hidden": list(hidden), "recordings": kept, "step": STEP})
+    short = [{**one, "design": {**one["design"], "duration": DURATION}} for one in kept]
+    scenario = load_scenario(robot, {"hidden": list(hidden), "recordings": short, "step": STEP})
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
 
 
