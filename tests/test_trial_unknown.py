@@ -10,9 +10,10 @@ from bench.diagnosis.result import Discovered, EffectVerdict, LawTerm, LooksAt
 from bench.document.markdown.tables import markdown
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.studies.trial import law_judged
 from bench.studies.trial.cases import Case, Hide
 from bench.studies.trial.judge import Named, judged
-from bench.studies.trial.law_judged import _alike
+from bench.studies.trial.law_judged import _alike, law_columns
 from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, named_parts, sized
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 from bench.studies.trial.work import _answer
@@ -96,6 +97,34 @@ def test_a_structure_is_alike_where_variables_and_symmetry_are() -> None:
     assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0, "q": 1.0}, [found])
     even = replace(found.terms[0], looks_at=(LooksAt("velocity", "", "size"), looks[1]))
     assert not _alike({"c": 0.1, "direction": 1.0, "a": 1.0}, [replace(found, terms=(even,))])
+
+
+@pytest.mark.parametrize(
+    ("wave", "aside"), [(0.0, {"constant_offset", "viscous_friction"}), (0.8, {"constant_offset"})]
+)
+def test_known_effects_by_their_names_are_no_error_of_a_law(
+    wave: float, aside: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """But for one of which the law is a part; Coulomb friction was not found, and is at another motor."""
+    law = {"c": 0.1, "direction": 1.0, "v": 1.0, "depth": wave, "wave": 2.0 if wave else 0.0}
+    entries = [
+        SimpleNamespace(effect="product_law", joint="left", parameters=law),
+        SimpleNamespace(effect="constant_offset", joint=None),
+        SimpleNamespace(effect="viscous_friction", joint="left"),
+        SimpleNamespace(effect="coulomb_friction", joint="left"),
+        SimpleNamespace(effect="joint_spring", joint="right"),
+    ]
+    simulation = SimpleNamespace(scenario=SimpleNamespace(settings=SimpleNamespace(hidden=entries)))
+    found = dict.fromkeys(("constant_offset", "viscous_friction", "joint_spring"), ("left", "right"))
+    discovered = SimpleNamespace(place="left", formula="", terms=())
+    diagnosis = SimpleNamespace(
+        discovered=(discovered,),
+        after=SimpleNamespace(effect_parameters={**found, "coulomb_friction": ("right",)}),
+    )
+    left_out = []
+    monkeypatch.setattr(law_judged, "_torque_error", lambda *given: left_out.append(set(given[-1])) or 0.1)
+    law_columns(simulation, diagnosis, None)  # type: ignore[arg-type]
+    assert left_out == [set(), aside]
 
 
 def test_the_page_counts_what_is_large_enough(tmp_path) -> None:

@@ -15,6 +15,7 @@ from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm
 from bench.diagnosis.rounds import judged
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.diagnosis.verdicts import checked_error
+from bench.discovery.called import stood_for
 from bench.discovery.doubted import doubted
 from bench.discovery.laws import Law, laws_of
 from bench.discovery.merged import merged
@@ -99,14 +100,23 @@ def _with_laws(
         prior = max(one.prior for one in last.proposals)
     proposals = [one for one in last.proposals if one.name not in searched.terms]
     proposals += _proposed(model, laws, prior)
-    here = judged(origin, model, proposals, plain.finding.barred)
-    finding = found_from(case, origin, here, progress, plain.finding.barred)
+    barred = plain.finding.barred
+    here = judged(origin, model, proposals, barred)
+    called = stood_for(here, [law.name for law in laws], barred)
+    if called:
+        laws = [law for law in laws if law.name not in called]
+        named += [
+            one for i, proposal in enumerate(proposals) if i in called.values() for one in proposal.instances
+        ]
+        model = origin.with_instances([*named, *(one for law in laws for one in law.instances)])
+        here = judged(origin, model, [one for one in proposals if one.name not in called], barred)
+    finding = found_from(case, origin, here, progress, barred)
     staying = tuple(law for law in laws if law.name in finding.names)
     if fewer:
         good = len(finding.names) < len(plain.finding.names) and _better(finding, plain.diagnosis, -AS_GOOD)
     else:
         good = _better(finding, plain.diagnosis)
-    if not staying or not good:
+    if not (staying or called) or not good:
         return plain
     return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, with_effects
 from bench.signals.decimation import decimate
 from bench.studies.sweep.journal import Row
-from bench.studies.trial.unknown import LAW, TORQUES
+from bench.studies.trial.unknown import LAW, TORQUES, named_parts
 from bench.truth.hidden.product_law import unit_torque
 from bench.truth.simulate import Simulation
 
@@ -39,36 +39,53 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
 
     law.error: RMS, over that of the hidden law's torque, of the difference between all that was found and all that was
     hidden at its motor, where that moves; so a law counts whole of which a part was found under its name, and what
-    is wrong with known effects there counts, too. law.elsewhere: laws at motors that have none.
+    is wrong with known effects there counts, too. law.alone: the same without the known effects that are found there
+    by their names, whose own errors may be many times a small law; one of which the law is a part stays. law.elsewhere:
+    laws at motors that have none.
     """
-    hidden = next(one for one in simulation.scenario.settings.hidden if one.effect == LAW)
-    numbers = {name: float(value) for name, value in hidden.parameters.items()}
-    joint = str(hidden.joint)
+    joint, numbers = _hidden_law(simulation)
     here = [one for one in diagnosis.discovered if one.place == joint]
+    known = {
+        one.effect
+        for one in simulation.scenario.settings.hidden
+        if one.joint in (None, joint) and joint in diagnosis.after.effect_parameters.get(one.effect, ())
+    } - named_parts(numbers)
+
+    def error(but: Collection[str]) -> float:
+        return _torque_error(simulation, diagnosis, prepared, joint, but) if here else 1.0
+
     return {
         "law": json.dumps(numbers),
         "law.found": " | ".join(f"{one.place}: {one.formula}" for one in diagnosis.discovered),
         "law.elsewhere": sum(one.place != joint for one in diagnosis.discovered),
-        "law.error": _torque_error(simulation, diagnosis, prepared, numbers, joint) if here else 1.0,
+        "law.error": error(()),
+        "law.alone": error(known),
         "law.structure": bool(here) and _alike(numbers, here),
     }
+
+
+def _hidden_law(simulation: Simulation) -> tuple[str, dict[str, float]]:
+    """The motor and the numbers of the law."""
+    hidden = next(one for one in simulation.scenario.settings.hidden if one.effect == LAW)
+    return str(hidden.joint), {name: float(value) for name, value in hidden.parameters.items()}
 
 
 def _torque_error(
     simulation: Simulation,
     diagnosis: Diagnosis,
     prepared: Prepared,
-    numbers: Mapping[str, float],
     joint: str,
+    but: Collection[str],
 ) -> float:
+    """Over the law's torque, what is wrong with all at its motor but the known effects of these names."""
     motor = simulation.robot.joints.index(joint)
-    model, values = _found_model(diagnosis, prepared)
+    model, values = _found_model(diagnosis, prepared, but)
     difference = squares = 0.0
     for seen, rows in zip(model.measured, model.observations, strict=True):
         if rows.use != "validate":
             continue
         found = rows.effects[:, motor] @ values
-        law, known, time = _true_torques(numbers, simulation, rows.name, motor)
+        law, known, time = _true_torques(simulation, rows.name, motor, but)
         wanted, alone = (
             decimate(np.interp(seen.time, time, one)[:, None], model.settings.decimation)[:, 0]
             for one in (law + known, law)
@@ -79,8 +96,10 @@ def _torque_error(
     return float(np.sqrt(difference / squares)) if squares else float("nan")
 
 
-def _found_model(diagnosis: Diagnosis, prepared: Prepared) -> tuple[Prepared, np.ndarray]:
-    """The model that was found, and the values of its effects' columns in their order."""
+def _found_model(
+    diagnosis: Diagnosis, prepared: Prepared, but: Collection[str]
+) -> tuple[Prepared, np.ndarray]:
+    """The model that was found, and the values of its effects' columns in their order, zero for some of them."""
     catalogue = {**CATALOGUE, **law_effects(diagnosis.discovered)}
     found = diagnosis.after.effect_parameters
     places = places_in(prepared.model.geometry, prepared.dataset.weighed)
@@ -94,15 +113,16 @@ def _found_model(diagnosis: Diagnosis, prepared: Prepared) -> tuple[Prepared, np
             shape = {parameter.name: told[parameter.name] for parameter in one.effect.shape}
             effect = replace(one.effect, **shape).about(told)
             instances.append(replace(one, effect=effect))
-            values += [told[parameter.name] for parameter in effect.parameters]
+            values += [0.0 if name in but else told[parameter.name] for parameter in effect.parameters]
     model = with_effects(prepared, instances)
     return settled(model, nearly=True), np.array(values)
 
 
 def _true_torques(
-    numbers: Mapping[str, float], simulation: Simulation, name: str, motor: int
+    simulation: Simulation, name: str, motor: int, but: Collection[str]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of the hidden law and of the known effects at its motor, along the true motion of a recording (N,); time s."""
+    """Of the hidden law and of the other known effects at its motor, along a recording's true motion (N,); time s."""
+    _, numbers = _hidden_law(simulation)
     motion = next(one.motion for one in simulation.recordings if one.name == Path(name).stem)
     machine = simulation.machine
     torque = motion.torque[:, motor]
@@ -112,7 +132,7 @@ def _true_torques(
     unit = unit_torque(numbers, position, velocity, motion.qacc[:, dof], torque, others, motion.time)
     known = np.zeros(len(torque))
     for one in simulation.scenario.settings.hidden:
-        if one.effect != LAW and one.joint in (None, simulation.robot.joints[motor]):
+        if one.effect not in (LAW, *but) and one.joint in (None, simulation.robot.joints[motor]):
             known += TORQUES[one.effect](one.parameters, position, velocity)
     return numbers["c"] * unit, known, motion.time
 
