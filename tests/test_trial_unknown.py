@@ -7,16 +7,25 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.result import Discovered, EffectVerdict, LawTerm, LooksAt
+from bench.discovery.factors import Power
+from bench.discovery.grammar import A, V
+from bench.discovery.seen import places_of
+from bench.discovery.source import law_effect
+from bench.discovery.term import Term
 from bench.document.markdown.tables import markdown
+from bench.effects import EffectInstance
 from bench.excitation.scenario import designer
+from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.trial import law_judged
 from bench.studies.trial.cases import Case, Hide
 from bench.studies.trial.judge import Named, judged
-from bench.studies.trial.law_judged import _alike, law_columns
+from bench.studies.trial.law_judged import _alike, _torque_error, law_columns
 from bench.studies.trial.unknown import FAMILIES, drawn_law, law_along, named_parts, sized
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 from bench.studies.trial.work import _answer
+from bench.truth.dataset import as_dataset
 from bench.truth.hidden.movement import rms
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import simulate
@@ -125,6 +134,21 @@ def test_known_effects_by_their_names_are_no_error_of_a_law(
     monkeypatch.setattr(law_judged, "_torque_error", lambda *given: left_out.append(set(given[-1])) or 0.1)
     law_columns(simulation, diagnosis, None)  # type: ignore[arg-type]
     assert left_out == [set(), aside]
+
+
+def test_a_law_that_is_found_exactly_has_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A friction jumps where its motor reverses, and the equations leave that out."""
+    law = {"effect": "product_law", "joint": "left", "c": 0.02, "direction": 1.0, "a": 1.0}
+    scenario = load_scenario("five_bar", {"design": {"optimise": False, "duration": 4.0}, "hidden": [law]})
+    simulation = simulate(scenario, resolve_trajectories(scenario, designer))
+    prepared = prepare(problem_of(as_dataset(simulation)))
+    friction = Term((Power(V, 0.0), Power(A, 1.0, odd=False)))
+    effect, _ = law_effect("law_left", [friction], places_of(prepared)[0])
+    model = with_effects(prepared, [EffectInstance(effect, "left", "law_left:left")])
+    for c, error in ((0.02, 0.0), (0.018, 0.1)):
+        monkeypatch.setattr(law_judged, "_found_model", lambda *_, c=c: (model, np.array([c])))
+        found = _torque_error(simulation, SimpleNamespace(), prepared, "left", ())  # type: ignore[arg-type]
+        assert found == pytest.approx(error, abs=0.015)
 
 
 def test_the_page_counts_what_is_large_enough(tmp_path) -> None:

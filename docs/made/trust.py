@@ -23,6 +23,7 @@ CLEAN = {"five_bar": 0.0002, "delta": 0.001}
 METHODS = ("current", "robust", "iv", "oe", "wtls", "tls", "wls", "ls")
 SHOWN = MAIN | {Figure.ONE_UNDECIDED, Figure.TWO_UNDECIDED, Figure.THREE_UNDECIDED}
 UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
+APART = "apart"  # the folder of cases that were looked at for their figures alone
 RESULTS = Path(__file__).resolve().parents[2] / "results"
 
 
@@ -36,15 +37,20 @@ def trials() -> list[TrialSummary]:
 
 
 def unknown_laws() -> str:
-    """What was found of laws that no catalogue has, robot by robot."""
+    """What was found of laws that no catalogue has, robot by robot, and in the sets that were kept apart."""
     found = {}
-    for path in sorted((RESULTS / "trial").glob(f"*{UNKNOWN}.parquet")):
-        rows = pq.read_table(path).to_pylist()
-        laws = [row for row in rows if row["kind"] == "unknown"]
-        table = unknown_table(laws, [row for row in rows if row["kind"] == "nothing"])
-        found[path.stem.removesuffix(UNKNOWN)] = {column.header: column.cells for column in table.columns}
+    for folder in (RESULTS / "trial", RESULTS / "trial" / APART):
+        for path in sorted(folder.glob(f"*{UNKNOWN}.parquet")):
+            rows = pq.read_table(path).to_pylist()
+            laws = [row for row in rows if row["kind"] == "unknown"]
+            table = unknown_table(laws, [row for row in rows if row["kind"] == "nothing"])
+            robot = path.stem.removesuffix(UNKNOWN)
+            head = (
+                f"{robot}, {APART}" if folder.name == APART else f"[{robot}](trust/trial_{robot}{UNKNOWN}.md)"
+            )
+            found[head] = {column.header: column.cells for column in table.columns}
     first = next(iter(found.values()))
-    heads = ["", *(f"[{robot}](trust/trial_{robot}{UNKNOWN}.md)" for robot in found), "goal"]
+    heads = ["", *found, "goal"]
     lines = [
         [figure, *(f"{of['reached'][i]}: {of['cases'][i]}" for of in found.values()), first["goal"][i]]
         for i, figure in enumerate(first["figure"])

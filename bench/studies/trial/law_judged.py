@@ -15,6 +15,7 @@ from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
 from bench.effects.select import ROBOT
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import Prepared, with_effects
+from bench.identification.standstill import bridged
 from bench.signals.decimation import decimate
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.unknown import LAW, TORQUES, named_parts
@@ -77,7 +78,10 @@ def _torque_error(
     joint: str,
     but: Collection[str],
 ) -> float:
-    """Over the law's torque, what is wrong with all at its motor but the known effects of these names."""
+    """Over the law's torque, what is wrong with all at its motor but the known effects of these names.
+
+    What was hidden is bridged where the motor reverses and decimated, as what was found is.
+    """
     motor = simulation.robot.joints.index(joint)
     model, values = _found_model(diagnosis, prepared, but)
     difference = squares = 0.0
@@ -87,8 +91,8 @@ def _torque_error(
         found = rows.effects[:, motor] @ values
         law, known, time = _true_torques(simulation, rows.name, motor, but)
         wanted, alone = (
-            decimate(np.interp(seen.time, time, one)[:, None], model.settings.decimation)[:, 0]
-            for one in (law + known, law)
+            decimate(bridged(one[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
+            for one in (np.interp(seen.time, time, torque) for torque in (law + known, law))
         )
         moving = rows.moving[:, motor]
         difference += float(((found - wanted)[moving] ** 2).sum())
