@@ -8,6 +8,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.recording import Recording
 from bench.identification.finding import Code
 from bench.identification.findings import runaway
 from bench.identification.identify import identify
@@ -215,6 +216,30 @@ def test_noise_that_given_filters_let_through_is_told_and_held_by_the_intervals(
     quiet = identify(prepare(problem_of(coarse)), method=method)
     assert not {one.code for one in quiet.findings} & {Code.NOISE_DECIDES, Code.NOISE_LET_THROUGH}
     assert off(quiet, true)[0] < 0.01
+
+
+def test_a_given_low_pass_gets_the_border_that_it_needs(simulation: Simulation, true: np.ndarray) -> None:
+    whole = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
+    fine = replace(whole, recordings=tuple(map(amid_the_motion, whole.recordings)))
+    low = identify(prepare(problem_of(fine, filters={"position_cutoff": 8.0})))
+    assert low.settings.border == (733, 733)  # 5.8 periods, and 8 samples
+    given = {"position_cutoff": 8.0, "border": (150, 150)}
+    disturbed = identify(prepare(problem_of(fine, filters=given)))
+    assert disturbed.settings.border == (150, 150)
+    assert low.error.identify is not None
+    assert disturbed.error.identify is not None
+    assert low.error.identify < 0.9 * disturbed.error.identify
+    assert off(low, true)[1] < 3.0
+
+
+def amid_the_motion(recording: Recording) -> Recording:
+    part = slice(700, 4700)
+    return replace(
+        recording,
+        time=recording.time[part],
+        position=recording.position[part],
+        current=recording.current[part],
+    )
 
 
 def test_a_little_noise_biases_least_squares_and_its_intervals_hold_that(

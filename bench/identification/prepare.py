@@ -24,7 +24,7 @@ from bench.identification.problem import Problem
 from bench.identification.redundant_encoders import contradicted_closures
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
-from bench.signals.settings import FilterSettings, choose_settings
+from bench.signals.settings import FilterSettings, completed
 
 
 @dataclass(frozen=True)
@@ -91,10 +91,8 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
     if isinstance(filters, FilterSettings):
         settings = filters
     else:
-        chosen = choose_settings(
-            [one.position for one in fitted], [one.current for one in fitted], fitted[0].rate
-        )
-        settings = replace(chosen, **(filters or {}))
+        positions, currents = [one.position for one in fitted], [one.current for one in fitted]
+        settings = completed(filters or {}, positions, currents, fitted[0].rate)
     carried = [one.payload for one in fitted]
     declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]
     layout = parameter_layout(model, dataset.payloads, [*carried, *declared], 0)

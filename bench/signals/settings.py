@@ -1,7 +1,8 @@
 """How measured signals are filtered before the fit, given or chosen from their spectra."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,7 @@ HIGHEST_BAND = 0.1  # of the rate: central differences of order 8 are then exact
 HIGHEST_CUTOFF = 0.4  # of the rate
 FEWEST_ROWS = 800  # decimated samples over all recordings, unless noise asks for a narrower band
 FEWEST_SAMPLES = 50  # decimated samples of the shortest recording
+MOST_BORDER = 0.2  # of the shortest log, at each of its ends
 SETTLING = 5.8  # cut-off periods until the low-pass has forgotten an end, to 1e-6
 
 
@@ -170,9 +172,26 @@ def choose_settings(
     decimation = max(1, min(decimation, min(samples) // FEWEST_SAMPLES))
     band = min(fit_band(rate, decimation), HIGHEST_BAND * rate)
     cutoff = min(max(NARROWEST * band, min(bands.filter_limit, WIDEST * band)), HIGHEST_CUTOFF * rate)
-    settling = int(np.ceil(SETTLING * rate / cutoff)) + 8
-    border = min(settling, min(samples) // 20)
+    border = settled_border(cutoff, rate, min(samples))
     return FilterSettings(position_cutoff=cutoff, decimation=decimation, border=(border, border))
+
+
+def completed(
+    given: Mapping[str, Any], positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float
+) -> FilterSettings:
+    """Settings of which some are given by name; the others are chosen as in `choose_settings`, and the border is that
+    which the cut-off needs, also one that is given.
+    """
+    settings = replace(choose_settings(positions, currents, rate), **given)
+    if "position_cutoff" not in given or "border" in given:
+        return settings
+    border = settled_border(settings.position_cutoff, rate, min(len(one) for one in positions))
+    return replace(settings, border=(border, border))
+
+
+def settled_border(cutoff: float, rate: float, samples: int) -> int:
+    """Samples at an end until the low-pass on positions has forgotten it, at most a fifth of the shortest log."""
+    return min(int(np.ceil(SETTLING * rate / cutoff)) + 8, int(MOST_BORDER * samples))
 
 
 def _noise_limit(acceleration_power: FloatArray, position_noise: FloatArray, share: float) -> float:
