@@ -11,7 +11,7 @@ from bench.diagnosis.rounds import origin_of
 from bench.discovery.factors import Decay, Memory, Power, Step, Wave
 from bench.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
 from bench.discovery.named import NAMED, name_of
-from bench.discovery.refine import Refined, _slower, instances_of
+from bench.discovery.refine import Refined, _slower, _with_a_mean, instances_of
 from bench.discovery.screen import Known, Left, Screened, few_rows, left_without, screened
 from bench.discovery.seen import places_of, scope_of, seen_at
 from bench.discovery.source import law_effect, law_source
@@ -212,6 +212,16 @@ def test_a_wave_and_its_mean_can_be_one_term(seen: Seen):
     assert np.array_equal(joined.values(seen), np.hstack((mean.values(seen), wave.values(seen))))
     assert [joined.part(k).variables for k in range(3)] == [mean.variables, wave.variables, wave.variables]
     assert about_its_mean(mean) is None
+
+
+def test_only_a_wave_of_the_load_beside_its_named_mean_takes_it_in():
+    friction = (Power(V, 0.0), Power(LOAD, 1.0, odd=False))
+    wave = Term((*friction, Wave(Q, 2.0, 0.5)))
+    found = list(_with_a_mean(wave, {"load_dependent_friction", "viscous_friction"}))
+    assert [name for _, name in found] == ["load_dependent_friction"] * 3
+    assert [one.factors[-1].rate for one, _ in found] == [2.0, 1.0, 4.0]
+    assert not list(_with_a_mean(wave, {"viscous_friction"}))
+    assert not list(_with_a_mean(Term((Power(V), Wave(Q, 2.0, 0.5))), {"viscous_friction"}))
 
 
 @pytest.mark.parametrize(("rate", "slower"), [(0.05, True), (0.6, False)])
