@@ -1,12 +1,15 @@
 """Deviations of gains hold what models that are as good make of them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from bench.dataset.robot import load_robot
+from bench.diagnosis import as_good
 from bench.diagnosis.pruning import impossible_but_needed
+from bench.diagnosis.search import Scored
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.result import Quantity
 from bench.identification.widened import gains_widened
@@ -57,3 +60,19 @@ def test_an_effect_left_out_at_a_cost_goes_with_its_reason(result):
     assert impossible_but_needed(whole, without(2.0), []) == {}
     likely = replace(whole, effect_parameters={"stribeck_friction": {"left": {**values, "Fs": values["Fc"]}}})
     assert impossible_but_needed(likely, without(2.0), [stribeck]) == {}
+
+
+def test_models_that_are_as_good_have_one_effect_more_or_another_by_turns(monkeypatch):
+    """One effect more keeps what a found one does to the gains: where all had one more, their spread said nothing."""
+    totals = {(0,): 100.0, (0, 1): 130.0, (0, 2): 120.0, (0, 3): 110.0, (1,): 50.0, (2,): 95.0, (3,): 99.0}
+    monkeypatch.setattr(as_good, "solve_set", lambda _, chosen: SimpleNamespace(chosen=tuple(chosen)))
+    monkeypatch.setattr(as_good, "score", lambda _, fit, __: Scored(fit, 0.0, 0.0, totals[fit.chosen]))
+    monkeypatch.setattr(as_good, "close", lambda one, other: one.total - other.total < 10.0)
+    best = Scored(SimpleNamespace(chosen=(0,)), 0.0, 0.0, 100.0)
+    last = SimpleNamespace(
+        system=None,
+        found=SimpleNamespace(best=best, empty=None),
+        proposals=[SimpleNamespace(absorbed=False)] * 4,
+        chosen=(0,),
+    )
+    assert list(as_good._as_good(last)) == [(0, 1), (3,), (0, 2), (2,)]

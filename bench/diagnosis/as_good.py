@@ -1,6 +1,7 @@
 """Models that explain the data as well as the one that was found, and what they do to its drive gains."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice, zip_longest
 
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import solve_set
@@ -34,7 +35,10 @@ def with_spread_over_models(
 
 
 def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
-    """Sets one effect away from the found one that the data support as well, the best first."""
+    """Sets one effect away from the found one that the data support as well, the best first.
+
+    By turns with one more, which keeps what the found ones do to the gains, and with another in the place of one.
+    """
     system, best = last.system, last.found.best
     usable = [i for i, one in enumerate(last.proposals) if not one.absorbed and i not in last.chosen]
 
@@ -43,10 +47,15 @@ def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
 
     more = [scored((*last.chosen, i)) for i in usable]
     instead = [scored((*(c for c in last.chosen if c != k), i)) for k in last.chosen for i in usable]
-    supported = [one for one in more if one.total > best.total]
-    supported += [one for one in instead if close(best, one)]
-    for one in sorted(supported, key=lambda one: -one.total)[:MOST]:
+    wider = _best_first(one for one in more if one.total > best.total)
+    others = _best_first(one for one in instead if close(best, one))
+    by_turns = (one for pair in zip_longest(wider, others) for one in pair if one is not None)
+    for one in islice(by_turns, MOST):
         yield one.fit.chosen
+
+
+def _best_first(sets: Iterable[Scored]) -> list[Scored]:
+    return sorted(sets, key=lambda one: -one.total)
 
 
 def _instances(proposal: Proposal, found: bool, added: Sequence[EffectInstance]) -> Sequence[EffectInstance]:
