@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 
 from bench.document.colours import ON_WHITE
 from bench.document.figures.comparison_panels import (
-    NOISE,
     draw_against,
     draw_around_reversals,
     draw_autocorrelation,
+    draw_noise_band,
     draw_opposing,
     draw_position_spectrum,
     draw_recordings,
@@ -24,11 +24,8 @@ from bench.document.figures.comparison_panels import (
 from bench.document.figures.currents import DPI, PAGE_WIDTH, STYLE, currents_page
 from bench.document.numbers import USES, percent
 from bench.files.atomic import atomic_path
-from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
-from bench.residuals.periods import position_spectrum, time_spectrum
-from bench.residuals.profile import Variable
-from bench.residuals.regions import regions
+from bench.residuals.motor_errors import motor_errors
 from bench.residuals.words import motor_words
 
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
@@ -66,16 +63,8 @@ def errors_figure(what: Compared, joint: str) -> Figure:
     Points are single rows (a regular choice, and every one far off), lines the means of bins with equally many
     rows, bands their standard deviations, apart for either direction of motion.
     """
-    series = what.of(joint)
-    current, unit = what.units[joint]
-    found = [one for one in regions(series, unit, current) if one.of == "motion"]
-    labels: dict[Variable, str] = {
-        "time": "time from the start of the recording [s]",
-        "position": f"position [{unit}]",
-        "velocity": f"velocity [{unit}/s]",
-        "acceleration": f"acceleration [{unit}/s²]",
-        "current": f"modelled current [{current}]",
-    }
+    errors = motor_errors(what, joint)
+    current, unit = errors.current, errors.unit
     with mpl.rc_context(STYLE):
         # Margins are given: working them out takes longer than drawing. Names stand at the bars below: kept apart,
         # they take no room from the columns above.
@@ -87,29 +76,29 @@ def errors_figure(what: Compared, joint: str) -> Figure:
                 lower.subplots(1, 3, squeeze=False, gridspec_kw=LOWER_MARGINS),
             )
         )
-        for place, (variable, label) in zip(axes.flat, labels.items(), strict=False):
-            draw_against(place, series, variable)
+        for place, (variable, label) in zip(axes.flat, errors.labels.items(), strict=False):
+            draw_against(place, errors, variable)
             place.set(xlabel=label, ylabel=f"error [{current}]")
-        rest = iter(axes.flat[len(labels) :])
-        draw_around_reversals(place := next(rest), series)
+        rest = iter(axes.flat[len(errors.labels) :])
+        draw_around_reversals(place := next(rest), errors)
         place.set(xlabel="time from the nearest reversal [s]", ylabel=f"error [{current}]")
-        draw_time_spectrum(place := next(rest), time_spectrum(series))
+        draw_time_spectrum(place := next(rest), errors.spectrum)
         small_title(place, "grey: noise of the current")
         place.set(xlabel="frequency [Hz]", ylabel=f"density of the error [{current}²/Hz]")
-        draw_position_spectrum(place := next(rest), position_spectrum(series))
+        draw_position_spectrum(place := next(rest), errors.over_position)
         place.set(xlabel=f"cycles per {unit}", ylabel=f"amplitude of the error [{current}]")
-        draw_autocorrelation(place := next(rest), autocorrelation(series))
+        draw_autocorrelation(place := next(rest), errors.autocorrelation)
         small_title(place, "grey: 95 % of what is there by chance")
         place.set(xlabel="lag [s]", ylabel="autocorrelation of the error")
-        draw_shares(place := next(rest), series, found)
+        draw_shares(place := next(rest), errors.shares)
         place.set(xlabel="share of the squared error [%]")
-        draw_recordings(place := next(rest), series)
+        draw_recordings(place := next(rest), errors.by_recording)
         place.set(xlabel="error of the current [%]")
-        draw_opposing(place := next(rest), series)
+        draw_opposing(place := next(rest), errors.opposing)
         place.set(xlabel=f"error opposing the motion [{current}]")
         handles, names = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, names, loc="upper right", ncols=len(names), frameon=False)
-        error, noise = relative_error_of(series), relative_noise(series)
+        error, noise = relative_error_of(errors.series), relative_noise(errors.series)
         figure.suptitle(
             f"{what.robot}, {motor_words(joint)}: error {percent(error)} of the current, noise {percent(noise)}",
             x=0.01,
@@ -141,9 +130,7 @@ def _draw_currents(axes: Axes, one: MotorSeries) -> None:
 
 
 def _draw_error(axes: Axes, one: MotorSeries) -> None:
-    axes.axhspan(
-        -one.noise, one.noise, color=NOISE, alpha=0.45, linewidth=0.0, label="± noise of the current"
-    )
+    draw_noise_band(axes, one.noise)
     axes.plot(
         with_gaps(one, one.time),
         with_gaps(one, one.error),

@@ -9,21 +9,20 @@ from matplotlib.ticker import MaxNLocator
 
 from bench.document.colours import ON_WHITE
 from bench.document.figures.comparison import with_gaps
+from bench.document.figures.comparison_panels import BINS as SPREAD_BINS
 from bench.document.figures.comparison_panels import (
-    NOISE,
-    Cloud,
-    clouds,
-    clouds_at_reversals,
     draw_autocorrelation,
-    draw_clouds,
+    draw_branches,
     draw_noise_band,
     draw_position_spectrum,
     draw_time_spectrum,
+    points_of,
 )
 from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
-from bench.residuals.autocorrelation import Autocorrelation, autocorrelation
+from bench.residuals.autocorrelation import Autocorrelation
 from bench.residuals.motor import Compared, MotorSeries
-from bench.residuals.periods import PositionSpectrum, Spectrum, position_spectrum, time_spectrum
+from bench.residuals.motor_errors import Branch, MotorErrors, motor_errors
+from bench.residuals.periods import PositionSpectrum, Spectrum
 from bench.residuals.profile import Variable
 
 CURRENT, ERROR, CLOUD, LINE = 26.0, 14.0, 42.0, 36.0  # heights of panels, mm
@@ -45,22 +44,17 @@ def error_figures(what: Compared) -> list[PaperFigure]:
         ("error_by_current", "current", lambda joint: f"modelled current [{what.units[joint][0]}]"),
     ]
     found = [_currents(what, name) for name in dict.fromkeys(one.recording for one in what.series)]
+    motors = [motor_errors(what, joint) for joint in joints]
     found += [
-        _against(what, joints, name, {joint: clouds(what.of(joint), variable) for joint in joints}, label)
+        _against(motors, name, [one.against(variable, SPREAD_BINS) for one in motors], label)
         for name, variable, label in variables
     ]
-    at_reversals = {joint: clouds_at_reversals(what.of(joint)) for joint in joints}
-    if any(at_reversals.values()):
+    at_reversals = [one.around_reversals for one in motors]
+    if any(at_reversals):
         found.append(
-            _against(what, joints, "error_at_reversals", at_reversals, lambda _: "time from a reversal [s]")
+            _against(motors, "error_at_reversals", at_reversals, lambda _: "time from a reversal [s]")
         )
-    return [
-        *found,
-        _spectrum(what, joints),
-        _over_position(what, joints),
-        _autocorrelation(joints, what),
-        _histogram(joints, what),
-    ]
+    return [*found, _spectrum(motors), _over_position(motors), _autocorrelation(motors), _histogram(motors)]
 
 
 def _currents(what: Compared, recording: str) -> PaperFigure:
@@ -100,7 +94,7 @@ def _draw_current(one: MotorSeries, unit: str, axes: Axes) -> None:
 
 
 def _draw_error(one: MotorSeries, unit: str, last: bool, axes: Axes) -> None:
-    axes.axhspan(-one.noise, one.noise, color=NOISE, alpha=0.45, linewidth=0.0, label="± noise")
+    draw_noise_band(axes, one.noise, "± noise")
     axes.plot(
         with_gaps(one, one.time),
         with_gaps(one, one.error),
@@ -116,19 +110,18 @@ def _draw_error(one: MotorSeries, unit: str, last: bool, axes: Axes) -> None:
 
 
 def _against(
-    what: Compared,
-    joints: Sequence[str],
+    motors: Sequence[MotorErrors],
     name: str,
-    found: dict[str, list[Cloud]],
+    found: Sequence[Sequence[Branch]],
     label: Callable[[str], str],
 ) -> PaperFigure:
     panels, means, points = [], [], []
-    for joint in joints:
-        current = what.units[joint][0]
+    for motor, branches in zip(motors, found, strict=True):
+        current, joint = motor.current, motor.joint
         x, error = label(joint), f"error [{current}]"
-        panels.append(Panel(partial(_draw_against, what.of(joint), found[joint], joint, x, error), CLOUD))
-        for one in found[joint]:
-            rows = len(one.bins.mean)
+        panels.append(Panel(partial(_draw_against, motor, branches, x, error), CLOUD))
+        for one in branches:
+            rows, drawn = len(one.bins.mean), points_of(one)
             means.append(
                 {
                     "motor": [joint] * rows,
@@ -141,27 +134,25 @@ def _against(
             )
             points.append(
                 {
-                    "motor": [joint] * len(one.x),
-                    "direction": [one.direction] * len(one.x),
-                    x: one.x.tolist(),
-                    error: one.error.tolist(),
+                    "motor": [joint] * len(drawn),
+                    "direction": [one.direction] * len(drawn),
+                    x: one.x[drawn].tolist(),
+                    error: one.error[drawn].tolist(),
                 }
             )
     return PaperFigure(name, tuple(panels), {"": _joined(means), "_points": _joined(points)})
 
 
-def _draw_against(
-    series: Sequence[MotorSeries], found: Sequence[Cloud], joint: str, x: str, y: str, axes: Axes
-) -> None:
-    draw_noise_band(axes, series)
-    draw_clouds(axes, found, SCALE)
-    axes.set(title=joint, xlabel=x, ylabel=y)
+def _draw_against(motor: MotorErrors, found: Sequence[Branch], x: str, y: str, axes: Axes) -> None:
+    draw_noise_band(axes, motor.noise)
+    draw_branches(axes, found, SCALE)
+    axes.set(title=motor.joint, xlabel=x, ylabel=y)
 
 
-def _spectrum(what: Compared, joints: Sequence[str]) -> PaperFigure:
+def _spectrum(motors: Sequence[MotorErrors]) -> PaperFigure:
     panels, numbers = [], []
-    for joint in joints:
-        found, unit = time_spectrum(what.of(joint)), what.units[joint][0]
+    for motor in motors:
+        found, unit, joint = motor.spectrum, motor.current, motor.joint
         panels.append(Panel(partial(_draw_spectrum, found, joint, unit), LINE))
         numbers.append(
             {
@@ -179,10 +170,10 @@ def _draw_spectrum(found: Spectrum, joint: str, unit: str, axes: Axes) -> None:
     axes.set(title=joint, xlabel="frequency [Hz]", ylabel=f"density [{unit}²/Hz]")
 
 
-def _over_position(what: Compared, joints: Sequence[str]) -> PaperFigure:
+def _over_position(motors: Sequence[MotorErrors]) -> PaperFigure:
     panels, numbers = [], []
-    for joint in joints:
-        found, (current, unit) = position_spectrum(what.of(joint)), what.units[joint]
+    for motor in motors:
+        found, current, unit, joint = motor.over_position, motor.current, motor.unit, motor.joint
         cycles, amplitude = np.asarray(found.cycles), np.asarray(found.amplitude)
         panels.append(Panel(partial(_draw_cycles, found, joint, (current, unit)), LINE))
         numbers.append(
@@ -200,10 +191,10 @@ def _draw_cycles(found: PositionSpectrum, joint: str, units: tuple[str, str], ax
     axes.set(title=joint, xlabel=f"cycles per {units[1]}", ylabel=f"amplitude [{units[0]}]")
 
 
-def _autocorrelation(joints: Sequence[str], what: Compared) -> PaperFigure:
+def _autocorrelation(motors: Sequence[MotorErrors]) -> PaperFigure:
     panels, numbers = [], []
-    for joint in joints:
-        found = autocorrelation(what.of(joint))
+    for motor in motors:
+        found, joint = motor.autocorrelation, motor.joint
         lag, value = np.asarray(found.lag), np.asarray(found.value)
         panels.append(Panel(partial(_draw_autocorrelation, found, joint), LINE))
         numbers.append(
@@ -222,18 +213,14 @@ def _draw_autocorrelation(found: Autocorrelation, joint: str, axes: Axes) -> Non
     axes.set(title=joint, xlabel="lag [s]", ylabel="autocorrelation")
 
 
-def _histogram(joints: Sequence[str], what: Compared) -> PaperFigure:
+def _histogram(motors: Sequence[MotorErrors]) -> PaperFigure:
     panels, numbers = [], []
-    for joint in joints:
-        series, unit = what.of(joint), what.units[joint][0]
-        errors = np.concatenate([one.error for one in series])
-        noise = float(
-            np.sqrt(np.average([one.noise**2 for one in series], weights=[len(o.time) for o in series]))
-        )
-        reach = max(float(np.abs(errors).max()), REACH * noise)
+    for motor in motors:
+        errors, unit, joint = motor.errors, motor.current, motor.joint
+        reach = max(float(np.abs(errors).max()), REACH * motor.noise)
         edges = np.linspace(-reach, reach, BINS + 1)
         share = np.histogram(errors, edges)[0] / len(errors)
-        panels.append(Panel(partial(_draw_histogram, edges, share, noise, joint, unit), LINE))
+        panels.append(Panel(partial(_draw_histogram, motor, edges, share), LINE))
         numbers.append(
             {
                 "motor": [joint] * BINS,
@@ -245,21 +232,19 @@ def _histogram(joints: Sequence[str], what: Compared) -> PaperFigure:
     return PaperFigure("error_histogram", tuple(panels), {"": _joined(numbers)})
 
 
-def _draw_histogram(
-    edges: np.ndarray, share: np.ndarray, noise: float, joint: str, unit: str, axes: Axes
-) -> None:
+def _draw_histogram(motor: MotorErrors, edges: np.ndarray, share: np.ndarray, axes: Axes) -> None:
     axes.stairs(100.0 * share, edges, fill=True, color=ON_WHITE.error, alpha=0.75, label="error")
-    if noise > 0:
+    if motor.noise > 0:
         x = np.linspace(edges[0], edges[-1], 400)
         width = edges[1] - edges[0]
-        normal = np.exp(-0.5 * (x / noise) ** 2) / (noise * np.sqrt(2.0 * np.pi))
+        normal = motor.noise_alone(x)
         top = 1.25 * 100.0 * float(share.max())
         axes.plot(
             x, 100.0 * width * normal, color="#5A6470", linewidth=0.7, label="noise of the current alone"
         )
         axes.set_ylim(0.0, top)
     axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.set(title=joint, xlabel=f"error [{unit}]", ylabel="share of the rows [%]")
+    axes.set(title=motor.joint, xlabel=f"error [{motor.current}]", ylabel="share of the rows [%]")
 
 
 def _joined(parts: Sequence[Columns | Numbers]) -> Numbers:

@@ -1,0 +1,158 @@
+"""One motor's errors beside all that they may depend on: what every chart of them shows, whatever draws it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from bench.residuals.autocorrelation import Autocorrelation, autocorrelation
+from bench.residuals.concentration import shares
+from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
+from bench.residuals.opposing_motion import Opposing, by_load, over_warm_up
+from bench.residuals.periods import PositionSpectrum, Spectrum, position_spectrum, time_spectrum
+from bench.residuals.profile import Profile, Variable, binned, profile, values_of
+from bench.residuals.regions import regions
+
+AROUND = 8  # rows before and after a reversal
+Direction = Literal["forwards", "backwards"]
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Errors in one direction of motion: bins of all rows, and the rows: x, error (K,), drive unit."""
+
+    direction: Direction
+    bins: Profile
+    x: np.ndarray
+    error: np.ndarray
+
+
+@dataclass(frozen=True)
+class RecordingError:
+    """RMS of the error, and of the current's noise, over RMS of the measured current, in one recording."""
+
+    recording: str
+    payload: str | None
+    error: float
+    noise: float
+
+
+@dataclass(frozen=True)
+class RegionShares:
+    """Of a part of the motion: its share of the squared error, and of the time."""
+
+    region: str
+    error: float
+    time: float
+
+
+@dataclass(frozen=True, eq=False)
+class MotorErrors:
+    """The errors of one motor in all recordings together. current, unit: of its current and position, as "A", "rad"."""
+
+    joint: str
+    current: str
+    unit: str
+    series: tuple[MotorSeries, ...]
+
+    @cached_property
+    def errors(self) -> np.ndarray:
+        """Of all rows, one recording after the other, drive unit."""
+        return np.concatenate([one.error for one in self.series])
+
+    @cached_property
+    def noise(self) -> float:
+        """RMS of the current's noise in the band of the fit, drive unit."""
+        rows = [len(one.time) for one in self.series]
+        return float(np.sqrt(np.average([one.noise**2 for one in self.series], weights=rows)))
+
+    @property
+    def labels(self) -> Mapping[Variable, str]:
+        """Of the axes, by what the error is drawn against."""
+        return {
+            "time": "time from the start of the recording [s]",
+            "position": f"position [{self.unit}]",
+            "velocity": f"velocity [{self.unit}/s]",
+            "acceleration": f"acceleration [{self.unit}/s²]",
+            "current": f"modelled current [{self.current}]",
+        }
+
+    def against(self, variable: Variable, bins: int) -> tuple[Branch, ...]:
+        """Against a variable, in bins with equally many rows, apart for either direction."""
+        x = np.concatenate([values_of(one, variable) for one in self.series])
+        forwards = np.concatenate([one.forwards for one in self.series])
+        return tuple(
+            Branch(direction, profile(x[way], self.errors[way], bins), x[way], self.errors[way])
+            for direction, way in _ways(forwards, ~forwards)
+        )
+
+    @cached_property
+    def around_reversals(self) -> tuple[Branch, ...]:
+        """Before and after a change of direction, apart for what the direction is afterwards; x in s."""
+        rate = self.series[0].rate or 1.0
+        rows = np.concatenate([one.to_reversal for one in self.series])
+        # a row before a reversal to forwards moves backwards
+        into = np.concatenate([one.forwards ^ (one.to_reversal < 0) for one in self.series])
+        near = np.abs(rows) <= AROUND
+        edges = np.arange(-AROUND, AROUND + 1.0) / rate
+        return tuple(
+            Branch(
+                direction,
+                binned(rows[way] / rate, self.errors[way], edges),
+                rows[way] / rate,
+                self.errors[way],
+            )
+            for direction, way in _ways(near & into, near & ~into)
+        )
+
+    @cached_property
+    def by_recording(self) -> tuple[RecordingError, ...]:
+        """Each recording on its own."""
+        return tuple(
+            RecordingError(one.recording, one.payload, relative_error_of([one]) or 0.0, relative_noise([one]))
+            for one in self.series
+        )
+
+    @cached_property
+    def opposing(self) -> tuple[tuple[str, Opposing], ...]:
+        """The mean error that opposes the motion, early and late and by payload, where there is one."""
+        parts = [*over_warm_up(self.series), *by_load(self.series)]
+        names = ["first third", "last third", *(one.part for one in parts[2:])]
+        return tuple((name, one) for name, one in zip(names, parts, strict=True) if np.isfinite(one.std))
+
+    @cached_property
+    def shares(self) -> tuple[RegionShares, ...]:
+        """Where the squared error lies, by parts of the motion."""
+        found = [one for one in regions(self.series, self.unit, self.current) if one.of == "motion"]
+        return tuple(RegionShares(one.name, *shares(self.series, one)) for one in found)
+
+    @cached_property
+    def spectrum(self) -> Spectrum:
+        """Over time."""
+        return time_spectrum(self.series)
+
+    @cached_property
+    def over_position(self) -> PositionSpectrum:
+        """Over position."""
+        return position_spectrum(self.series)
+
+    @cached_property
+    def autocorrelation(self) -> Autocorrelation:
+        """Of the errors, and what chance gives."""
+        return autocorrelation(self.series)
+
+    def noise_alone(self, x: np.ndarray) -> np.ndarray:
+        """The density that the errors would have if they were the current's noise, per drive unit."""
+        return np.asarray(np.exp(-0.5 * (x / self.noise) ** 2) / (self.noise * np.sqrt(2.0 * np.pi)))
+
+
+def motor_errors(what: Compared, joint: str) -> MotorErrors:
+    """The errors of one motor."""
+    return MotorErrors(joint, *what.units[joint], what.of(joint))
+
+
+def _ways(forwards: np.ndarray, backwards: np.ndarray) -> Sequence[tuple[Direction, np.ndarray]]:
+    ways: tuple[tuple[Direction, np.ndarray], ...] = (("forwards", forwards), ("backwards", backwards))
+    return [(direction, way) for direction, way in ways if way.any()]
