@@ -20,7 +20,7 @@ from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.residuals.motor import compared
-from bench.residuals.motor_errors import motor_errors
+from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.profile import profile, values_of
 from bench.residuals.residuals import errors_by_motor, where_it_fails
 from bench.truth.dataset import write_simulation
@@ -88,7 +88,7 @@ def test_errors_beyond_the_axes_are_marked_at_their_border(what):
         replace(one, modelled=one.modelled - 50.0 * (np.arange(len(one.time)) == 7)) for one in what.of(joint)
     ]
     axes = Figure().subplots()
-    draw_against(axes, replace(motor_errors(what, joint), series=tuple(series)), "position")
+    draw_against(axes, replace(error_breakdown(what, joint), series=tuple(series)), "position")
     top = axes.get_ylim()[1]
     assert top < 1.0
     marks = [line for line in axes.get_lines() if line.get_marker() == 6]

@@ -9,7 +9,7 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.page.parts import Chart
 from bench.page.thinned import rounded, significant, thinned
 from bench.residuals.motor import MotorSeries
-from bench.residuals.motor_errors import AROUND, Branch, MotorErrors
+from bench.residuals.error_breakdown import AROUND, Branch, ErrorBreakdown
 from bench.residuals.profile import Variable
 
 HEIGHT, TALL = 210, 330  # px
@@ -54,7 +54,7 @@ def currents_spec(curves: Sequence[Curve], units: tuple[str, str], label: str, m
     return spec, width
 
 
-def error_charts(errors: MotorErrors) -> tuple[Chart, ...]:
+def error_charts(errors: ErrorBreakdown) -> tuple[Chart, ...]:
     """Everything that one motor's error may depend on, all recordings together."""
     return (
         *(_against(errors, variable) for variable in VARIABLES),
@@ -116,7 +116,7 @@ def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
     return np.where(np.isfinite(low), low, np.nan), np.where(np.isfinite(high), high, np.nan)
 
 
-def _against(errors: MotorErrors, variable: Variable) -> Chart:
+def _against(errors: ErrorBreakdown, variable: Variable) -> Chart:
     found = [_noise_band(errors.noise), *map(_bins, errors.against(variable, BINS))]
     title = f"Against {'modelled current' if variable == 'current' else variable}"
     aid = "Level with the band: nothing depends on it."
@@ -124,7 +124,7 @@ def _against(errors: MotorErrors, variable: Variable) -> Chart:
     return Chart(title, aid, _spec(x, y, found, title, shared=True, legend=False))
 
 
-def _reversals(errors: MotorErrors) -> Chart:
+def _reversals(errors: ErrorBreakdown) -> Chart:
     branches = errors.around_reversals
     zero = {"kind": "rule", "role": "noise", "axis": "x", "at": 0.0, "dashed": True}
     found = [_noise_band(errors.noise), zero, *map(_bins, branches)]
@@ -137,7 +137,7 @@ def _reversals(errors: MotorErrors) -> Chart:
     return Chart(title, aid, _spec(x, y, found, title, shared=True, legend=False))
 
 
-def _recordings(errors: MotorErrors) -> Chart:
+def _recordings(errors: ErrorBreakdown) -> Chart:
     found = errors.by_recording
     stems = [one.recording.removesuffix(".csv").removesuffix(".parquet") for one in found]
     names = [
@@ -165,7 +165,7 @@ def _bars(
     }
 
 
-def _opposing(errors: MotorErrors) -> Chart:
+def _opposing(errors: ErrorBreakdown) -> Chart:
     known = [(_cut(name), one) for name, one in errors.opposing]
     mean = np.array([one.mean for _, one in known])
     half = WITHIN_95 * np.array([one.std for _, one in known])
@@ -186,7 +186,7 @@ def _opposing(errors: MotorErrors) -> Chart:
     return Chart(title, aid, {**_spec(x, y, [zero, points], title), "height": TALL})
 
 
-def _shares(errors: MotorErrors) -> Chart:
+def _shares(errors: ErrorBreakdown) -> Chart:
     found = errors.shares
     pairs = (
         ("error", "of the squared error", significant(np.array([one.error for one in found]), 4)),
@@ -197,7 +197,7 @@ def _shares(errors: MotorErrors) -> Chart:
     return Chart(title, "A bar far longer than the grey one: the error is concentrated there.", spec)
 
 
-def _spectrum(errors: MotorErrors) -> Chart:
+def _spectrum(errors: ErrorBreakdown) -> Chart:
     found = errors.spectrum
     curve: Spec = {
         "kind": "line",
@@ -222,7 +222,7 @@ def _spectrum(errors: MotorErrors) -> Chart:
     return Chart(title, aid, _spec({"label": "frequency [Hz]"}, y, series_of, title))
 
 
-def _positions(errors: MotorErrors) -> Chart:
+def _positions(errors: ErrorBreakdown) -> Chart:
     found = errors.over_position
     curve = {
         "kind": "line",
@@ -239,7 +239,7 @@ def _positions(errors: MotorErrors) -> Chart:
     )
 
 
-def _autocorrelation(errors: MotorErrors) -> Chart:
+def _autocorrelation(errors: ErrorBreakdown) -> Chart:
     found = errors.autocorrelation
     band = {
         "kind": "band",
@@ -261,7 +261,7 @@ def _autocorrelation(errors: MotorErrors) -> Chart:
     return Chart(title, aid, _spec({"label": "lag [s]"}, y, [band, stems], title))
 
 
-def _histogram(errors: MotorErrors) -> Chart:
+def _histogram(errors: ErrorBreakdown) -> Chart:
     count, edges = np.histogram(errors.errors, bins=41)
     y = count.tolist()
     found: list[Spec] = [

@@ -6,7 +6,7 @@ from bench.page.chart_motor import error_charts
 from bench.page.model_errors import Shown
 from bench.page.parts import Choice, Figure, Section, Variant
 from bench.page.words import typeset
-from bench.residuals.motor_errors import motor_errors
+from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.words import finding_sentences, level_sentence
 
 ON_PAPER = 6  # motors that are printed
@@ -25,7 +25,7 @@ def where_section(models: Sequence[Shown]) -> Section:
                 typeset(f"{'Motor' + one[5:] if one.startswith('motor ') else one}.")
                 for one in (level_sentence(motor), *finding_sentences(motor))
             )
-            charts = error_charts(motor_errors(model.what, joint))
+            charts = error_charts(error_breakdown(model.what, joint))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             variants[key] = Variant(charts, notes)
     loud = [m for m, model in enumerate(models) if any(one.above_noise for one in model.where.motors)]

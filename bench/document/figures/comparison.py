@@ -25,7 +25,7 @@ from bench.document.figures.currents import DPI, PAGE_WIDTH, STYLE, currents_pag
 from bench.document.numbers import USES, percent
 from bench.files.atomic import atomic_path
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
-from bench.residuals.motor_errors import motor_errors
+from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.words import motor_words
 
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
@@ -63,7 +63,7 @@ def errors_figure(what: Compared, joint: str) -> Figure:
     Points are single rows (a regular choice, and every one far off), lines the means of bins with equally many
     rows, bands their standard deviations, apart for either direction of motion.
     """
-    errors = motor_errors(what, joint)
+    errors = error_breakdown(what, joint)
     current, unit = errors.current, errors.unit
     with mpl.rc_context(STYLE):
         # Margins are given: working them out takes longer than drawing. Names stand at the bars below: kept apart,

@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from bench.basics.chi_squared import WITHIN_95
 from bench.document.colours import ON_WHITE
 from bench.residuals.autocorrelation import Autocorrelation
-from bench.residuals.motor_errors import Branch, Direction, MotorErrors, RecordingError, RegionShares
+from bench.residuals.error_breakdown import Branch, Direction, ErrorBreakdown, RecordingError, RegionShares
 from bench.residuals.opposing_motion import Opposing
 from bench.residuals.periods import PositionSpectrum, Spectrum
 from bench.residuals.profile import Profile, Variable
@@ -36,7 +36,7 @@ def worth_drawing(x: np.ndarray, errors: np.ndarray, bins: Profile, most: int) -
     return np.flatnonzero(far | (np.arange(len(x)) % every == 0))
 
 
-def draw_against(axes: Axes, errors: MotorErrors, variable: Variable, scale: float = 1.0) -> None:
+def draw_against(axes: Axes, errors: ErrorBreakdown, variable: Variable, scale: float = 1.0) -> None:
     """Errors against a variable: points, means of bins and their spread, apart for either direction.
 
     scale: of lines and marks.
@@ -45,7 +45,7 @@ def draw_against(axes: Axes, errors: MotorErrors, variable: Variable, scale: flo
     draw_branches(axes, errors.against(variable, BINS), scale)
 
 
-def draw_around_reversals(axes: Axes, errors: MotorErrors, scale: float = 1.0) -> None:
+def draw_around_reversals(axes: Axes, errors: ErrorBreakdown, scale: float = 1.0) -> None:
     """Mean error before and after a change of direction, apart for what the direction is afterwards."""
     draw_noise_band(axes, errors.noise)
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)

@@ -21,7 +21,7 @@ from bench.document.figures.comparison_panels import (
 from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
 from bench.residuals.autocorrelation import Autocorrelation
 from bench.residuals.motor import Compared, MotorSeries
-from bench.residuals.motor_errors import Branch, MotorErrors, motor_errors
+from bench.residuals.error_breakdown import Branch, ErrorBreakdown, error_breakdown
 from bench.residuals.periods import PositionSpectrum, Spectrum
 from bench.residuals.profile import Variable
 
@@ -44,7 +44,7 @@ def error_figures(what: Compared) -> list[PaperFigure]:
         ("error_by_current", "current", lambda joint: f"modelled current [{what.units[joint][0]}]"),
     ]
     found = [_currents(what, name) for name in dict.fromkeys(one.recording for one in what.series)]
-    motors = [motor_errors(what, joint) for joint in joints]
+    motors = [error_breakdown(what, joint) for joint in joints]
     found += [
         _against(motors, name, [one.against(variable, SPREAD_BINS) for one in motors], label)
         for name, variable, label in variables
@@ -110,7 +110,7 @@ def _draw_error(one: MotorSeries, unit: str, last: bool, axes: Axes) -> None:
 
 
 def _against(
-    motors: Sequence[MotorErrors],
+    motors: Sequence[ErrorBreakdown],
     name: str,
     found: Sequence[Sequence[Branch]],
     label: Callable[[str], str],
@@ -143,13 +143,13 @@ def _against(
     return PaperFigure(name, tuple(panels), {"": _joined(means), "_points": _joined(points)})
 
 
-def _draw_against(motor: MotorErrors, found: Sequence[Branch], x: str, y: str, axes: Axes) -> None:
+def _draw_against(motor: ErrorBreakdown, found: Sequence[Branch], x: str, y: str, axes: Axes) -> None:
     draw_noise_band(axes, motor.noise)
     draw_branches(axes, found, SCALE)
     axes.set(title=motor.joint, xlabel=x, ylabel=y)
 
 
-def _spectrum(motors: Sequence[MotorErrors]) -> PaperFigure:
+def _spectrum(motors: Sequence[ErrorBreakdown]) -> PaperFigure:
     panels, numbers = [], []
     for motor in motors:
         found, unit, joint = motor.spectrum, motor.current, motor.joint
@@ -170,7 +170,7 @@ def _draw_spectrum(found: Spectrum, joint: str, unit: str, axes: Axes) -> None:
     axes.set(title=joint, xlabel="frequency [Hz]", ylabel=f"density [{unit}²/Hz]")
 
 
-def _over_position(motors: Sequence[MotorErrors]) -> PaperFigure:
+def _over_position(motors: Sequence[ErrorBreakdown]) -> PaperFigure:
     panels, numbers = [], []
     for motor in motors:
         found, current, unit, joint = motor.over_position, motor.current, motor.unit, motor.joint
@@ -191,7 +191,7 @@ def _draw_cycles(found: PositionSpectrum, joint: str, units: tuple[str, str], ax
     axes.set(title=joint, xlabel=f"cycles per {units[1]}", ylabel=f"amplitude [{units[0]}]")
 
 
-def _autocorrelation(motors: Sequence[MotorErrors]) -> PaperFigure:
+def _autocorrelation(motors: Sequence[ErrorBreakdown]) -> PaperFigure:
     panels, numbers = [], []
     for motor in motors:
         found, joint = motor.autocorrelation, motor.joint
@@ -213,7 +213,7 @@ def _draw_autocorrelation(found: Autocorrelation, joint: str, axes: Axes) -> Non
     axes.set(title=joint, xlabel="lag [s]", ylabel="autocorrelation")
 
 
-def _histogram(motors: Sequence[MotorErrors]) -> PaperFigure:
+def _histogram(motors: Sequence[ErrorBreakdown]) -> PaperFigure:
     panels, numbers = [], []
     for motor in motors:
         errors, unit, joint = motor.errors, motor.current, motor.joint
@@ -232,7 +232,7 @@ def _histogram(motors: Sequence[MotorErrors]) -> PaperFigure:
     return PaperFigure("error_histogram", tuple(panels), {"": _joined(numbers)})
 
 
-def _draw_histogram(motor: MotorErrors, edges: np.ndarray, share: np.ndarray, axes: Axes) -> None:
+def _draw_histogram(motor: ErrorBreakdown, edges: np.ndarray, share: np.ndarray, axes: Axes) -> None:
     axes.stairs(100.0 * share, edges, fill=True, color=ON_WHITE.error, alpha=0.75, label="error")
     if motor.noise > 0:
         x = np.linspace(edges[0], edges[-1], 400)

@@ -49,7 +49,7 @@ class RegionShares:
 
 
 @dataclass(frozen=True, eq=False)
-class MotorErrors:
+class ErrorBreakdown:
     """The errors of one motor in all recordings together. current, unit: of its current and position, as "A", "rad"."""
 
     joint: str
@@ -148,9 +148,9 @@ class MotorErrors:
         return np.asarray(np.exp(-0.5 * (x / self.noise) ** 2) / (self.noise * np.sqrt(2.0 * np.pi)))
 
 
-def motor_errors(what: Compared, joint: str) -> MotorErrors:
+def error_breakdown(what: Compared, joint: str) -> ErrorBreakdown:
     """The errors of one motor."""
-    return MotorErrors(joint, *what.units[joint], what.of(joint))
+    return ErrorBreakdown(joint, *what.units[joint], what.of(joint))
 
 
 def _ways(forwards: np.ndarray, backwards: np.ndarray) -> Sequence[tuple[Direction, np.ndarray]]:
