@@ -19,8 +19,8 @@ from bench.document.terminal.comparison import where_report
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.residuals.motor import compared
 from bench.residuals.error_breakdown import error_breakdown
+from bench.residuals.motor import compared
 from bench.residuals.profile import profile, values_of
 from bench.residuals.residuals import errors_by_motor, where_it_fails
 from bench.truth.dataset import write_simulation

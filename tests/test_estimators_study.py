@@ -9,7 +9,7 @@ import numpy as np
 from bench.dataset.dataset import Dataset
 from bench.files.atomic import finite
 from bench.peers.problems import make_problem
-from bench.studies.estimators import CASES, Case, kept_rows, markdown, rows_of, with_bad_seconds
+from bench.studies.estimators import CASES, Condition, kept_rows, markdown, rows_of, with_bad_seconds
 from bench.truth.dataset import as_dataset
 
 
@@ -26,7 +26,7 @@ def test_the_same_seeds_give_the_same_rows_and_more_noise_a_larger_spread() -> N
 
 
 def test_what_refuses_the_data_is_counted_and_kept(tmp_path: Path) -> None:
-    (row,) = rows_of("two_link", Case("no law", controller={"declared": False}), ["oe"], 1)
+    (row,) = rows_of("two_link", Condition("no law", controller={"declared": False}), ["oe"], 1)
     assert (row.seeds, row.failed) == (0, 1)
     assert "controller" in row.reason
     for robot in ("five_bar", "own_robot", "two_link"):

@@ -9,12 +9,12 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.effects import CATALOGUE
 from bench.measured import __main__ as program
-from bench.measured.known import Compared, Known, compared, known_machines
+from bench.measured.known import AgainstKnown, KnownValue, compared, known_machines
 from bench.measured.machines import MACHINES
 from bench.measured.markdown import measured_markdown
-from bench.measured.run import Named, Record, Run, Step, keep, kept
+from bench.measured.run import MachineRun, MachineStep, NamedEffects, Record, keep, kept
 
-GAIN = Compared("drive_gain", "j1", "N*m/A", 11.0, 0.3, 10.0, 0.02, 0.05)
+GAIN = AgainstKnown("drive_gain", "j1", "N*m/A", 11.0, 0.3, 10.0, 0.02, 0.05)
 
 
 def test_every_machine_has_a_table_whose_effects_are_in_the_catalogue() -> None:
@@ -64,7 +64,7 @@ def model(**friction: float) -> dict[str, object]:
 
 
 def test_a_friction_that_two_motors_share_is_summed_with_its_deviation() -> None:
-    known = Known(
+    known = KnownValue(
         of="viscous_friction",
         parameter="Fv",
         values={"elbow": 10.0},
@@ -81,8 +81,8 @@ def test_a_friction_that_two_motors_share_is_summed_with_its_deviation() -> None
 
 def test_parameters_are_found_by_name_and_gains_stand_once() -> None:
     known = (
-        Known(of="parameter", values={"m(arm)": 3.0}, source="told"),
-        Known(of="drive_gain", values={"a": 2.5}, source="told"),
+        KnownValue(of="parameter", values={"m(arm)": 3.0}, source="told"),
+        KnownValue(of="drive_gain", values={"a": 2.5}, source="told"),
     )
     mass, gain = compared(model(), known)
     assert (mass.value, mass.std, mass.inside) == (3.0, None, False)
@@ -99,15 +99,15 @@ def test_parameters_are_found_by_name_and_gains_stand_once() -> None:
 )
 def test_a_table_that_does_not_fit_is_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(ValueError, match="should"):
-        Known(**wrong)  # type: ignore[arg-type]
+        KnownValue(**wrong)  # type: ignore[arg-type]
 
 
 def record() -> Record:
     """One of each kind of run: right, wrong, and failed."""
-    identified = Run(
+    identified = MachineRun(
         "identify ur10e", 1.2, (), 0.05, 0.06, rows=(GAIN, replace(GAIN, place="j2", value=10.1))
     )
-    diagnosed = Run(
+    diagnosed = MachineRun(
         "diagnose ur10e",
         3.4,
         ("coulomb_friction",),
@@ -115,11 +115,11 @@ def record() -> Record:
         0.04,
         rows=(replace(GAIN, std=None),),
         said=("Coulomb friction is missing.",),
-        found=(Named("coulomb_friction", "missing", ("j1",), ("stribeck_friction",)),),
-        ladder=(Step((), 0.5, 0.6), Step(("coulomb_friction",), 0.03, 0.04)),
+        found=(NamedEffects("coulomb_friction", "missing", ("j1",), ("stribeck_friction",)),),
+        ladder=(MachineStep((), 0.5, 0.6), MachineStep(("coulomb_friction",), 0.03, 0.04)),
         noise_floor=0.01,
     )
-    failed = Run("diagnose ur10e --with x", 0.1, failed="bench: no effect 'x'")
+    failed = MachineRun("diagnose ur10e --with x", 0.1, failed="bench: no effect 'x'")
     return Record("ur10e", (identified, diagnosed, failed), {"commit": "abc"})
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from bench.cli import main
 from bench.studies.trial.summary import summarised
-from bench.studies.trial.target import Figure
+from bench.studies.trial.target import TargetFigure
 
 
 @pytest.fixture(scope="module")
@@ -69,8 +69,8 @@ def test_figures_of_the_readme_are_those_of_the_results(project_root):
         for r in map(str.strip, heads.split("|"))
     ]
     for words, figure in (
-        ("one hidden effect: named first", Figure.ONE_FIRST),
-        ("nothing hidden: any alarm", Figure.ALARM),
+        ("one hidden effect: named first", TargetFigure.ONE_FIRST),
+        ("nothing hidden: any alarm", TargetFigure.ALARM),
     ):
         (row,) = re.findall(rf"^\| {words} \|(.*)\|$", text, flags=re.MULTILINE)
         for robot, cell in zip(robots, map(str.strip, row.split("|")), strict=True):

@@ -12,9 +12,9 @@ import pytest
 from bench.diagnosis.result import Unexplained
 from bench.identification.problem import problem_of
 from bench.page.pages import diagnosis_page
-from bench.page.parts import Figure, Section, Table, Text
+from bench.page.parts import Figure, PageTable, Section, Text
 from bench.page.render import Workbench, render_page
-from bench.page.section_run import Run
+from bench.page.section_run import CommandRun
 from bench.page.thinned import extremes, rounded, thinned
 from bench.page.verdict import diagnosis_verdict
 from bench.page.words import effect_name, share, typeset
@@ -121,7 +121,7 @@ def test_what_was_found_stands_on_the_page(read):
 def test_every_figure_and_table_has_a_title_and_a_way_to_read_it(page):
     parts = [part for section in page.sections for part in section.parts]
     for part in parts:
-        if isinstance(part, Table | Figure):
+        if isinstance(part, PageTable | Figure):
             assert part.title
             assert part.aid
     for part in parts:
@@ -329,7 +329,7 @@ def test_numbers_are_set_as_in_print():
 
 
 def test_the_command_is_given_back_as_it_was_given():
-    run = Run(
+    run = CommandRun(
         "diagnose",
         "my data",
         ("coulomb_friction:left",),

@@ -10,7 +10,7 @@ from bench.document.terminal.diagnosis import diagnosis_report
 from bench.effects import CATALOGUE, ActuatorEffect, EffectParameter
 from bench.identification.problem import Problem, problem_of
 from bench.page.pages import diagnosis_page
-from bench.page.parts import Table
+from bench.page.parts import PageTable
 from tests.report_kit import AGAIN, MISSING, dataset, diagnosis
 
 
@@ -26,7 +26,7 @@ class Silent(ActuatorEffect):
 def laws_of(diagnosed, catalogue=CATALOGUE):
     page = diagnosis_page(diagnosed, Problem(dataset(), catalogue), AGAIN)
     (ranking,) = [one for one in page.sections if one.id == "ranking"]
-    return [one for one in ranking.parts if isinstance(one, Table) and one.title.startswith("Laws")]
+    return [one for one in ranking.parts if isinstance(one, PageTable) and one.title.startswith("Laws")]
 
 
 @pytest.mark.parametrize("name", CATALOGUE)

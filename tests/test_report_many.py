@@ -12,7 +12,7 @@ from bench.cli import main
 from bench.cli.next_steps import after_trial
 from bench.page.browser import opened
 from bench.page.figures_sweep import point_label, value_text
-from bench.page.parts import Figure, Table
+from bench.page.parts import Figure, PageTable
 from bench.page.render import render_page
 from bench.page.sweep_page import read_sweep, sweep_page
 from bench.page.trial_page import again_line, read_trial, trial_page, trial_table
@@ -50,7 +50,7 @@ def checked(page):
     """A page of which every figure and table can be read, and what it says."""
     for section in page.sections:
         for part in section.parts:
-            if isinstance(part, Table | Figure):
+            if isinstance(part, PageTable | Figure):
                 assert part.title
                 assert part.aid
     read = Tags(render_page(page))

@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.document.colours import scale_colours
 from bench.identification.effect_torques import EffectTorques
-from bench.viewer.context import Known, Step, Story
+from bench.viewer.context import KnownTruth, LadderModel, Story
 from bench.viewer.phases import BACKWARDS, FORWARDS, REVERSAL, STILL, lanes, motion_states
 from bench.viewer.recording import Told, write_rrd, write_side_by_side
 from bench.viewer.scene import error_share
@@ -27,13 +27,13 @@ def told(request, tmp_path_factory):
     for one, recording in zip(result.recordings, dataset.recordings, strict=True):
         friction = {"coulomb_friction": 0.3 * np.sign(one.velocity), "viscous_friction": 0.1 * one.velocity}
         torques[one.name] = EffectTorques(one.name, one.time, friction)
-        known[one.name] = Known(
+        known[one.name] = KnownTruth(
             recording.time[::10],
             reference=recording.position[::10] + 0.001,
             torque=np.cos(recording.time[::10])[:, None] * np.arange(1.0, 1.0 + one.measured.shape[1]),
             loop_gap=np.full((len(recording.time[::10]), 2), (1e-7, 3e-7)),
         )
-    steps = (Step("the model as it is", before),)
+    steps = (LadderModel("the model as it is", before),)
     story = Story(steps, torques, known, {dataset.robot.joints[0]: 3.25}, "### Told", "+ friction")
     path = tmp_path_factory.mktemp(request.param) / "story.rrd"
     write_rrd(path, result, dataset, story=story)

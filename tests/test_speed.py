@@ -12,12 +12,12 @@ from bench.basics.errors import BenchError
 from bench.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_table
 from bench.speed import sweep
 from bench.speed.__main__ import MEASUREMENTS
-from bench.speed.figures import Figure, append_history, figures_table, last_values
+from bench.speed.figures import SpeedFigure, append_history, figures_table, last_values
 from bench.studies.sweep.console import WIDE, table_console
 
-SLOW = Figure("identify", 1.2, "s", 1.0)
-GAIN = Figure("two workers over one", 1.9, "", 1.8, at_least=True)
-FREE = Figure("report", 3.0, "s")
+SLOW = SpeedFigure("identify", 1.2, "s", 1.0)
+GAIN = SpeedFigure("two workers over one", 1.9, "", 1.8, at_least=True)
+FREE = SpeedFigure("report", 3.0, "s")
 SCORES = [
     Score(
         "five_bar",
@@ -48,7 +48,7 @@ def test_every_figure_stands_beside_that_of_the_last_time(tmp_path):
     history = tmp_path / "speed" / "history.jsonl"
     assert last_values(history) == {}
     append_history([SLOW, FREE], history)
-    append_history([Figure("identify", 0.6, "s", 1.0)], history)
+    append_history([SpeedFigure("identify", 0.6, "s", 1.0)], history)
     assert last_values(history) == {"identify": 0.6, "report": 3.0}
     assert {"cores", "commit", "version.mujoco"} <= set(json.loads(history.read_text().splitlines()[0]))
     rows = printed(figures_table([SLOW, GAIN, FREE], last_values(history)), 100).splitlines()[2:]

@@ -13,7 +13,7 @@ from bench.cli import main
 from bench.studies.sweep import check as command
 from bench.studies.sweep.check import CheckOptions, check_accuracy, update_reference
 from bench.studies.sweep.reference import (
-    Line,
+    ReferenceLine,
     load_reference,
     reference_folder,
     reference_sweeps,
@@ -203,7 +203,7 @@ def test_an_unknown_scenario_is_named(with_reference):
 
 
 def line_of(metric, values):
-    return Line(tuple(range(len(values))), {metric: tuple(values)})
+    return ReferenceLine(tuple(range(len(values))), {metric: tuple(values)})
 
 
 def test_change_is_in_units_of_the_spread_from_seed_to_seed():

@@ -14,10 +14,10 @@ from bench.studies.sweep.run_plan import Report
 from bench.studies.sweep.table import read_table
 from bench.studies.trial.cases import draw_case
 from bench.studies.trial.plan import TrialPlan
-from bench.studies.trial.run_trial import Request, read_rows, run_trial
+from bench.studies.trial.run_trial import TrialRequest, read_rows, run_trial
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import LARGE
-from bench.studies.trial.work import CaseTask, DesignTask, ReferenceTask
+from bench.studies.trial.work import CaseTask, ReferenceTask, TrialDesignTask
 
 DURATION = 8.0
 EFFECTS = ("load_dependent_friction", "torque_ripple")
@@ -67,7 +67,7 @@ def setup() -> Setup:
 def trial(setup: Setup, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Row]]:
     """The folder and the rows of a trial of EFFECTS."""
     folder = tmp_path_factory.mktemp("trial")
-    return folder, run_trial(Request(setup, ("one",), 1, EFFECTS), folder, Here, _silent)
+    return folder, run_trial(TrialRequest(setup, ("one",), 1, EFFECTS), folder, Here, _silent)
 
 
 def test_single_effects_are_named(trial: tuple[Path, list[Row]]) -> None:
@@ -83,7 +83,7 @@ def test_single_effects_are_named(trial: tuple[Path, list[Row]]) -> None:
 
 
 def test_an_empty_machine_raises_no_alarm(setup: Setup) -> None:
-    trajectories = DesignTask(setup)(None)
+    trajectories = TrialDesignTask(setup)(None)
     reference = ReferenceTask(setup, trajectories)(None)
     row = CaseTask(setup, draw_case(setup, "nothing", 0), 0, trajectories)(reference)[0]
     assert row["missing"] == ""
@@ -92,9 +92,9 @@ def test_an_empty_machine_raises_no_alarm(setup: Setup) -> None:
 
 def test_a_finished_trial_is_not_run_again(setup: Setup, trial: tuple[Path, list[Row]]) -> None:
     folder, rows = trial
-    assert run_trial(Request(setup, ("one",), 1, EFFECTS), folder, _no_pool, _silent) == rows
+    assert run_trial(TrialRequest(setup, ("one",), 1, EFFECTS), folder, _no_pool, _silent) == rows
     with pytest.raises(BenchError, match="another trial"):
-        run_trial(Request(setup, ("one",), 1, EFFECTS[:1]), folder, _no_pool, _silent)
+        run_trial(TrialRequest(setup, ("one",), 1, EFFECTS[:1]), folder, _no_pool, _silent)
 
 
 def test_workers_give_the_same_rows_and_the_command_writes_them(

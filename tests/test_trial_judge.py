@@ -14,7 +14,7 @@ from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import hidden_places
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import NOTHING, SOMETHING, summarised
-from bench.studies.trial.target import Figure, Share
+from bench.studies.trial.target import Share, TargetFigure
 from bench.studies.trial.true_effects import WITHOUT_TRUTH, as_logged, true_values
 from bench.studies.trial.unknown import FAMILIES, LAW
 from bench.truth.hidden import HIDDEN_EFFECTS
@@ -229,13 +229,13 @@ def test_figures_of_a_trial() -> None:
     ]
     found = summarised("robot", rows)
     targets = {target.figure: target for target in found.targets}
-    assert targets[Figure.ONE_FIRST].value == pytest.approx(2 / 3)
-    assert targets[Figure.ALARM].value == pytest.approx(0.5)
-    assert targets[Figure.OUTSIDE_HONEST].value == pytest.approx(0.5)
-    assert targets[Figure.INTERVALS].value == pytest.approx(0.5)
+    assert targets[TargetFigure.ONE_FIRST].value == pytest.approx(2 / 3)
+    assert targets[TargetFigure.ALARM].value == pytest.approx(0.5)
+    assert targets[TargetFigure.OUTSIDE_HONEST].value == pytest.approx(0.5)
+    assert targets[TargetFigure.INTERVALS].value == pytest.approx(0.5)
     assert found.confusion["viscous_friction"] == {"viscous_friction": 2, "base_tilt": 1}
     assert found.confusion[NOTHING] == {NOTHING: 1, SOMETHING: 1}
     assert found.absorbed["rotor_inertia"] == Share(1, 1)
     assert [one.first.of for one in found.misses] == [1, 0, 3, 0, 0]
     assert found.failed == {"lost": 1}
-    assert targets[Figure.TWO_EXACT].reached is None
+    assert targets[TargetFigure.TWO_EXACT].reached is None

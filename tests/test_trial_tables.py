@@ -10,7 +10,7 @@ from bench.studies.trial.command import show
 from bench.studies.trial.figures import write_figures
 from bench.studies.trial.markdown import parts, trial_markdown
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import Figure, Share, Target
+from bench.studies.trial.target import Share, Target, TargetFigure
 from tests.trial_rows import trial_row, trial_rows
 
 
@@ -90,10 +90,10 @@ def test_a_verdict_needs_enough_cases(
     count: int, of: int, least: float | None, most: float | None, verdict: str
 ) -> None:
     share = Share(count, of)
-    assert Target(Figure.ALARM, share.value, least, most, share).verdict == verdict
+    assert Target(TargetFigure.ALARM, share.value, least, most, share).verdict == verdict
 
 
 def test_a_median_is_held_against_its_limit_as_it_is() -> None:
-    assert Target(Figure.FLOOR_MEDIAN, 1.2, None, 1.15).verdict == "no"
-    assert Target(Figure.FLOOR_MEDIAN, 1.1, None, 1.15).verdict == "yes"
-    assert Target(Figure.FLOOR_MEDIAN, float("nan"), None, 1.15).verdict == ""
+    assert Target(TargetFigure.FLOOR_MEDIAN, 1.2, None, 1.15).verdict == "no"
+    assert Target(TargetFigure.FLOOR_MEDIAN, 1.1, None, 1.15).verdict == "yes"
+    assert Target(TargetFigure.FLOOR_MEDIAN, float("nan"), None, 1.15).verdict == ""

@@ -12,7 +12,7 @@ from bench.dataset.catalogue import built_in_scenarios
 from bench.scenario.scenario import load_scenario
 from bench.truth.loops import loop_gaps
 from bench.truth.machine import build_machine
-from bench.truth.motion import Run, Timing, simulate_motion
+from bench.truth.motion import MotionRun, Timing, simulate_motion
 from bench.truth.simulate import simulate
 
 SHORT = {"optimise": False, "duration": 4.0, "ramp": 0.5}
@@ -209,7 +209,8 @@ def test_shorter_and_longer_runs_do_not_disturb_each_other(five_bar):
     machine, scenario = five_bar.machine, five_bar.scenario
     timing = Timing(scenario.settings.step, scenario.log_every, 500)
     runs = [
-        Run(r.name, r.table.payload, r.trajectory, 1000 + 500 * i) for i, r in enumerate(five_bar.recordings)
+        MotionRun(r.name, r.table.payload, r.trajectory, 1000 + 500 * i)
+        for i, r in enumerate(five_bar.recordings)
     ]
     together = simulate_motion(machine, runs, timing)
     for run, motion, recording in zip(runs, together, five_bar.recordings, strict=True):

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.diagnosis.normal_equations import (
     Candidate,
-    Products,
+    MotorProducts,
     SetFit,
     System,
     solve_set,
@@ -63,7 +63,8 @@ class Carried:
         weights = np.sqrt(data["rows"] / np.maximum(inner["fitted"][:, -1, -1], 1e-300))
         start = Solution(reference[: self.own], gains, weights, "current", data["fits_gains"])
         products = [
-            Products(inner[use], data["rows"], float(self.squares[use].sum())) for use in ("fitted", "judged")
+            MotorProducts(inner[use], data["rows"], float(self.squares[use].sum()))
+            for use in ("fitted", "judged")
         ]
         self.system = System(candidates, self.own, start, *products, 1.0)
 

@@ -17,7 +17,7 @@ from bench.document.terminal.diagnosis import diagnosis_report
 from bench.document.terminal.identification import comparison_report, identification_report
 from bench.identification.result import Identification
 from bench.page.folder import Kept
-from bench.page.section_run import Run
+from bench.page.section_run import CommandRun
 from bench.page.write import write_kept
 
 WIDTH = 110  # characters
@@ -59,7 +59,7 @@ class Report:
         if not isinstance(after, Identification):
             raise BenchError(f"no page is made of a {type(after).__name__}")
         verb = "diagnose" if diagnosis is not None else "identify"
-        run = Run(verb, str(dataset.folder), tuple(after.effects), (), {}, str(page.parent))
+        run = CommandRun(verb, str(dataset.folder), tuple(after.effects), (), {}, str(page.parent))
         return write_kept(page, Kept(run, dataset, after, diagnosis, ""))
 
 

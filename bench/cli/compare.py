@@ -19,7 +19,7 @@ from bench.cli.options import (
 if TYPE_CHECKING:
     from bench.dataset.dataset import Dataset
     from bench.identification.result import Identification
-    from bench.page.section_run import Run
+    from bench.page.section_run import CommandRun
     from bench.residuals.motor import Compared
 
 
@@ -90,10 +90,12 @@ def _of_one(
         write_answer(json_file, {**comparison_json(found.comparison), **where_json(found.where)})
         written.append(wrote(json_file, "comparison"))
     if output is not None:
-        from bench.page.section_run import Run
+        from bench.page.section_run import CommandRun
 
         options = {"model": str(model_file), **given} if model_file is not None else given
-        run = Run("compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
+        run = CommandRun(
+            "compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output)
+        )
         result = found.identified
         if result is None and model_file is not None:
             result = load_model(model_file).beside(data, found.recordings)
@@ -113,16 +115,13 @@ def _next(
     given: dict[str, Any],
 ) -> str:
     """The command that makes sense after a comparison."""
-    from bench.page.section_run import Run
     from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))
     if beyond_noise(what):
-        return f"next: {Run('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
+        return f"next: {CommandRun('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
     if model_file is None:
-        return (
-            f"next: {Run('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
-        )
+        return f"next: {CommandRun('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
     target = model_file.with_suffix(".xml")
     return next_line(["export", model_file, "--to", "mjcf", "-o", target], "gives the machine to a simulator")
 
@@ -154,7 +153,7 @@ def _pictures_and_page(
     what: "Compared",
     result: "Identification | None",
     data: "Dataset",
-    run: "Run",
+    run: "CommandRun",
     model_file: Path | None,
 ) -> list[str]:
     """Write both into a folder and tell what was written."""

@@ -34,7 +34,7 @@ def demo(output: Path, scenario: str) -> None:
     from bench.identification.model_file import save_model
     from bench.identification.prepare import prepare
     from bench.identification.problem import problem_of
-    from bench.page.section_run import Run
+    from bench.page.section_run import CommandRun
     from bench.page.write import write_diagnosis_report
     from bench.scenario.scenario import load_scenario, resolve_trajectories
     from bench.studies.sweep.true_parameters import true_values
@@ -62,7 +62,7 @@ def demo(output: Path, scenario: str) -> None:
     write_current_figure(output / "currents.png", result)
     write_rrd(output / "demo.rrd", result, dataset, truth=true)
     console.print("Looking for physical effects that the model lacks ...")
-    run = Run("diagnose", str(output / "dataset"), output=str(output))
+    run = CommandRun("diagnose", str(output / "dataset"), output=str(output))
     report = write_diagnosis_report(output, diagnose(dataset), dataset, run)
     click.echo(f"Measurements: {output / 'dataset'}, the truth: {output / 'dataset.truth.json'}")
     click.echo(f"Model:        {output / 'model.json'}")

@@ -89,10 +89,10 @@ def diagnose(
 
         save_model(diagnosis.after, model_file, data.folder, [*map(Path, effect_files), *laws])
         written.append(wrote(model_file, "model with what is missing"))
-    from bench.page.section_run import Run
+    from bench.page.section_run import CommandRun
 
     if output is not None:
-        run = Run("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given, str(output))
+        run = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given, str(output))
         with shown_progress(quiet, "drawing figures") as progress:
             from bench.document.figures.diagnosis import write_diagnosis_figures
             from bench.page.write import write_diagnosis_report
@@ -105,5 +105,5 @@ def diagnose(
     from bench.document.terminal.diagnosis import diagnosis_report
 
     diagnosis_report(diagnosis, Console(), verbose=verbose)
-    again = Run("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given).line()
+    again = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given).line()
     say([*written, after_diagnosis(diagnosis, dataset, again, model_file, (*effect_files, *laws))])

@@ -107,7 +107,7 @@ def excite(
         from bench.excitation.experiment.figure import write_plan_figure
         from bench.excitation.experiment.files import PICTURE, VIEW, check_folder, write_plan
         from bench.excitation.experiment.forecast import forecast
-        from bench.excitation.experiment.plan import WHOLE, Aim, Plan, plan_experiment
+        from bench.excitation.experiment.plan import WHOLE, Aim, ExperimentPlan, plan_experiment
         from bench.excitation.experiment.request_file import asked_table
         from bench.excitation.experiment.sentences import sentences
         from bench.identification.problem import problem_of
@@ -131,7 +131,7 @@ def excite(
         told = forecast(plan, gain_accuracy)
         progress.phase("writing the motions")
 
-        def view(path: Path, plan: Plan) -> None:
+        def view(path: Path, plan: ExperimentPlan) -> None:
             motions = [one.trajectory for one in plan.motions]
             write_planned_rrd(path, plan.robot, dict(zip(plan.names, motions, strict=True)))
 

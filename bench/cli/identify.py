@@ -109,7 +109,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         write_rrd(rrd_file, result, data)
         written.append(wrote(rrd_file, f"recording: open it with rerun {rrd_file}"))
     if output is not None:
-        from bench.page.section_run import Run
+        from bench.page.section_run import CommandRun
         from bench.page.write import write_identification_report
 
         options = {
@@ -120,7 +120,9 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
             "deviations": deviations,
             **given,
         }
-        command = Run("identify", str(dataset), effects, tuple(map(str, effect_files)), options, str(output))
+        command = CommandRun(
+            "identify", str(dataset), effects, tuple(map(str, effect_files)), options, str(output)
+        )
         written.append(wrote(write_identification_report(output, result, data, command), "report"))
     identification_report(result, Console(), verbose=verbose)
     what = compared(data.robot, data.recordings, result.recordings, result.settings)
@@ -136,14 +138,12 @@ def _next(
     json_file: Path | None,
 ) -> str:
     """The command that makes sense after an identification."""
-    from bench.page.section_run import Run
+    from bench.page.section_run import CommandRun
     from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))
     if beyond_noise(what):
-        return f"next: {Run('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
+        return f"next: {CommandRun('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
     if json_file is None or json_file == STANDARD_OUTPUT:
-        return (
-            f"next: {Run('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
-        )
+        return f"next: {CommandRun('identify', str(dataset), effects, files, given).line()} --json model.json    {KEEP}"
     return next_line(["compare", dataset, "--model", json_file], "shows its errors motor by motor")

@@ -18,7 +18,7 @@ from bench.truth.hidden_torque import hidden_torque, plain_machine
 from bench.truth.repeat import repeated
 from bench.truth.report import truth
 from bench.truth.simulate import Simulation
-from bench.viewer.context import Known
+from bench.viewer.context import KnownTruth
 
 WHOLE_ROBOT = "robot"
 
@@ -55,7 +55,7 @@ def simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation 
     return simulation
 
 
-def known_of(simulation: Simulation) -> dict[str, Known]:
+def known_of(simulation: Simulation) -> dict[str, KnownTruth]:
     """References, hidden torques and the openings of loops, by recording of the dataset."""
     plain = plain_machine(simulation)
     suffix = simulation.scenario.settings.file_format
@@ -63,7 +63,7 @@ def known_of(simulation: Simulation) -> dict[str, Known]:
     for one in simulation.recordings:
         told = hidden_torque(simulation, one, plain)
         torque = told.torque if simulation.machine.hidden else None
-        found[f"{one.name}.{suffix}"] = Known(told.time, told.reference, torque, told.loop_gap)
+        found[f"{one.name}.{suffix}"] = KnownTruth(told.time, told.reference, torque, told.loop_gap)
     return found
 
 

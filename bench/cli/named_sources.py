@@ -22,7 +22,7 @@ from bench.identification.result import Identification
 from bench.page.folder import RUN_FILE, Kept, read_run
 from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
 from bench.truth.dataset import as_dataset
-from bench.viewer.context import Known, Step, Story
+from bench.viewer.context import KnownTruth, LadderModel, Story
 from bench.viewer.recording import Told
 
 
@@ -99,7 +99,8 @@ def _of_dataset(folder: Path, asked: Asked) -> Told:
     rungs = [asked.effects[:count] for count in range(len(asked.effects) + 1)]
     models = [identify(prepare(replace(problem, effects=rung))) for rung in rungs]
     steps = tuple(
-        Step(word, model.recordings) for word, model in zip(step_labels(rungs), models[:-1], strict=False)
+        LadderModel(word, model.recordings)
+        for word, model in zip(step_labels(rungs), models[:-1], strict=False)
     )
     story = _story(dataset, models[-1], steps, "", truth=asked.truth)
     story = replace(story, label=step_labels(rungs)[-1])
@@ -135,7 +136,7 @@ def _of_result(kept: Kept, asked: Asked) -> Told:
         recordings = step.recordings
         if not recordings:
             recordings = identify(prepare(replace(problem, effects=rung))).recordings
-        steps.append(Step(word, recordings))
+        steps.append(LadderModel(word, recordings))
     text = diagnosis_markdown(diagnosis)
     story = _story(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)
     return Told(after.robot, after, judged, replace(story, label=words[-1]))
@@ -172,7 +173,7 @@ def _of_sweep(folder: Path, asked: Asked) -> list[Told]:
 def _story(
     dataset: Dataset,
     result: Identification,
-    steps: tuple[Step, ...],
+    steps: tuple[LadderModel, ...],
     text: str,
     *,
     truth: bool,
@@ -180,7 +181,7 @@ def _story(
 ) -> Story:
     """All that is told beside an answer. logged: the dataset as it was written, where its recordings were parted."""
     torques = {one.name: one for one in effect_torques(result.recordings)} if result.effects else {}
-    known: Mapping[str, Known] = {}
+    known: Mapping[str, KnownTruth] = {}
     values = None
     logged = logged or dataset
     content = truth_beside(logged) if truth else None
@@ -191,7 +192,7 @@ def _story(
     return Story(steps, torques, known, values, text)
 
 
-def _by_part(known: Mapping[str, Known], dataset: Dataset) -> dict[str, Known]:
+def _by_part(known: Mapping[str, KnownTruth], dataset: Dataset) -> dict[str, KnownTruth]:
     """What is known, by the names of recordings or of parts of them: that of the longest name they begin with."""
     found = {}
     for one in dataset.recordings:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bench.cli.last_lines import after_diagnosis, next_line
-from bench.page.section_run import Run, quoted
+from bench.page.section_run import CommandRun, quoted
 
 if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
@@ -26,7 +26,9 @@ class Source:
 
     def command(self, name: str, data: Path) -> str:
         """A command line on a dataset with all effects, files and filters."""
-        return Run(name, str(data), self.effects, tuple(map(str, self.effect_files)), self.filters).line()
+        return CommandRun(
+            name, str(data), self.effects, tuple(map(str, self.effect_files)), self.filters
+        ).line()
 
     @property
     def dataset(self) -> Path | None:

@@ -93,11 +93,11 @@ def replay(
         write_answer(json_file, replay_json(result))
         written.append(wrote(json_file, "answer"))
     if output is not None:
-        from bench.page.section_run import Run
+        from bench.page.section_run import CommandRun
         from bench.page.write import write_replay_report
 
         given = {"model": str(model_file), "no_cad": not cad, "nearest": nearest}
-        run = Run("replay", str(dataset), (), tuple(map(str, effect_files)), given, str(output))
+        run = CommandRun("replay", str(dataset), (), tuple(map(str, effect_files)), given, str(output))
         written.append(wrote(write_replay_report(output, result, problem, saved, run), "report"))
     if rrd_file is not None:
         from bench.viewer.recording import write_rrd

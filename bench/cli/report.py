@@ -140,7 +140,7 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
     from bench.api.diagnose import diagnose
     from bench.dataset.dataset import load_dataset
     from bench.page.folder import Kept
-    from bench.page.section_run import Run
+    from bench.page.section_run import CommandRun
     from bench.page.write import write_kept
 
     progress.phase("reading the recordings")
@@ -153,7 +153,7 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
         progress=progress,
     )
     files = tuple(map(str, given.effect_files))
-    run = Run("report", str(given.path), given.effects, files, given.filters, str(output))
+    run = CommandRun("report", str(given.path), given.effects, files, given.filters, str(output))
     write_kept(output, Kept(run, dataset, diagnosis.after, diagnosis, ""), progress=progress)
     return diagnosis
 
@@ -166,7 +166,7 @@ def _of_model(
     from bench.identification.model_file import load_model, read_identification
     from bench.identification.problem import problem_of
     from bench.page.folder import Kept
-    from bench.page.section_run import Run
+    from bench.page.section_run import CommandRun
     from bench.page.write import write_kept
 
     saved = load_model(source)
@@ -177,5 +177,7 @@ def _of_model(
     dataset = load_dataset(data)
     result = read_identification(source, problem_of(dataset, effect_files=effect_files))
     files = tuple(map(str, effect_files))
-    run = Run("report", str(source), effect_files=files, options={"data": str(data)}, output=str(output))
+    run = CommandRun(
+        "report", str(source), effect_files=files, options={"data": str(data)}, output=str(output)
+    )
     write_kept(output, Kept(run, dataset, result, None, str(source)), progress=progress)

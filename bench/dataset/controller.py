@@ -30,7 +30,7 @@ class ControllerSpec(UserTable):
 
 
 @dataclass(frozen=True, eq=False)
-class Controller:
+class ControlLaw:
     """i = kp (r - q) + kv (dr/dt - dq/dt) + ka d2r/dt2, r the reference position of each joint, arrays (n,).
 
     kp, kv, ka: drive unit for each rad, rad/s and rad/s2, or m, m/s and m/s2. velocity_delay, s: by how much the
@@ -48,10 +48,10 @@ def reference_column(joint: str) -> str:
     return f"reference.{joint}"
 
 
-def controller_of(path: Path, spec: ControllerSpec, joints: Sequence[str]) -> Controller:
+def controller_of(path: Path, spec: ControllerSpec, joints: Sequence[str]) -> ControlLaw:
     """The law that a [controller] table in the file `path` tells; BenchError where a joint is missing or unknown."""
     kp, kv, ka = (_per_joint(path, key, getattr(spec, key), joints) for key in ("kp", "kv", "ka"))
-    return Controller(kp, kv, ka, spec.velocity_delay)
+    return ControlLaw(kp, kv, ka, spec.velocity_delay)
 
 
 def references(recording: Recording, joints: Sequence[str]) -> Array:

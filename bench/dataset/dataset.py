@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.dataset.controller import Controller, controller_of, references
+from bench.dataset.controller import ControlLaw, controller_of, references
 from bench.dataset.dataset_toml import DATASET_FILE as DATASET_FILE
 from bench.dataset.dataset_toml import DatasetSpec, payload_of
 from bench.dataset.dataset_toml import RecordingEntry as RecordingEntry
@@ -34,7 +34,7 @@ class Dataset:
     payloads: Mapping[str, Payload]
     recordings: tuple[Recording, ...]
     effect_files: tuple[Path, ...] = field(default=())
-    controller: Controller | None = None
+    controller: ControlLaw | None = None
 
     @property
     def weighed(self) -> list[str]:

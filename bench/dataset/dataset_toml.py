@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from bench.basics.errors import BenchError
-from bench.dataset.controller import Controller, ControllerSpec
+from bench.dataset.controller import ControlLaw, ControllerSpec
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.recording import Use
 from bench.dataset.recording_checks import Check
@@ -85,7 +85,7 @@ def write_dataset_toml(
     recordings: Sequence[RecordingEntry],
     payloads: Sequence[Payload] = (),
     effects: Sequence[str] = (),
-    controller: Controller | None = None,
+    controller: ControlLaw | None = None,
     joints: Sequence[str] = (),
 ) -> Path:
     """Write dataset.toml in `folder`, whole or not at all, and return its path.
@@ -170,7 +170,7 @@ def extended_toml(
     return text
 
 
-def _controller_table(controller: Controller, joints: Sequence[str]) -> list[str]:
+def _controller_table(controller: ControlLaw, joints: Sequence[str]) -> list[str]:
     lines = ["[controller]"]
     for key in ("kp", "kv", "ka"):
         pairs = zip(joints, getattr(controller, key).tolist(), strict=True)

@@ -33,7 +33,7 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Finding:
+class Fault:
     """A fault of one column; `row` (0 is the first) is None where it is all of the column."""
 
     check: Check
@@ -54,27 +54,27 @@ class Channel:
     effort: bool = False
 
 
-def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Finding]:
+def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault]:
     """What all checks find in a channel, the accepted ones aside; at most one finding each."""
     catalogue = CURRENT_CHECKS if channel.joint is None else POSITION_CHECKS
     findings = (check(channel) for name, check in catalogue.items() if name not in accepted)
     return [finding for finding in findings if finding is not None]
 
 
-def constant(channel: Channel) -> Finding | None:
+def constant(channel: Channel) -> Fault | None:
     """A signal that never changes; a position that shows nothing but noise."""
     values = channel.values
     span = np.ptp(values)
     if span == 0.0:
-        return Finding("constant", None, f"is constant ({values[0]:g} throughout)")
+        return Fault("constant", None, f"is constant ({values[0]:g} throughout)")
     # White noise changes by √2 of its deviation from sample to sample, a movement by far less.
     noise = np.sqrt(np.mean(np.diff(values) ** 2)) > 0.5 * values.std()
     if channel.joint is not None and span < 1e-3 and noise:
-        return Finding("constant", None, f"does not move: only noise within {span:.2g}")
+        return Fault("constant", None, f"does not move: only noise within {span:.2g}")
     return None
 
 
-def position_units(channel: Channel) -> Finding | None:
+def position_units(channel: Channel) -> Fault | None:
     """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided.
 
     A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's own
@@ -97,7 +97,7 @@ def position_units(channel: Channel) -> Finding | None:
         suspicious, why = _far_without_range(joint, values, channel.step, factor)
     if not suspicious:
         return None
-    return Finding("units", None, f"looks like {wrong}, {right} are expected: {why}")
+    return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}")
 
 
 def _far_without_range(joint: JointFacts, values: Array, step: float, factor: float) -> tuple[bool, str]:
@@ -115,7 +115,7 @@ def _far_without_range(joint: JointFacts, values: Array, step: float, factor: fl
     return bool(one_turn and (far or distance.min() > FULL_TURN)), why
 
 
-def limits(channel: Channel) -> Finding | None:
+def limits(channel: Channel) -> Fault | None:
     """A position beyond the joint's range in the MJCF, by more than 5 % of that range."""
     joint, values = _joint(channel), channel.values
     if joint.lower is None or joint.upper is None:
@@ -126,7 +126,7 @@ def limits(channel: Channel) -> Finding | None:
         return None
     row = int(outside[0])
     unit = "rad" if joint.kind == "hinge" else "m"
-    return Finding(
+    return Fault(
         "limits",
         row,
         f"{values[row]:g} {unit} is outside of the joint's range [{joint.lower:g}, {joint.upper:g}]"
@@ -134,16 +134,16 @@ def limits(channel: Channel) -> Finding | None:
     )
 
 
-def current_units(channel: Channel) -> Finding | None:
+def current_units(channel: Channel) -> Fault | None:
     """Milliamperes or counts for amperes: no drive of a robot commands so much. Torques and forces may be larger."""
     large = np.quantile(np.abs(channel.values), 0.99)
     most, units = (LARGEST_EFFORT, "N·m or N") if channel.effort else (LARGEST_CURRENT, "A or V")
     if large <= most:
         return None
-    return Finding("units", None, f"reaches {large:.4g}: {units} are expected, it looks like thousandths")
+    return Fault("units", None, f"reaches {large:.4g}: {units} are expected, it looks like thousandths")
 
 
-def position_spikes(channel: Channel) -> Finding | None:
+def position_spikes(channel: Channel) -> Fault | None:
     """Steps that stand alone: a glitch (there and back), a lost count, or an angle wrapped at a full turn.
 
     A step counts when it exceeds eight times the 95th percentile of all steps and eight times every
@@ -164,7 +164,7 @@ def position_spikes(channel: Channel) -> Finding | None:
     count = len(alone) // 2 if back else len(alone)
     what = "spikes" if back else "jumps"
     hint = ": an angle wrapped at a full turn? unwrap it" if wraps and not back else ""
-    return Finding("spikes", row, f"{what} by {jump:.4g} from one sample to the next{hint}{_more(count)}")
+    return Fault("spikes", row, f"{what} by {jump:.4g} from one sample to the next{hint}{_more(count)}")
 
 
 def _stands_alone(steps: Array, k: int, reach: int = 6) -> bool:
@@ -172,7 +172,7 @@ def _stands_alone(steps: Array, k: int, reach: int = 6) -> bool:
     return bool(around[-2] < steps[k] / 8.0)
 
 
-def current_spikes(channel: Channel) -> Finding | None:
+def current_spikes(channel: Channel) -> Fault | None:
     """A single sample at more than five times the range of all others: a corrupt number."""
     values = channel.values
     low, middle, high = np.quantile(values, (0.0025, 0.5, 0.9975))
@@ -183,7 +183,7 @@ def current_spikes(channel: Channel) -> Finding | None:
     alone = [k for k in far.tolist() if _excursion_alone(distance, k)]
     if not alone:
         return None
-    return Finding("spikes", alone[0], f"spikes to {values[alone[0]]:.4g} for one sample{_more(len(alone))}")
+    return Fault("spikes", alone[0], f"spikes to {values[alone[0]]:.4g} for one sample{_more(len(alone))}")
 
 
 def _excursion_alone(distance: Array, k: int) -> bool:
@@ -191,7 +191,7 @@ def _excursion_alone(distance: Array, k: int) -> bool:
     return bool(max(beside) < distance[k] / 5.0)
 
 
-def frozen(channel: Channel) -> Finding | None:
+def frozen(channel: Channel) -> Fault | None:
     """A position that stops dead within a sample, or restarts so, and repeats one value in between.
 
     Resting is no fault: a joint brakes before it rests. The change of speed where the value sticks must
@@ -216,14 +216,14 @@ def frozen(channel: Channel) -> Finding | None:
     if not stuck.size:
         return None
     row, count = int(first[stuck[0]]), int(lengths[long][stuck[0]])
-    return Finding(
+    return Fault(
         "frozen",
         row,
         f"is stuck at {values[row]:g} for {count} samples though the joint is moving{_more(stuck.size)}",
     )
 
 
-def saturated(channel: Channel) -> Finding | None:
+def saturated(channel: Channel) -> Fault | None:
     """A current clipped at its largest or smallest value.
 
     The extreme value is held for five samples or more on end, twice as long as other values are, and taken
@@ -248,7 +248,7 @@ def saturated(channel: Channel) -> Finding | None:
         if counts[0] >= 10 and counts[0] >= 5 * counts[1:5].max():
             row = int(starts[held][0])
             count = int(counts[0])
-            return Finding(
+            return Fault(
                 "saturated", row, f"is held at its extreme, {extreme:g}: {count} samples are clipped"
             )
     return None
@@ -277,7 +277,7 @@ def _more(count: int) -> str:
     return f" (and {count - 1} more)" if count > 1 else ""
 
 
-_Function = Callable[[Channel], Finding | None]
+_Function = Callable[[Channel], Fault | None]
 POSITION_CHECKS: Mapping[str, _Function] = MappingProxyType(
     {
         "constant": constant,

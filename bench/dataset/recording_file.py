@@ -12,10 +12,10 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording import Recording, Use, position_column
-from bench.dataset.recording_checks import Channel, Finding, find
+from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.recording_window import WHOLE, Window
 from bench.dataset.sampling import on_uniform_grid, time_fault
-from bench.files.table import Table, read_table, release_tables
+from bench.files.table import FileTable, read_table, release_tables
 
 
 def load_recordings(
@@ -51,7 +51,7 @@ def load_recordings(
 
 
 def recording_from_table(
-    table: Table,
+    table: FileTable,
     name: str,
     use: Use,
     payload: str | None,
@@ -86,7 +86,7 @@ def recording_from_table(
     return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
 
 
-def _check_columns(table: Table, needed: Sequence[str]) -> None:
+def _check_columns(table: FileTable, needed: Sequence[str]) -> None:
     there = [column for column in table.columns if column]
     missing = [column for column in needed if column not in there]
     if not missing:
@@ -102,7 +102,7 @@ def _listed(names: Sequence[str], most: int = 12) -> str:
 
 
 def _check_signals(
-    table: Table,
+    table: FileTable,
     columns: Sequence[str],
     time: np.ndarray,
     signals: np.ndarray,
@@ -110,7 +110,7 @@ def _check_signals(
     accepted: frozenset[str],
 ) -> None:
     step = float(np.median(np.diff(time)))
-    found: list[tuple[str, Finding]] = []
+    found: list[tuple[str, Fault]] = []
     for i, column in enumerate(columns):
         joint = joints[i % len(joints)]
         values = np.ascontiguousarray(signals[:, i])

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator
 
 from bench.basics.errors import BenchError
 from bench.dataset.sampling import FEWEST
-from bench.files.table import Table
+from bench.files.table import FileTable
 
 
 def _spans(value: Any) -> tuple[tuple[float, float], ...]:
@@ -46,7 +46,7 @@ class Window:
     used: tuple[tuple[float, float], ...] = ()
     left_out: tuple[tuple[float, float], ...] = ()
 
-    def parts(self, table: Table) -> list[Table]:
+    def parts(self, table: FileTable) -> list[FileTable]:
         """The rows that are used, each stretch without a cut by itself; the whole table where nothing is cut.
 
         Raises BenchError where a stretch has too few samples, or no sample is where one is named.
@@ -66,7 +66,7 @@ class Window:
                     )
         return [_part(table, *one) for one in self._stretches(time, first, last)]
 
-    def began(self, table: Table) -> float:
+    def began(self, table: FileTable) -> float:
         """When the log begins, s, whatever part of it is used."""
         return float(np.nanmin(table.stamps()))
 
@@ -91,7 +91,7 @@ class Window:
 WHOLE = Window()
 
 
-def _part(table: Table, start: float, end: float, chosen: npt.NDArray[np.bool_]) -> Table:
+def _part(table: FileTable, start: float, end: float, chosen: npt.NDArray[np.bool_]) -> FileTable:
     """The rows from the first to the last that is chosen (N,): what stands between them is checked, not left out."""
     rows = np.flatnonzero(chosen)
     if len(rows) < FEWEST:

@@ -43,7 +43,7 @@ NONE_BARRED: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True)
-class Case:
+class SplitProblem:
     """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit."""
 
     problem: Problem
@@ -53,7 +53,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Finding:
+class SearchResult:
     """What a search found. new: beyond what the starting model has; names: of their effects; fits: see `_fits`; barred:
     effects that may not be found, and why.
     """
@@ -82,7 +82,7 @@ def diagnose(problem: Problem, progress: Progress = SILENT) -> Diagnosis:
     return answered(case, found(case, progress), progress)
 
 
-def opened(problem: Problem, progress: Progress = SILENT) -> Case:
+def opened(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
     """Prepare a problem and fit the model as it is."""
     progress.phase("preparing the recordings")
     dataset, split = with_judged_parts(problem.dataset)
@@ -90,10 +90,10 @@ def opened(problem: Problem, progress: Progress = SILENT) -> Case:
     start = prepare(problem)
     progress.phase("fitting the model as it is")
     start = settled(start)
-    return Case(problem, split, start, fit(start))
+    return SplitProblem(problem, split, start, fit(start))
 
 
-def found(case: Case, progress: Progress = SILENT) -> Finding:
+def found(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
     """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
     for start in origins_of(case.start):
         origin = origin_of(start)
@@ -104,12 +104,12 @@ def found(case: Case, progress: Progress = SILENT) -> Finding:
 
 
 def found_from(
-    case: Case,
+    case: SplitProblem,
     origin: Origin,
     first: Round,
     progress: Progress = SILENT,
     barred: Mapping[str, str] = NONE_BARRED,
-) -> Finding:
+) -> SearchResult:
     """Search from a first round on until every found effect is possible and needed.
 
     barred: effects that may not be found, and why.
@@ -132,11 +132,11 @@ def found_from(
             ladder = _ladder(names, fits)
             out = superfluous_effect(ladder)
         if not out:
-            return Finding(origin, last, model, after, new, names, fits, ladder, superfluous, known)
+            return SearchResult(origin, last, model, after, new, names, fits, ladder, superfluous, known)
         known |= out
 
 
-def answered(case: Case, finding: Finding, progress: Progress = SILENT) -> Diagnosis:
+def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SILENT) -> Diagnosis:
     """What a search found, with a verdict on every effect."""
     progress.phase("judging every effect")
     dataset, start = case.problem.dataset, case.start

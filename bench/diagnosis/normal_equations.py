@@ -40,7 +40,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Products:
+class MotorProducts:
     """Inner products (n, C + 2, C + 2) of every motor's [columns, torque, error] over so many rows.
 
     torque and error: what the present model's solution needs, and leaves of the current. measured: sum of squares of
@@ -79,8 +79,8 @@ class System:
     candidates: tuple[Candidate, ...]
     base: int
     start: Solution
-    fitted: Products
-    checked: Products
+    fitted: MotorProducts
+    checked: MotorProducts
     memory: float
     priors: tuple[float, ...] = ()
     solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
@@ -152,7 +152,7 @@ def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
     return system.solved[key]
 
 
-def squared_errors(products: Products, fit: SetFit, start: Solution) -> np.ndarray:
+def squared_errors(products: MotorProducts, fit: SetFit, start: Solution) -> np.ndarray:
     """Sum of squares (n,) of every motor's current error with a set's solution."""
     return squares_of(inner_of(products, fit.columns), errors_by(fit.values, fit.gains, start.gains))
 
@@ -199,7 +199,7 @@ def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.nd
     return columns, values, gains
 
 
-def inner_of(products: Products, columns: np.ndarray) -> np.ndarray:
+def inner_of(products: MotorProducts, columns: np.ndarray) -> np.ndarray:
     """Inner products (n, k + 2, k + 2) of some columns (k,), torque and error."""
     size = products.inner.shape[1]
     picked = np.append(columns, [size - 2, size - 1])
@@ -268,7 +268,9 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
     return change, lengths * scales
 
 
-def _products(prepared: Prepared, blocks: Sequence[np.ndarray], change: np.ndarray, use: str) -> Products:
+def _products(
+    prepared: Prepared, blocks: Sequence[np.ndarray], change: np.ndarray, use: str
+) -> MotorProducts:
     """Of all recordings of a use, their columns combined by `change`."""
     size = change.shape[1] + 2
     inner = np.zeros((len(prepared.present.gains), size, size))
@@ -278,7 +280,7 @@ def _products(prepared: Prepared, blocks: Sequence[np.ndarray], change: np.ndarr
             inner[j] += changed.T @ changed
     seen = [one for one in prepared.observations if one.use == use]
     measured = sum(float(((one.current * one.moving) ** 2).sum()) for one in seen)
-    return Products(inner, sum(int(one.moving.sum()) for one in seen), measured)
+    return MotorProducts(inner, sum(int(one.moving.sum()) for one in seen), measured)
 
 
 def _errors(rows: np.ndarray, change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:

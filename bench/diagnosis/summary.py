@@ -25,7 +25,7 @@ REAL = 0.01  # of the current: what the best models leave of real machines, howe
 
 
 @dataclass(frozen=True)
-class Summary:
+class DiagnosisSummary:
     """What a diagnosis says, each kind of sentence by itself.
 
     verdict: what is missing; strange: what makes the answer or its names unsure; nominal: that the gains are only
@@ -66,7 +66,7 @@ def summary_sentences(diagnosis: Diagnosis) -> list[str]:
     return summary_of(diagnosis).sentences
 
 
-def summary_of(diagnosis: Diagnosis) -> Summary:
+def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
     """What is missing, what it changes, how sure that is, and what is left."""
     found = found_effects(diagnosis)
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
@@ -83,7 +83,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
             f"error clearly smaller than {in_percent(before)} of the current."
         )
         strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
-        return Summary(nothing, tuple(strange), "", (), "", needless, differs, left, laws)
+        return DiagnosisSummary(nothing, tuple(strange), "", (), "", needless, differs, left, laws)
     sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
     like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
@@ -100,7 +100,7 @@ def summary_of(diagnosis: Diagnosis) -> Summary:
     )
     undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
     moved = _largest_change(diagnosis) or ""
-    return Summary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
+    return DiagnosisSummary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:

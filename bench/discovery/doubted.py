@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from bench.diagnosis.diagnose import Finding
+from bench.diagnosis.diagnose import SearchResult
 from bench.diagnosis.result import EffectVerdict
 from bench.discovery.laws import Law
 from bench.identification.result import Identification
@@ -13,7 +13,7 @@ WHY = "; a law at the same motor explains far more, and this may make up for wha
 
 
 def doubted(
-    finding: Finding, laws: Sequence[Law], ranking: Sequence[EffectVerdict]
+    finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict]
 ) -> tuple[EffectVerdict, ...]:
     """The ranking with small effects at the motors of laws as what resembles something: they are not sure.
 
@@ -33,14 +33,14 @@ def doubted(
     )
 
 
-def _small(finding: Finding, effect: str, laws: Collection[str]) -> bool:
+def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
     """Whether an effect takes little away beside the laws."""
     found = frozenset(finding.names)
     own, by_laws = (_taken_away(finding, finding.fits(found.difference(out))) for out in ([effect], laws))
     return own < INEXACT**2 * by_laws
 
 
-def _taken_away(finding: Finding, without: Identification) -> float:
+def _taken_away(finding: SearchResult, without: Identification) -> float:
     """By how much the squared error of a model exceeds that of what was found."""
     return _error(without) ** 2 - _error(finding.after) ** 2
 

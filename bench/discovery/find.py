@@ -9,7 +9,7 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.diagnose import Case, Finding, answered, found, found_from, opened
+from bench.diagnosis.diagnose import SearchResult, SplitProblem, answered, found, found_from, opened
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
 from bench.diagnosis.rounds import judged
@@ -68,13 +68,13 @@ def something_left(left: Unexplained) -> bool:
 class _Answer:
     """What was found, the laws among it, and what is told of it."""
 
-    finding: Finding
+    finding: SearchResult
     laws: tuple[Law, ...]
     diagnosis: Diagnosis
 
 
 def _with_laws(
-    case: Case,
+    case: SplitProblem,
     plain: _Answer,
     searched: Laws,
     refined: Refined,
@@ -121,7 +121,7 @@ def _with_laws(
     return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
 
 
-def _with_one_for_several(case: Case, plain: _Answer, progress: Progress) -> _Answer:
+def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
     progress.phase("trying one law for several frictions")
     finding = plain.finding
@@ -132,7 +132,7 @@ def _with_one_for_several(case: Case, plain: _Answer, progress: Progress) -> _An
     return _with_laws(case, plain, Laws(finding.last, {}), single, progress, prior=prior, fewer=True)
 
 
-def _with_tables(case: Case, plain: _Answer, progress: Progress) -> _Answer:
+def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
     """The answer with functions as they were measured, where much is left that no formula fits.
 
     They compete with what was found alone: what the effects of the catalogue are worth has been judged before.
@@ -171,12 +171,12 @@ def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Propos
     ]
 
 
-def _better(finding: Finding, plain: Diagnosis, by: float = MATERIAL) -> bool:
+def _better(finding: SearchResult, plain: Diagnosis, by: float = MATERIAL) -> bool:
     error = finding.after.error.validate
     return error is not None and error < (1.0 - by) * plain.unexplained.error
 
 
-def _told(finding: Finding, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagnosis:
+def _told(finding: SearchResult, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagnosis:
     """The laws as what was discovered, and the catalogue's names as what is missing."""
     names = {law.name for law in laws}
     ranking = tuple(_without(one, names) for one in diagnosis.ranking if one.effect not in names)
@@ -194,7 +194,7 @@ def _told(finding: Finding, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagno
     )
 
 
-def _stays_at(finding: Finding, law: Law, place: Place) -> bool:
+def _stays_at(finding: SearchResult, law: Law, place: Place) -> bool:
     """Whether a law that stays has stayed at a place: it goes from those where it is nothing."""
     return place.name in finding.after.effect_parameters[law.name]
 
@@ -209,7 +209,7 @@ def _without(one: EffectVerdict, laws: set[str]) -> EffectVerdict:
     return replace(one, alternatives=left)
 
 
-def _discovered(finding: Finding, law: Law, i: int) -> Discovered:
+def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
     place = law.places[i]
     values = finding.after.effect_parameters[law.name][place.name]
     linear = [one for one in values if one.startswith("c")]
@@ -248,7 +248,7 @@ def _looks_at(term: Term, place: Place) -> tuple[LooksAt, ...]:
     )
 
 
-def _nearest(finding: Finding, law: str, without: float | None) -> tuple[str, float] | None:
+def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[str, float] | None:
     """The effect of the catalogue that does best in the place of a law, and the error with it."""
     system, proposals = finding.last.system, finding.last.proposals
     chosen = finding.last.found.best.fit.chosen

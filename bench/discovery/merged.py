@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
-from bench.diagnosis.diagnose import Finding
+from bench.diagnosis.diagnose import SearchResult
 from bench.diagnosis.rounds import error_of
 from bench.discovery.factors import Power
 from bench.discovery.grammar import V
@@ -17,7 +17,7 @@ EXPONENTS = (0.5, 1.5, 2.5)
 NAME = "power"
 
 
-def merged(finding: Finding) -> Refined | None:
+def merged(finding: SearchResult) -> Refined | None:
     """The found model with a power of the velocity for some of its frictions, if that has fewer unknowns and leaves as
     little; None where there is nothing to be saved, or it leaves more.
     """

@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from bench.diagnosis.diagnose import Finding
+from bench.diagnosis.diagnose import SearchResult
 from bench.diagnosis.search import NEEDED
 from bench.discovery.factors import Factor, Power
 from bench.discovery.grammar import TOOL, A, Q, T, V
@@ -27,7 +27,7 @@ TERMS = 2  # functions of a motor, added up
 TOLD = "What was measured, not a law: valid where the data were, and constant beyond."
 
 
-def tabled_laws(finding: Finding, taken: Collection[str]) -> list[Law]:
+def tabled_laws(finding: SearchResult, taken: Collection[str]) -> list[Law]:
     """A law without a formula for every motor at which much of what the found model leaves follows such a function.
 
     taken: names that laws cannot have.

@@ -30,7 +30,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Equations:
+class BodyEquations:
     """estimated (nz,) = sum of body.rows @ its parameters + rotors (nz, n) @ Ia.
 
     covariance (nz, nz); fixed (nz,): estimated parameters that are to be met exactly. rotor_prior (n,).
@@ -45,7 +45,7 @@ class Equations:
     prior: Prior
 
 
-def equations_of(identified: IdentifiedModel, use_cad: bool) -> Equations:
+def equations_of(identified: IdentifiedModel, use_cad: bool) -> BodyEquations:
     """The equations of a model. use_cad: draw towards the masses of the MJCF, not towards bars."""
     geometry, base = identified.model.geometry, identified.model.base
     std = np.sqrt(np.maximum(np.diag(identified.covariance), 0.0))[: len(identified.base)]
@@ -70,7 +70,7 @@ def equations_of(identified: IdentifiedModel, use_cad: bool) -> Equations:
         place += len(values)
     rotors = np.zeros((nz, len(geometry.active)))
     rotors[:nb] = base.rotors
-    return Equations(
+    return BodyEquations(
         estimated=identified.estimated,
         covariance=identified.covariance[:nz, :nz],
         fixed=identified.fixed,

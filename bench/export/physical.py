@@ -15,7 +15,7 @@ import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.basics.errors import BenchError
-from bench.export.bodies import Equations, equations_of
+from bench.export.bodies import BodyEquations, equations_of
 from bench.export.identified import IdentifiedModel
 from bench.export.programs import Programs
 from bench.export.pseudo_inertia import pseudo_inertia
@@ -115,7 +115,7 @@ def explained_by_noise(freedom: int) -> float:
 
 
 def contradiction_of(
-    equations: Equations, programs: Programs, distance: float, freedom: int
+    equations: BodyEquations, programs: Programs, distance: float, freedom: int
 ) -> Contradiction | None:
     """What is to be said where noise does not explain the distance of the nearest real bodies."""
     expected = explained_by_noise(freedom)

@@ -28,7 +28,7 @@ class JointTerms:
 
 
 @dataclass(frozen=True)
-class Left:
+class NotPlaced:
     """An effect that the file does not hold, and why."""
 
     effect: EffectValues
@@ -40,7 +40,7 @@ class Placed:
     """joints: by name, every one with a motor or with an effect; left: what they cannot hold; gravity (3,) m/s2."""
 
     joints: Mapping[str, JointTerms]
-    left: tuple[Left, ...]
+    left: tuple[NotPlaced, ...]
     gravity: np.ndarray
 
 
@@ -62,12 +62,14 @@ def placed_effects(physical: PhysicalSet, log: str = "") -> Placed:
             if still_determined(model, turned):
                 gravity = turned
             else:
-                left.append(Left(effect, "tilted gravity would move masses of which the data say nothing"))
+                left.append(
+                    NotPlaced(effect, "tilted gravity would move masses of which the data say nothing")
+                )
             continue
         terms = joints.setdefault(effect.place, JointTerms()) if effect.name in RULES else None
         why = NO_PLACE if terms is None else RULES[effect.name](effect.values, terms)
         if why:
-            left.append(Left(effect, why))
+            left.append(NotPlaced(effect, why))
     return Placed(joints, tuple(left), gravity)
 
 
@@ -130,7 +132,7 @@ RULES: dict[str, Rule] = {
 """Sorted by name of the effect."""
 
 
-def left_lines(left: Iterable[Left]) -> list[str]:
+def left_lines(left: Iterable[NotPlaced]) -> list[str]:
     """What is left, a line each, with its values."""
     lines = []
     for one in left:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from bench.basics.errors import BenchError
-from bench.export.bodies import Equations
+from bench.export.bodies import BodyEquations
 from bench.export.pseudo_inertia import from_scaled, pseudo_inertia
 
 LEAST = 1e-4  # of the prior: what every body has of it at least
@@ -44,7 +44,7 @@ class Nearest:
 class Programs:
     """The programs of one set of equations."""
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, equations: BodyEquations) -> None:
         self.equations = equations
         roots = [np.linalg.cholesky(pseudo_inertia(body.prior)) for body in equations.bodies]
         self._columns = [from_scaled(root) for root in roots]  # (10, 16) each

@@ -29,7 +29,7 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class FileTable:
     """The columns of one file, or of a part of it.
 
     `text` is the CSV it came from, None for other files; `first_row` is the file's row (0 is the first) that the
@@ -115,7 +115,7 @@ def _is_numeric(kind: pa.DataType) -> bool:
     return any(test(kind) for test in tests)
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> FileTable:
     """The table in the file `path`, CSV or Parquet by its suffix.
 
     Errors: BenchError in one line: missing, empty, truncated, not what the suffix says, no header, no rows,
@@ -133,7 +133,7 @@ def read_table(path: Path) -> Table:
         raise BenchError(f"{path}: cannot be read: {error.strerror or one_line(error)}") from error
 
 
-def _checked(table: Table) -> Table:
+def _checked(table: FileTable) -> FileTable:
     path = table.path
     for name, count in Counter(table.columns).items():
         if name and count > 1:
@@ -148,7 +148,7 @@ def release_tables() -> None:
     pa.default_memory_pool().release_unused()
 
 
-def table_of(text: CsvText) -> Table:
+def table_of(text: CsvText) -> FileTable:
     """The table that a text holds.
 
     Errors: BenchError in one line: no rows, a column twice, a line with too few or too many values.
@@ -162,14 +162,14 @@ def table_of(text: CsvText) -> Table:
         "convert_options": pacsv.ConvertOptions(decimal_point="," if text.decimal_comma else "."),
     }
     try:
-        return _checked(Table(path, pacsv.read_csv(io.BytesIO(body), **options), text))
+        return _checked(FileTable(path, pacsv.read_csv(io.BytesIO(body), **options), text))
     except pa.ArrowInvalid as error:
         raise BenchError(f"{path}: {text.ragged() or one_line(error)}") from error
 
 
-def _read_parquet(path: Path) -> Table:
+def _read_parquet(path: Path) -> FileTable:
     try:
-        table = Table(path, pq.ParquetFile(path).read(), None)
+        table = FileTable(path, pq.ParquetFile(path).read(), None)
         _ = table.columns  # names of a broken file may be no text
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise BenchError(f"{path}: is not a whole Parquet file: {one_line(error)}") from error

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.controller import Controller, references
+from bench.dataset.controller import ControlLaw, references
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, squared_errors
 from bench.identification.filtered import Measured
@@ -97,7 +97,7 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
     return np.concatenate(found)
 
 
-def law_terms(law: Controller, measured: Measured, joints: Sequence[str]) -> np.ndarray:
+def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.ndarray:
     """What the law makes of a recording's references and positions (N, n, 3), filtered alike, at its own rate."""
     recording = measured.recording
     wanted = estimate_motion(references(recording, joints), recording.rate, measured.settings)

@@ -12,7 +12,7 @@ COLLINEAR = 1e-12  # of the largest singular value of inner products of unit col
 
 
 @dataclass(frozen=True)
-class Products:
+class RegressionProducts:
     """Of columns of which only what is left beside others counts: inner products (k, k), those with what is to be
     explained (k,), and the lengths (k,) of the whole columns.
     """
@@ -59,7 +59,7 @@ class PartialRegression:
     weights: np.ndarray
     moving: np.ndarray
 
-    def products(self, columns: np.ndarray) -> Products:
+    def products(self, columns: np.ndarray) -> RegressionProducts:
         """Inner products of further columns (M, n, k), weighted, without what the basis explains of them."""
         k = columns.shape[2]
         whole, across, towards = np.zeros((k, k)), np.zeros((len(self.basis), k)), np.zeros(k)
@@ -69,7 +69,7 @@ class PartialRegression:
             across += self.columns[j].T @ rows
             towards -= self.remainder[:, j] @ rows
         within = self.basis.T @ across
-        return Products(whole - within.T @ within, towards, np.sqrt(np.diag(whole)))
+        return RegressionProducts(whole - within.T @ within, towards, np.sqrt(np.diag(whole)))
 
     def explained(self, columns: np.ndarray) -> tuple[np.ndarray, float]:
         """Least-squares coefficients (k,) of further columns, and the sum of squares that they explain."""

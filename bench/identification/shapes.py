@@ -9,7 +9,7 @@ from bench.effects import Bracket, EffectInstance, JointSamples, ShapeParameter
 from bench.identification.bounded import minimum_between
 from bench.identification.joint_samples import joint_samples
 from bench.identification.newton import NEARBY, within_reach
-from bench.identification.partial_regression import PartialRegression, Products
+from bench.identification.partial_regression import PartialRegression, RegressionProducts
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import candidate_columns, reshaped
 
@@ -110,6 +110,6 @@ def _between_nodes(
         weights = near.astype(float) if near.any() else signs / off
         weights /= weights.sum()
         normal = np.einsum("a,aibj,b->ij", weights, inner, weights)
-        return -Products(normal, weights @ towards, np.abs(weights) @ lengths).explained()[1]
+        return -RegressionProducts(normal, weights @ towards, np.abs(weights) @ lengths).explained()[1]
 
     return unexplained

@@ -15,7 +15,7 @@ from bench.dataset.sampling import time_fault
 from bench.files.table import HUGE
 from bench.logs.columns import GROUPS
 from bench.logs.importing import CURES
-from bench.logs.log_file import Log, Reading, read_log
+from bench.logs.log_file import LogFile, Reading, read_log
 from bench.logs.units import UNITS, factor_of
 
 GAP = "a gap of "
@@ -69,7 +69,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
 
 
 def _read(
-    log: Log, robot: Robot, target: str, source: str, unit: str | float | None
+    log: LogFile, robot: Robot, target: str, source: str, unit: str | float | None
 ) -> tuple[np.ndarray, list[dict[str, Any]]]:
     """The values of a column in SI, and why there are none."""
     try:
@@ -87,7 +87,7 @@ def _read(
     return values, []
 
 
-def _factor(log: Log, robot: Robot, target: str, source: str, unit: str | float | None) -> float:
+def _factor(log: LogFile, robot: Robot, target: str, source: str, unit: str | float | None) -> float:
     if unit is None:
         stated = log.units.get(source)
         return 1.0 if stated is None else factor_of(f"{source!r}", stated, target, robot) or 1.0
@@ -97,7 +97,7 @@ def _factor(log: Log, robot: Robot, target: str, source: str, unit: str | float 
 
 
 def _judged(
-    log: Log, target: str, values: np.ndarray, step: float, joint: JointFacts, accept: Sequence[str]
+    log: LogFile, target: str, values: np.ndarray, step: float, joint: JointFacts, accept: Sequence[str]
 ) -> list[dict[str, Any]]:
     position = target.startswith("position.")
     channel = Channel(np.ascontiguousarray(values), step, joint if position else None)
@@ -107,7 +107,7 @@ def _judged(
     return [_problem(log, target, one.what, one.row, one.check) for one in findings]
 
 
-def _problem(log: Log, target: str, what: str, row: int | None, check: str | None) -> dict[str, Any]:
+def _problem(log: LogFile, target: str, what: str, row: int | None, check: str | None) -> dict[str, Any]:
     where = ""
     if row is not None:
         where = log.table.row_name(row) if log.table is not None else f"row {row}"

@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.dataset.robot import Robot
 from bench.logs.columns import GROUPS
-from bench.logs.log_file import Log, Reading, read_log
+from bench.logs.log_file import LogFile, Reading, read_log
 from bench.logs.ros_bag import is_bag, joint_topics
 from bench.logs.units import UNITS, measured_by, unit_named
 
@@ -36,7 +36,7 @@ def look_at(path: str, robot: Robot, topic: str | None = None) -> dict[str, Any]
     return {**columns_of(read_log(path, Reading(topic=topic)), robot), "topics": topics}
 
 
-def columns_of(log: Log, robot: Robot) -> dict[str, Any]:
+def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
     """Every column with its small picture; for those that a recording needs, which they may be, and in which units.
 
     stated: the unit that the log itself gives, which an import takes unless it is told another. units: the first is SI.

@@ -23,7 +23,7 @@ NAME = re.compile(r"[\w][\w .()+=,-]{0,119}")
 
 
 @dataclass(frozen=True)
-class Found:
+class FolderEntry:
     """What lies in the folder, as paths relative to it, with slashes.
 
     robots: what a command takes -> its words; runs: folders of results; models: model files beside them.
@@ -92,9 +92,9 @@ class Folder:
             raise BenchError(f"{name}: no robot folder: it holds no {ROBOT_FILE}")
         return self.word(path)
 
-    def look(self) -> Found:
+    def look(self) -> FolderEntry:
         """Walk through the folder, symbolic links and hidden names aside."""
-        found = Found(robots={name: name for name in built_in_robots()})
+        found = FolderEntry(robots={name: name for name in built_in_robots()})
         found.robots.update({str(path): f"{path.name} ({path})" for path in self.robots})
         runs: list[tuple[float, str]] = []
         count = 0

@@ -23,7 +23,7 @@ from bench.model.geometry import read_geometry
 from bench.page.folder import RUN_FILE, read_json
 from bench.page.model_errors import shown
 from bench.page.section_errors import currents_section
-from bench.page.section_run import Run
+from bench.page.section_run import CommandRun
 
 
 def columns(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
@@ -142,6 +142,6 @@ def _line(path: Path, run: Any) -> str:
     """The command of a result. Raises BenchError where it is not told."""
     try:
         known = {**run, "effects": tuple(run["effects"]), "effect_files": tuple(run["effect_files"])}
-        return Run(**known).line()
+        return CommandRun(**known).line()
     except (TypeError, KeyError) as error:
         raise BenchError(f"{path / RUN_FILE}: does not name its command") from error

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from bench.basics.errors import BenchError, meant
 from bench.dataset.robot import Robot
-from bench.logs.log_file import Log
+from bench.logs.log_file import LogFile
 from bench.logs.units import UNITS, factor_of, measured_by
 
 Array = npt.NDArray[np.float64]
@@ -45,7 +45,7 @@ class Columns:
     notes: tuple[str, ...]
 
 
-def columns_of(file: Path, log: Log, robot: Robot, log_map: LogMap) -> Columns:
+def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Columns:
     """The columns that a robot's recording gets from a log.
 
     Raises BenchError for a joint, a name or a unit that does not exist, and for vectors of different length.
@@ -97,7 +97,7 @@ def _fits(unit: str, column: str, robot: Robot) -> bool:
 
 
 def _stated_factors(
-    file: Path, log: Log, robot: Robot, sources: Mapping[str, str], given: Mapping[str, float]
+    file: Path, log: LogFile, robot: Robot, sources: Mapping[str, str], given: Mapping[str, float]
 ) -> dict[str, tuple[float, str]]:
     """Factor and unit by column, of those whose unit the log states and nobody gave."""
     found: dict[str, tuple[float, str]] = {}
@@ -111,7 +111,7 @@ def _stated_factors(
 
 
 def _sources(
-    file: Path, log: Log, robot: Robot, log_map: LogMap, given: Mapping[str, float]
+    file: Path, log: LogFile, robot: Robot, log_map: LogMap, given: Mapping[str, float]
 ) -> dict[str, str]:
     """Column -> its name in the log, for all that the recording gets."""
     needed = [f"{kind}.{joint}" for kind in GROUPS for joint in robot.driven]
@@ -146,7 +146,7 @@ def _check_targets(
             raise BenchError(f"{file}: {target!r} has a scale but nothing is mapped to it")
 
 
-def _inventory(log: Log, most: int = 30) -> str:
+def _inventory(log: LogFile, most: int = 30) -> str:
     names = [f"{name} ({values.size})" for name, values in log.vectors.items()]
     names += [f"{name} (with text)" for name in log.texts]
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -18,10 +18,10 @@ from bench.dataset.recording_checks import Check
 from bench.dataset.recording_file import recording_from_table
 from bench.dataset.robot import Robot, load_robot
 from bench.files.atomic import write_text_atomically
-from bench.files.table import Table
+from bench.files.table import FileTable
 from bench.logs.columns import LogMap, columns_of
 from bench.logs.log_file import AS_FOUND, Reading, read_log
-from bench.logs.segments import UNCUT, Cutting, Part, cut
+from bench.logs.segments import UNCUT, Cutting, Segment, cut
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def import_logs(
     folder = Path(folder)
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
     joints = joint_facts(loaded)
-    parts: list[Part] = []
+    parts: list[Segment] = []
     entries: list[RecordingEntry] = []
     notes: list[tuple[Path, str]] = []
     for request in requests:
@@ -91,7 +91,7 @@ def import_logs(
 
 def _parts(
     robot: Robot, request: LogRequest, joints: Sequence[JointFacts]
-) -> tuple[list[Part], tuple[str, ...]]:
+) -> tuple[list[Segment], tuple[str, ...]]:
     """The recordings of one log, checked, and what was assumed."""
     file = request.file
     log = read_log(file, request.reading)
@@ -100,7 +100,7 @@ def _parts(
     parts, cuts = cut(file, columns.values, request.use, name, request.cutting)
     for part in parts:
         try:
-            table = Table(file, part.table, log.lines, part.first_row, columns.sources)
+            table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
             recording_from_table(table, part.name, part.use, request.payload, joints, request.accept)
         except BenchError as error:
             raise BenchError(_with_cure(str(error))) from error
@@ -138,7 +138,7 @@ def _with_cure(message: str) -> str:
     return found if cure is None else f"{found}; add {cure}"
 
 
-def _write(folder: Path, text: str, parts: Sequence[Part]) -> None:
+def _write(folder: Path, text: str, parts: Sequence[Segment]) -> None:
     """All files, or none when something goes wrong on the way."""
     written: list[Path] = []
     try:

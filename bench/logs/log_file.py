@@ -20,7 +20,7 @@ from scipy.io.matlab import MatReadError
 
 from bench.basics.errors import BenchError
 from bench.files.csv_text import CsvText
-from bench.files.table import Table, read_table, table_of
+from bench.files.table import FileTable, read_table, table_of
 from bench.files.toml_input import one_line
 from bench.logs.ros_bag import SUFFIXES as BAGS
 from bench.logs.ros_bag import is_bag, read_bag
@@ -30,7 +30,7 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Log:
+class LogFile:
     """What a log holds: `vectors` of numbers by name, and the `table` they are from, None for other files.
 
     units: those that the log states, by name; notes: how it was read, in words.
@@ -38,7 +38,7 @@ class Log:
 
     path: Path
     vectors: Mapping[str, Array]
-    table: Table | None = None
+    table: FileTable | None = None
     units: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
@@ -75,7 +75,7 @@ AS_FOUND = Reading()
 TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
 
 
-def read_log(path: str | Path, reading: Reading = AS_FOUND) -> Log:
+def read_log(path: str | Path, reading: Reading = AS_FOUND) -> LogFile:
     """Every vector of numbers in the file, by name; a scalar is a vector of length 1.
 
     Errors: BenchError in one line when the file is missing, broken, of an unknown kind or without numbers.
@@ -96,14 +96,14 @@ def read_log(path: str | Path, reading: Reading = AS_FOUND) -> Log:
         raise BenchError(f"{path}: no such file")
     if bag:
         vectors, notes = read_bag(path, reading.topic)
-        return Log(path, vectors, notes=notes)
+        return LogFile(path, vectors, notes=notes)
     log = readers[suffix](path) if suffix in readers else _read_text(path, reading)
     if not log.vectors and not log.texts:
         raise BenchError(f"{path}: holds no numbers")
     return log
 
 
-def _read_text(path: Path, reading: Reading) -> Log:
+def _read_text(path: Path, reading: Reading) -> LogFile:
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -114,16 +114,16 @@ def _read_text(path: Path, reading: Reading) -> Log:
     return replace(_log_of(table_of(found.text)), units=found.units, notes=found.notes)
 
 
-def _read_parquet(path: Path) -> Log:
+def _read_parquet(path: Path) -> LogFile:
     return _log_of(read_table(path))
 
 
-def _log_of(table: Table) -> Log:
+def _log_of(table: FileTable) -> LogFile:
     plain = [column for column in table.columns if column and table.is_plain(column)]
-    return Log(table.path, {column: table.numbers(column) for column in plain}, table)
+    return LogFile(table.path, {column: table.numbers(column) for column in plain}, table)
 
 
-def _read_mat(path: Path) -> Log:
+def _read_mat(path: Path) -> LogFile:
     try:
         content = loadmat(path, squeeze_me=False, struct_as_record=True)
     except NotImplementedError as error:
@@ -131,10 +131,12 @@ def _read_mat(path: Path) -> Log:
     except (MatReadError, zlib.error, ValueError, TypeError, OSError, LookupError) as error:
         raise BenchError(f"{path}: is not a whole MATLAB file: {one_line(error)}") from error
     named = {name: value for name, value in content.items() if not name.startswith("__")}
-    return Log(path, {name: vector for key, value in named.items() for name, vector in _vectors(key, value)})
+    return LogFile(
+        path, {name: vector for key, value in named.items() for name, vector in _vectors(key, value)}
+    )
 
 
-def _read_npz(path: Path) -> Log:
+def _read_npz(path: Path) -> LogFile:
     if not zipfile.is_zipfile(path):
         raise BenchError(f"{path}: is not a whole NumPy archive")
     found: dict[str, Array] = {}
@@ -147,7 +149,7 @@ def _read_npz(path: Path) -> Log:
                     continue
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, KeyError) as error:
         raise BenchError(f"{path}: is not a whole NumPy archive: {one_line(error)}") from error
-    return Log(path, found)
+    return LogFile(path, found)
 
 
 def _vectors(name: str, value: Any) -> Iterator[tuple[str, Array]]:

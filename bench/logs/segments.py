@@ -21,7 +21,7 @@ SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters tak
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class Segment:
     """A recording to write: its file's name, its columns, the log's row (0 is the first) that it begins with."""
 
     name: str
@@ -50,7 +50,7 @@ UNCUT = Cutting()
 
 def cut(
     file: Path, columns: Mapping[str, Array], use: Use, name: str, cutting: Cutting
-) -> tuple[list[Part], tuple[str, ...]]:
+) -> tuple[list[Segment], tuple[str, ...]]:
     """The recordings of a log, in their order, and what was cut and dropped, in words.
 
     Raises BenchError for a name that is no recording's, a fraction that cannot be, and where no piece is left.
@@ -79,7 +79,7 @@ def cut(
         part_use: Use = "validate" if use == "validate" or first >= apart else "identify"
         kept_apart = "-validate" if part_use != use else ""
         values = {key: one[first:end] for key, one in columns.items()}
-        parts.append(Part(f"{path.stem}{number}{kept_apart}{path.suffix}", part_use, values, first))
+        parts.append(Segment(f"{path.stem}{number}{kept_apart}{path.suffix}", part_use, values, first))
     return parts, notes
 
 

@@ -16,7 +16,7 @@ WITHIN = 2.0  # stated deviations: what an estimate may be off beside the refere
 Share = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 
-class Known(UserTable):
+class KnownValue(UserTable):
     """[[machines.NAME.known]]: values of one quantity; the file's first lines say what the keys mean."""
 
     of: str
@@ -49,7 +49,7 @@ class MachineTable(UserTable):
     error_goal: Share | None = None
     effects: tuple[str, ...]
     diagnose_with: tuple[tuple[str, ...], ...] = ((),)
-    known: tuple[Known, ...]
+    known: tuple[KnownValue, ...]
 
 
 class _KnownFile(UserTable):
@@ -57,7 +57,7 @@ class _KnownFile(UserTable):
 
 
 @dataclass(frozen=True)
-class Compared:
+class AgainstKnown:
     """An estimate beside what is known of it: value and std None where the model has no such quantity or no deviation.
 
     uncertainty: of the reference, goal: of the estimate, both relative to `known`. fixed: the value was given, not
@@ -111,7 +111,7 @@ def known_machines() -> Mapping[str, MachineTable]:
     return read_toml(Path(__file__).with_name("known.toml"), _KnownFile).machines
 
 
-def compared(model: Mapping[str, Any], known: tuple[Known, ...]) -> tuple[Compared, ...]:
+def compared(model: Mapping[str, Any], known: tuple[KnownValue, ...]) -> tuple[AgainstKnown, ...]:
     """All drive gains, and everything else that is known, side by side; model: a model as JSON holds it."""
     rows = [_row(model, one, place) for one in known for place in one.values]
     told = {row.place for row in rows if row.quantity == DRIVE_GAIN}
@@ -119,12 +119,12 @@ def compared(model: Mapping[str, Any], known: tuple[Known, ...]) -> tuple[Compar
     return (*others, *rows)
 
 
-def _gain(model: Mapping[str, Any], joint: str, known: Known | None) -> Compared:
+def _gain(model: Mapping[str, Any], joint: str, known: KnownValue | None) -> AgainstKnown:
     gain = model["drive_gains"].get(joint)
     return _beside(DRIVE_GAIN, joint, gain, known, fixed=not model["gains_fitted"])
 
 
-def _row(model: Mapping[str, Any], known: Known, place: str) -> Compared:
+def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnown:
     if known.of == DRIVE_GAIN:
         return _gain(model, place, known)
     if known.of == PARAMETER:
@@ -133,7 +133,7 @@ def _row(model: Mapping[str, Any], known: Known, place: str) -> Compared:
     return _beside(f"{known.of} {known.parameter}", place, _felt(model, known, place), known)
 
 
-def _felt(model: Mapping[str, Any], known: Known, place: str) -> Mapping[str, Any] | None:
+def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[str, Any] | None:
     """An effect's parameter, or the sum over motors that is felt at a joint, its deviations taken as independent."""
     by_place = model["effect_parameters"].get(known.of, {})
     factors = known.felt.get(place, {place: 1.0})
@@ -149,10 +149,15 @@ def _felt(model: Mapping[str, Any], known: Known, place: str) -> Mapping[str, An
 
 
 def _beside(
-    quantity: str, place: str, found: Mapping[str, Any] | None, known: Known | None, *, fixed: bool = False
-) -> Compared:
+    quantity: str,
+    place: str,
+    found: Mapping[str, Any] | None,
+    known: KnownValue | None,
+    *,
+    fixed: bool = False,
+) -> AgainstKnown:
     estimate = found or {"value": None, "std": None, "unit": ""}
-    return Compared(
+    return AgainstKnown(
         quantity,
         place,
         estimate["unit"],

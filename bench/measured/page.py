@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from bench.measured.known import WITHIN, MachineTable
-from bench.measured.run import Record, Run
+from bench.measured.run import MachineRun, Record
 from bench.measured.tables import (
     EXPLANATION,
     NO,
@@ -17,7 +17,19 @@ from bench.measured.tables import (
     sources,
     value_rows,
 )
-from bench.page.parts import Cell, Column, Commands, Figure, Items, Page, Part, Row, Section, Table, Tile
+from bench.page.parts import (
+    Cell,
+    Commands,
+    Figure,
+    Items,
+    Page,
+    PageColumn,
+    PageRow,
+    PageTable,
+    Part,
+    Section,
+    Tile,
+)
 from bench.page.parts import one_figure as figure_of
 from bench.page.section_run import versions_of
 from bench.page.sweep_page import footer, generator
@@ -81,9 +93,9 @@ def _tiles(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> t
 
 
 def _commands_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
-    columns = tuple(Column(head, RUN_KINDS.get(head, "right")) for head in RUN_HEADS)
+    columns = tuple(PageColumn(head, RUN_KINDS.get(head, "right")) for head in RUN_HEADS)
     rows = tuple(_row(cells) for one in records for cells in run_rows(one, machines[one.name]))
-    table = Table("Commands", "", columns, rows)
+    table = PageTable("Commands", "", columns, rows)
     return Section("commands", "What the commands gave", EXPLANATION, (table,), "Commands")
 
 
@@ -95,10 +107,10 @@ def _machine_section(record: Record, machine: MachineTable) -> Section:
             parts.append(Items(title, "", (run.failed,)))
             continue
         columns = tuple(
-            Column(head, "right" if head in ("value ± std", "known", "off by", "goal") else "keep")
+            PageColumn(head, "right" if head in ("value ± std", "known", "off by", "goal") else "keep")
             for head in VALUE_HEADS
         )
-        parts.append(Table(title, "", columns, tuple(map(_row, value_rows(run)))))
+        parts.append(PageTable(title, "", columns, tuple(map(_row, value_rows(run)))))
         if run.said:
             parts.append(Items("What it says", "", tuple(map(typeset, run.said)), folded=not run.diagnosis))
     parts.append(Items("What is known, and from where", "", tuple(map(typeset, sources(machine)))))
@@ -128,7 +140,7 @@ def _figure(record: Record) -> list[Figure]:
     return [figure_of("Estimates beside what is known", aid, spec)]
 
 
-def _intervals(run: Run, names: Sequence[tuple[str, str]], role: str, shift: float) -> dict[str, Any]:
+def _intervals(run: MachineRun, names: Sequence[tuple[str, str]], role: str, shift: float) -> dict[str, Any]:
     found = {(quantity_name(one), one.place): one for one in run.rows}
     rows = [found.get(name) for name in names]
     centre = np.array([np.nan if one is None or one.off is None else one.off for one in rows])
@@ -145,8 +157,8 @@ def _intervals(run: Run, names: Sequence[tuple[str, str]], role: str, shift: flo
     }
 
 
-def _row(cells: Sequence[str]) -> Row:
-    return Row(tuple(Cell(typeset(text), "poor" if text.split(" ")[-1] == NO else "") for text in cells))
+def _row(cells: Sequence[str]) -> PageRow:
+    return PageRow(tuple(Cell(typeset(text), "poor" if text.split(" ")[-1] == NO else "") for text in cells))
 
 
 def _again_section(records: Sequence[Record], again: str) -> Section:

@@ -15,14 +15,14 @@ from pydantic import TypeAdapter, ValidationError
 from bench.basics.errors import BenchError
 from bench.files.atomic import write_text_atomically
 from bench.files.toml_input import first_mistake
-from bench.measured.known import Compared, MachineTable, compared
+from bench.measured.known import AgainstKnown, MachineTable, compared
 from bench.studies.sweep.versions import versions
 
 SUFFIX = ".json"
 
 
 @dataclass(frozen=True)
-class Named:
+class NamedEffects:
     """An effect that a diagnosis found: its verdict, where it shows, what it could be instead."""
 
     effect: str
@@ -32,7 +32,7 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Step:
+class MachineStep:
     """A step of the ladder: the effects of the model, and its errors."""
 
     effects: tuple[str, ...]
@@ -41,7 +41,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Run:
+class MachineRun:
     """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
 
     judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor:
@@ -54,10 +54,10 @@ class Run:
     error_identify: float | None = None
     error_validate: float | None = None
     judged: str = "recordings that were not fitted"
-    rows: tuple[Compared, ...] = ()
+    rows: tuple[AgainstKnown, ...] = ()
     said: tuple[str, ...] = ()
-    found: tuple[Named, ...] = ()
-    ladder: tuple[Step, ...] = ()
+    found: tuple[NamedEffects, ...] = ()
+    ladder: tuple[MachineStep, ...] = ()
     noise_floor: float | None = None
     failed: str = ""
 
@@ -72,7 +72,7 @@ class Record:
     """All runs on the logs of one machine, and the program that made them."""
 
     name: str
-    runs: tuple[Run, ...]
+    runs: tuple[MachineRun, ...]
     program: dict[str, str]
 
 
@@ -88,7 +88,7 @@ def measured(name: str, dataset: Path, table: MachineTable, told: Callable[[str]
     return Record(name, tuple(runs), versions().columns())
 
 
-def _run(command: str, dataset: Path, given: Sequence[str], line: str, table: MachineTable) -> Run:
+def _run(command: str, dataset: Path, given: Sequence[str], line: str, table: MachineTable) -> MachineRun:
     with TemporaryDirectory() as folder:
         answer = Path(folder) / "answer.json"
         words = [sys.executable, "-m", "bench", command, str(dataset), *given, "--json", str(answer)]
@@ -97,7 +97,7 @@ def _run(command: str, dataset: Path, given: Sequence[str], line: str, table: Ma
         seconds = float(f"{_processor_seconds() - before:.3g}")
         if done.returncode != 0:
             said = [text for text in done.stderr.splitlines() if text.strip()]
-            return Run(line, seconds, failed=said[-1] if said else f"exit code {done.returncode}")
+            return MachineRun(line, seconds, failed=said[-1] if said else f"exit code {done.returncode}")
         content = json.loads(answer.read_text(encoding="utf-8"))
     if command == "identify":
         return _identified(line, seconds, content, table)
@@ -110,9 +110,9 @@ def _processor_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _identified(line: str, seconds: float, model: dict[str, Any], table: MachineTable) -> Run:
+def _identified(line: str, seconds: float, model: dict[str, Any], table: MachineTable) -> MachineRun:
     error = model["error"]
-    return Run(
+    return MachineRun(
         line,
         seconds,
         tuple(model["effects"]),
@@ -123,13 +123,13 @@ def _identified(line: str, seconds: float, model: dict[str, Any], table: Machine
     )
 
 
-def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: MachineTable) -> Run:
+def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: MachineTable) -> MachineRun:
     ranking = {one["effect"]: one for one in answer["ranking"]}
     ladder = tuple(
-        Step(tuple(one["effects"]), one["error"]["identify"], one["error"]["validate"])
+        MachineStep(tuple(one["effects"]), one["error"]["identify"], one["error"]["validate"])
         for one in answer["ladder"]
     )
-    return Run(
+    return MachineRun(
         line,
         seconds,
         tuple(answer["after"]["effects"]),
@@ -139,7 +139,7 @@ def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: Machine
         rows=compared(answer["after"], table.known),
         said=tuple(answer["summary"]),
         found=tuple(
-            Named(
+            NamedEffects(
                 name,
                 ranking[name]["verdict"],
                 tuple(ranking[name]["actuators"]),

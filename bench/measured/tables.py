@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from bench.document.numbers import percent, pretty_unit, value_and_deviation
 from bench.effects.display_names import spoken
-from bench.measured.known import DRIVE_GAIN, PARAMETER, WITHIN, Compared, MachineTable
-from bench.measured.run import Named, Record, Run
+from bench.measured.known import DRIVE_GAIN, PARAMETER, WITHIN, AgainstKnown, MachineTable
+from bench.measured.run import MachineRun, NamedEffects, Record
 
 _WORDS = {DRIVE_GAIN: "drive gain", PARAMETER: "base parameter"}
 MOST_OTHERS = 3  # alternatives that are named one by one
@@ -47,7 +47,7 @@ def run_rows(record: Record, table: MachineTable) -> Iterator[tuple[str, ...]]:
         )
 
 
-def error_goal(run: Run, table: MachineTable) -> str:
+def error_goal(run: MachineRun, table: MachineTable) -> str:
     """The goal of the fitted error, and whether it is reached."""
     if table.error_goal is None or run.error_identify is None:
         return NONE
@@ -61,14 +61,14 @@ def counted(answers: Sequence[bool | None]) -> str:
     return f"{sum(known)} of {len(known)}" if known else NONE
 
 
-def said_missing(run: Run) -> str:
+def said_missing(run: MachineRun) -> str:
     """The effects that a diagnosis found, strongest first."""
     if not run.diagnosis:
         return NONE
     return "; ".join(map(named, run.found)) if run.found else "nothing"
 
 
-def named(one: Named) -> str:
+def named(one: NamedEffects) -> str:
     """An effect with its places, its verdict unless it is plainly missing, and what it could be instead."""
     places = f" at {', '.join(one.places)}" if one.places else ""
     verdict = "" if one.verdict == "missing" else f" ({one.verdict})"
@@ -79,7 +79,7 @@ def named(one: Named) -> str:
     return f"{spoken(one.effect)}{places}{instead}{verdict}"
 
 
-def value_rows(run: Run) -> Iterator[tuple[str, ...]]:
+def value_rows(run: MachineRun) -> Iterator[tuple[str, ...]]:
     """A row for every gain and everything that is known."""
     for one in run.rows:
         known = NONE if one.known is None else f"{one.known:g}"
@@ -98,13 +98,13 @@ def value_rows(run: Run) -> Iterator[tuple[str, ...]]:
         )
 
 
-def quantity_name(one: Compared) -> str:
+def quantity_name(one: AgainstKnown) -> str:
     """What is compared, in words."""
     effect, _, parameter = one.quantity.partition(" ")
     return _WORDS.get(one.quantity, f"{spoken(effect)} {parameter}")
 
 
-def estimate(one: Compared) -> str:
+def estimate(one: AgainstKnown) -> str:
     """The value with its deviation, or why there is none."""
     if one.value is None:
         return "not in the model"

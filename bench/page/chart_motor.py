@@ -8,8 +8,8 @@ import numpy as np
 from bench.basics.chi_squared import WITHIN_95
 from bench.page.parts import Chart
 from bench.page.thinned import rounded, significant, thinned
-from bench.residuals.motor import MotorSeries
 from bench.residuals.error_breakdown import AROUND, Branch, ErrorBreakdown
+from bench.residuals.motor import MotorSeries
 from bench.residuals.profile import Variable
 
 HEIGHT, TALL = 210, 330  # px

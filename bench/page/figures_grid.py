@@ -10,7 +10,7 @@ import numpy as np
 from bench.effects.display_names import begun
 from bench.page.figures_sweep import WIDE, point_label, value_text
 from bench.page.parts import Chart, Choice, Figure, Variant
-from bench.studies.sweep.summary import Line, Spread, Summary, is_share
+from bench.studies.sweep.summary import Spread, Summary, SummaryLine, is_share
 from bench.studies.sweep.titles import axis_title, metric_title
 
 MOST_VARIANTS = 60
@@ -28,7 +28,7 @@ class _Grid:
     down: str
     others: tuple[str, ...]
     values: Mapping[str, tuple[Any, ...]]
-    lines: Mapping[Place, Line]
+    lines: Mapping[Place, SummaryLine]
 
     def spread(self, metric: str, at: Mapping[str, Any]) -> Spread | None:
         """A metric where the axes have these values; None where no run came to an answer."""

@@ -32,7 +32,7 @@ from bench.identification.model_file import load_model, read_identification, sav
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import CurrentSeries, Identification, Quantity
 from bench.page.digest import dataset_digest, file_digest
-from bench.page.section_run import Run
+from bench.page.section_run import CommandRun
 from bench.page.series_file import read_series, write_series
 from bench.studies.sweep.versions import Versions, versions
 from bench.workbench.page_data import VERSION as WORKBENCH_VERSION
@@ -52,7 +52,7 @@ class Kept:
     folder keeps was not taken from it, in a line; "" where everything was.
     """
 
-    run: Run
+    run: CommandRun
     dataset: Dataset
     after: Identification
     diagnosis: Diagnosis | None
@@ -138,7 +138,7 @@ def read_run(folder: Path) -> Kept:
     try:
         known = dict(content["run"])
         known |= {name: tuple(known[name]) for name in ("effects", "effect_files")}
-        run, data, model = Run(**known), folder / content["dataset"], str(content["model"])
+        run, data, model = CommandRun(**known), folder / content["dataset"], str(content["model"])
         digest, files = content.get("digest"), dict(content.get("files", {}))
         told, by = content.get("diagnosis"), _versions(content.get("versions"))
         current = content.get("workbench") == WORKBENCH_VERSION
@@ -187,7 +187,7 @@ def read_run(folder: Path) -> Kept:
     return Kept(run, dataset, models[0], diagnosis, model, workbench, by or versions(), said)
 
 
-def _problem(dataset: Dataset, run: Run, laws: Sequence[Discovered]) -> Problem:
+def _problem(dataset: Dataset, run: CommandRun, laws: Sequence[Discovered]) -> Problem:
     """What a command asked of a dataset; laws: among the known effects as well."""
     asked = problem_of(dataset, run.effects, effect_files=run.effect_files)
     return replace(asked, catalogue={**asked.catalogue, **law_effects(laws)})

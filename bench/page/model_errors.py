@@ -14,7 +14,7 @@ from bench.signals.settings import FilterSettings
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class ModelBeside:
     """A model beside the recordings. name: as in "error ... "; role: the colour of its errors."""
 
     name: str
@@ -40,7 +40,7 @@ def shown(
     model: Identification | Comparison,
     settings: FilterSettings,
     has: Sequence[str] | None = None,
-) -> Shown:
+) -> ModelBeside:
     """Look for where the errors of a model are. problem: with the dataset that the model's series are of.
 
     has: the effects of the model; given, others that leave such errors are named.
@@ -48,5 +48,5 @@ def shown(
     dataset = dataset_of(problem.dataset, model.recordings)
     what = compared(dataset.robot, dataset.recordings, model.recordings, settings)
     if has is None:
-        return Shown(name, role, what, errors_by_motor(what))
-    return Shown(name, role, what, errors_by_motor(what, possible_effects(problem), has))
+        return ModelBeside(name, role, what, errors_by_motor(what))
+    return ModelBeside(name, role, what, errors_by_motor(what, possible_effects(problem), has))

@@ -10,7 +10,7 @@ Spec = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Column:
+class PageColumn:
     """A table's column. kind: how its cells stand, such as "right" for numbers, "words" for sentences."""
 
     header: str
@@ -26,7 +26,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Row:
+class PageRow:
     """A row of cells. kind: "strong" or "weak"."""
 
     cells: tuple[Cell, ...]
@@ -34,13 +34,13 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Table:
+class PageTable:
     """title names what is in it; aid: one line on how to read it; folded: shown when it is asked for."""
 
     title: str
     aid: str
-    columns: tuple[Column, ...]
-    rows: tuple[Row, ...]
+    columns: tuple[PageColumn, ...]
+    rows: tuple[PageRow, ...]
     folded: bool = False
     type: Literal["table"] = "table"
 
@@ -172,7 +172,7 @@ class Mechanism:
     type: Literal["mechanism"] = "mechanism"
 
 
-Part = Table | Items | Text | Commands | Picture | Figure | Runs | Mechanism
+Part = PageTable | Items | Text | Commands | Picture | Figure | Runs | Mechanism
 
 
 @dataclass(frozen=True)
@@ -213,6 +213,6 @@ def one_figure(title: str, aid: str, spec: Spec) -> Figure:
     return Figure(title, aid, True, (), {"": Variant((Chart("", "", spec),))}, ("",))
 
 
-def row(*cells: str | Cell, kind: str = "") -> Row:
+def row(*cells: str | Cell, kind: str = "") -> PageRow:
     """A row of texts and cells."""
-    return Row(tuple(one if isinstance(one, Cell) else Cell(one) for one in cells), kind)
+    return PageRow(tuple(one if isinstance(one, Cell) else Cell(one) for one in cells), kind)

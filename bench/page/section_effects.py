@@ -14,7 +14,7 @@ from bench.document.identification import gains_table
 from bench.document.numbers import gain_change
 from bench.effects import Effect
 from bench.identification.result import Identification
-from bench.page.parts import Column, Items, Part, Section, Table, one_figure, row
+from bench.page.parts import Items, PageColumn, PageTable, Part, Section, one_figure, row
 from bench.page.tables import on_page
 from bench.page.thinned import significant
 from bench.page.words import effect_name, typeset
@@ -60,7 +60,9 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
         rows = tuple(row(effect_name(one.effect), typeset(one.why)) for one in absorbed)
         aid = "The model's own parameters take them up completely, so they do no harm to its currents."
         parts.append(
-            Table(title, aid, (Column("effect", "keep"), Column("reason", "words")), rows, folded=True)
+            PageTable(
+                title, aid, (PageColumn("effect", "keep"), PageColumn("reason", "words")), rows, folded=True
+            )
         )
     lead = (
         f"Every effect of the catalogue, and every set of a few, was fitted and judged on {diagnosis.split}."
@@ -72,8 +74,8 @@ def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
     """What the found effects do, as far as their classes tell it."""
     known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
     rows = tuple(row(effect_name(one.name), one.law, one.symbols) for one in known if one.law)
-    columns = (Column("effect", "keep"), Column("law", "words"), Column("symbols", "words"))
-    return [Table("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
+    columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("symbols", "words"))
+    return [PageTable("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
 
 
 def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> document.Table:

@@ -8,14 +8,14 @@ from bench.document.diagnosis import ladder_table, step_labels
 from bench.document.numbers import USES
 from bench.identification.result import CurrentSeries
 from bench.page.chart_motor import currents_spec
-from bench.page.model_errors import Shown
+from bench.page.model_errors import ModelBeside
 from bench.page.parts import (
     Chart,
     Choice,
     Figure,
     Mechanism,
+    PageTable,
     Section,
-    Table,
     Text,
     Variant,
     one_figure,
@@ -80,13 +80,13 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
     return Section("ladder", "The ladder", typeset(lead), (figure, table))
 
 
-def errors_section(shown: Shown, recordings: Sequence[CurrentSeries], noise: float) -> Section:
+def errors_section(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise: float) -> Section:
     """The errors of one model, by recording and motor."""
     title, lead = "Errors", "How far the modelled currents are from the measured ones, beside their noise."
     return Section("errors", title, lead, (errors_table(shown, recordings, noise),))
 
 
-def errors_table(shown: Shown, recordings: Sequence[CurrentSeries], noise: float) -> Table:
+def errors_table(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise: float) -> PageTable:
     """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all together."""
     joints = list(shown.what.joints)
     many = len(joints) > 1
@@ -99,7 +99,7 @@ def errors_table(shown: Shown, recordings: Sequence[CurrentSeries], noise: float
 
 
 def currents_section(
-    models: Sequence[Shown], moving: Callable[[str, str], Mechanism | Text] | None = None
+    models: Sequence[ModelBeside], moving: Callable[[str, str], Mechanism | Text] | None = None
 ) -> Section:
     """Measured against modelled current of every motor in every recording, the errors below.
 
@@ -167,7 +167,7 @@ def _facts(joint: str, curves: Sequence[tuple[str, str, MotorSeries]]) -> str:
     return f"{joint} in {one.recording}, {said_of}: error {', '.join(errors)}; noise {share(noise)}; {rows} that move."
 
 
-def _worst(shown: Shown, joint: str, names: Sequence[str]) -> int:
+def _worst(shown: ModelBeside, joint: str, names: Sequence[str]) -> int:
     """The number of the recording that is modelled worst, among those not fitted where there are any."""
     by_name = {one.recording: one for one in shown.what.of(joint) if one.recording in names}
     unseen = [one for one in by_name.values() if one.use == "validate"] or list(by_name.values())

@@ -7,7 +7,19 @@ import numpy as np
 from bench.diagnosis.law_words import WHAT, law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Discovered, LooksAt
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.parts import Cell, Chart, Choice, Column, Figure, Row, Section, Spec, Table, Text, Variant
+from bench.page.parts import (
+    Cell,
+    Chart,
+    Choice,
+    Figure,
+    PageColumn,
+    PageRow,
+    PageTable,
+    Section,
+    Spec,
+    Text,
+    Variant,
+)
 from bench.page.thinned import rounded
 from bench.page.words import short, typeset
 from bench.residuals.profile import Profile, binned, profile
@@ -38,7 +50,7 @@ def laws_section(diagnosis: Diagnosis) -> Section:
     return Section("laws", "Laws that were found", lead, (said, figure, _terms(found)))
 
 
-def _terms(found: Sequence[Discovered]) -> Table:
+def _terms(found: Sequence[Discovered]) -> PageTable:
     rows = [
         _row(one.place, symbols(term.term), short(term.value), short(term.std, 2), symbols(term.unit))
         for one in found
@@ -50,17 +62,17 @@ def _terms(found: Sequence[Discovered]) -> Table:
         for name, value in one.numbers.items()
     ]
     columns = (
-        Column("at"),
-        Column("term or number"),
-        Column("value", "right"),
-        Column("standard deviation", "right"),
-        Column("unit"),
+        PageColumn("at"),
+        PageColumn("term or number"),
+        PageColumn("value", "right"),
+        PageColumn("standard deviation", "right"),
+        PageColumn("unit"),
     )
-    return Table("Terms", "The law is the sum of its terms.", columns, tuple(rows))
+    return PageTable("Terms", "The law is the sum of its terms.", columns, tuple(rows))
 
 
-def _row(*texts: str) -> Row:
-    return Row(tuple(Cell(one) for one in texts))
+def _row(*texts: str) -> PageRow:
+    return PageRow(tuple(Cell(one) for one in texts))
 
 
 def _charts(one: Discovered, after: Identification) -> tuple[Chart, ...]:

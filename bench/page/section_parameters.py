@@ -14,7 +14,7 @@ from bench.document.numbers import (
 )
 from bench.identification.finding import Unknown
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.parts import Column, Items, Part, Section, Table, one_figure, row
+from bench.page.parts import Items, PageColumn, PageTable, Part, Section, one_figure, row
 from bench.page.tables import on_page
 from bench.page.thinned import significant
 from bench.page.words import effect_name, plural, share, short, typeset
@@ -92,11 +92,11 @@ def conditioning_section(result: Identification) -> Section:
     ]
     pairs = _alike(result)
     if pairs:
-        columns = (Column("one", "keep"), Column("other", "keep"), Column("correlation", "right"))
+        columns = (PageColumn("one", "keep"), PageColumn("other", "keep"), PageColumn("correlation", "right"))
         rows = tuple(row(a, b, short(value, 3)) for a, b, value in pairs[:MOST_PAIRS])
         more = f" {len(pairs) - MOST_PAIRS} more pairs are not shown." if len(pairs) > MOST_PAIRS else ""
         aid = f"Estimates that only their sum or difference is well known of.{more}"
-        parts.append(Table("Pairs that the data hardly tell apart", aid, columns, rows))
+        parts.append(PageTable("Pairs that the data hardly tell apart", aid, columns, rows))
     parts.append(Items("Not excited", "", tuple(_not_excited(result))))
     lead = "Whether the movements were rich enough to tell the unknowns apart."
     return Section("conditioning", "Conditioning and excitation", lead, tuple(parts), "Conditioning")
@@ -112,16 +112,16 @@ def _reversals(series: CurrentSeries, j: int) -> int:
     return sum(a * b < 0 for a, b in pairwise(signs.tolist()))
 
 
-def _motion_table(result: Identification) -> Table:
+def _motion_table(result: Identification) -> PageTable:
     fitted = _fitted(result)
     columns = (
-        Column("motor"),
-        Column("position", "right"),
-        Column("speed, RMS and largest", "right"),
-        Column("acceleration, RMS", "right"),
-        Column("current, RMS", "right"),
-        Column("reversals", "right"),
-        Column("moves", "right"),
+        PageColumn("motor"),
+        PageColumn("position", "right"),
+        PageColumn("speed, RMS and largest", "right"),
+        PageColumn("acceleration, RMS", "right"),
+        PageColumn("current, RMS", "right"),
+        PageColumn("reversals", "right"),
+        PageColumn("moves", "right"),
     )
     rows = []
     for j, joint in enumerate(result.joints):
@@ -145,7 +145,7 @@ def _motion_table(result: Identification) -> Table:
     aid = (
         "Over the fitted recordings, after the filters of the fit. moves: share of the rows in which it does."
     )
-    return Table("What the motors did", aid, columns, tuple(rows))
+    return PageTable("What the motors did", aid, columns, tuple(rows))
 
 
 def _at(value: float, values: np.ndarray) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from bench.page.chart_motor import error_charts
-from bench.page.model_errors import Shown
+from bench.page.model_errors import ModelBeside
 from bench.page.parts import Choice, Figure, Section, Variant
 from bench.page.words import typeset
 from bench.residuals.error_breakdown import error_breakdown
@@ -12,7 +12,7 @@ from bench.residuals.words import finding_sentences, level_sentence
 ON_PAPER = 6  # motors that are printed
 
 
-def where_section(models: Sequence[Shown]) -> Section:
+def where_section(models: Sequence[ModelBeside]) -> Section:
     """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
     joints = models[-1].joints
     options = tuple(one.name.removeprefix("of the ").capitalize() for one in models)

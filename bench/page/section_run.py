@@ -9,7 +9,7 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.document.numbers import STD_FROM, USES, fit_rate
 from bench.identification.result import Identification
-from bench.page.parts import Column, Commands, Items, Part, Section, Table, row
+from bench.page.parts import Commands, Items, PageColumn, PageTable, Part, Section, row
 from bench.page.words import effect_name, short, typeset
 from bench.signals.settings import FilterSettings
 from bench.studies.sweep.versions import Versions, versions
@@ -34,7 +34,7 @@ OPTIONS = {
 
 
 @dataclass(frozen=True)
-class Run:
+class CommandRun:
     """A command as it was given, so that it can be given again. options: settings by name, as in `OPTIONS`."""
 
     command: str
@@ -144,7 +144,7 @@ def run_section(
     )
 
 
-def _recordings_table(dataset: Dataset) -> Table:
+def _recordings_table(dataset: Dataset) -> PageTable:
     rows = tuple(
         row(
             one.name,
@@ -157,17 +157,17 @@ def _recordings_table(dataset: Dataset) -> Table:
         for one in dataset.recordings
     )
     columns = (
-        Column("file"),
-        Column("use", "keep"),
-        Column("payload"),
-        Column("samples", "right"),
-        Column("duration [s]", "right"),
-        Column("rate [Hz]", "right"),
+        PageColumn("file"),
+        PageColumn("use", "keep"),
+        PageColumn("payload"),
+        PageColumn("samples", "right"),
+        PageColumn("duration [s]", "right"),
+        PageColumn("rate [Hz]", "right"),
     )
-    return Table("Recordings", "As dataset.toml lists them.", columns, rows)
+    return PageTable("Recordings", "As dataset.toml lists them.", columns, rows)
 
 
-def _payloads_table(dataset: Dataset) -> Table:
+def _payloads_table(dataset: Dataset) -> PageTable:
     rows = []
     for name, one in dataset.payloads.items():
         mass = "estimated" if one.mass is None else short(one.mass, 6)
@@ -177,17 +177,17 @@ def _payloads_table(dataset: Dataset) -> Table:
         )
         rows.append(row(name, mass, center, inertia))
     columns = (
-        Column("payload"),
-        Column("mass [kg]", "right"),
-        Column("centre of mass, tool frame [m]"),
-        Column("inertia Ixx Iyy Izz Ixy Ixz Iyz [kg·m²]"),
+        PageColumn("payload"),
+        PageColumn("mass [kg]", "right"),
+        PageColumn("centre of mass, tool frame [m]"),
+        PageColumn("inertia Ixx Iyy Izz Ixy Ixz Iyz [kg·m²]"),
     )
-    return Table(
+    return PageTable(
         "Payloads", "What dataset.toml declares; what it does not is estimated.", columns, tuple(rows)
     )
 
 
-def _settings_table(settings: FilterSettings, result: Identification | None, dataset: Dataset) -> Table:
+def _settings_table(settings: FilterSettings, result: Identification | None, dataset: Dataset) -> PageTable:
     rows = []
     if result is not None:
         rows += [
@@ -208,19 +208,19 @@ def _settings_table(settings: FilterSettings, result: Identification | None, dat
     ]
     if dataset.effect_files:
         rows.append(("own effects", ", ".join(path.name for path in dataset.effect_files)))
-    columns = (Column("setting", "keep"), Column("value"))
+    columns = (PageColumn("setting", "keep"), PageColumn("value"))
     aid = "Chosen from the spectra of the data unless they were given."
-    return Table("Settings", aid, columns, tuple(row(*one) for one in rows))
+    return PageTable("Settings", aid, columns, tuple(row(*one) for one in rows))
 
 
-def _versions_table(by: Versions) -> Table:
+def _versions_table(by: Versions) -> PageTable:
     rows = [("Python", by.python), *(one for one in by.packages if one[1])]
     if by.commit:
         rows.append(("commit", by.commit))
     return _versions(rows)
 
 
-def versions_of(columns: Mapping[str, Sequence[Any]]) -> Table:
+def versions_of(columns: Mapping[str, Sequence[Any]]) -> PageTable:
     """The versions that made the rows of a table: of its columns commit and version.PACKAGE."""
     rows = []
     for name, values in columns.items():
@@ -230,7 +230,7 @@ def versions_of(columns: Mapping[str, Sequence[Any]]) -> Table:
     return _versions(rows)
 
 
-def _versions(rows: Sequence[tuple[str, str]]) -> Table:
-    columns = (Column("package", "keep"), Column("version"))
+def _versions(rows: Sequence[tuple[str, str]]) -> PageTable:
+    columns = (PageColumn("package", "keep"), PageColumn("version"))
     aid = "What computed this page. A commit with + had files that differ from it."
-    return Table("Versions", aid, columns, tuple(row(*one) for one in rows), folded=True)
+    return PageTable("Versions", aid, columns, tuple(row(*one) for one in rows), folded=True)

@@ -11,7 +11,19 @@ from bench.diagnosis.summary import and_list
 from bench.effects.display_names import begun
 from bench.page.figures_grid import grid_figure
 from bench.page.figures_sweep import metric_label, plot_figure, point_label, spread_figure, value_text
-from bench.page.parts import Cell, Column, Commands, Items, Page, Part, Row, Section, Table, Tile, row
+from bench.page.parts import (
+    Cell,
+    Commands,
+    Items,
+    Page,
+    PageColumn,
+    PageRow,
+    PageTable,
+    Part,
+    Section,
+    Tile,
+    row,
+)
 from bench.page.runs import runs_part
 from bench.page.section_run import versions_of
 from bench.page.words import plural, typeset
@@ -20,7 +32,7 @@ from bench.studies.sweep.measure import METRICS
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.results import default_plots, table_in
 from bench.studies.sweep.run_sweep import FILE, RECORD
-from bench.studies.sweep.summary import Line, Spread, Summary, is_share, summarise
+from bench.studies.sweep.summary import Spread, Summary, SummaryLine, is_share, summarise
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
 from bench.studies.sweep.titles import axis_title, axis_words, is_relative, metric_title
@@ -43,7 +55,7 @@ class SweepResult:
     table: Path
     metrics: tuple[str, ...]
     summary: Summary
-    overall: Line
+    overall: SummaryLine
 
 
 def read_sweep(folder: Path) -> SweepResult:
@@ -141,7 +153,7 @@ def _middle(metric: str, spread: Spread) -> float:
     return spread.mean if is_share(metric) else spread.median
 
 
-def _place(found: SweepResult, line: Line) -> str:
+def _place(found: SweepResult, line: SummaryLine) -> str:
     values = zip(found.summary.axes, line.values, strict=True)
     return and_list([f"{axis_words(axis)} {point_label(value)}" for axis, value in values])
 
@@ -183,11 +195,11 @@ def _each_section(found: SweepResult) -> Section:
 
 def _numbers_section(found: SweepResult) -> Section:
     summary = found.summary
-    columns = [Column(axis_title(axis), "keep") for axis in summary.axes]
+    columns = [PageColumn(axis_title(axis), "keep") for axis in summary.axes]
     failed = any(line.failed for line in summary.lines)
-    columns += [Column("runs", "right"), *([Column("failed", "right")] if failed else [])]
+    columns += [PageColumn("runs", "right"), *([PageColumn("failed", "right")] if failed else [])]
     columns += [
-        Column(begun(metric_title(metric)) if is_relative(metric) else metric_label(metric), "right")
+        PageColumn(begun(metric_title(metric)) if is_relative(metric) else metric_label(metric), "right")
         for metric in summary.metrics
     ]
     rows = tuple(_line(summary, line, failed=failed) for line in summary.lines[:MOST_LINES])
@@ -196,11 +208,11 @@ def _numbers_section(found: SweepResult) -> Section:
         aid += " Of a share: the mean, and in brackets its 95 % interval (Jeffreys)."
     if len(summary.lines) > MOST_LINES:
         aid += f" The first {MOST_LINES} of {len(summary.lines)} lines; summary.md has all."
-    table = Table("Every combination", aid, tuple(columns), rows)
+    table = PageTable("Every combination", aid, tuple(columns), rows)
     return Section("numbers", "In numbers", "", (table,))
 
 
-def _line(summary: Summary, line: Line, *, failed: bool) -> Row:
+def _line(summary: Summary, line: SummaryLine, *, failed: bool) -> PageRow:
     cells: list[str | Cell] = [point_label(value) for value in line.values]
     cells.append(str(line.runs))
     if failed:
@@ -237,8 +249,8 @@ def _failures_section(found: SweepResult) -> Section:
     ranked = sorted(reasons.items(), key=lambda one: -len(one[1]))
     rows = tuple(row(str(len(runs)), str(runs[0]), reason) for reason, runs in ranked[:MOST_REASONS])
     aid = "The most frequent first; the column reason of runs.parquet has every one."
-    heads = (Column("runs", "right"), Column("first", "right"), Column("reason", "words"))
-    return Section("failures", "Runs that failed", "", (Table("Reasons", aid, heads, rows),), "Failures")
+    heads = (PageColumn("runs", "right"), PageColumn("first", "right"), PageColumn("reason", "words"))
+    return Section("failures", "Runs that failed", "", (PageTable("Reasons", aid, heads, rows),), "Failures")
 
 
 def _plan_section(found: SweepResult) -> Section:
@@ -256,7 +268,7 @@ def _plan_section(found: SweepResult) -> Section:
     rows.append(
         row("seed", str(len(seeds)), f"{seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else str(seeds[0]))
     )
-    heads = (Column("axis", "keep"), Column("values", "keep"), Column("which", "words"))
+    heads = (PageColumn("axis", "keep"), PageColumn("values", "keep"), PageColumn("which", "words"))
     aid = "Every combination was run with every seed. A seed gives the noise and whatever else is drawn."
     identify = sweep.table.identify
     settings = [
@@ -271,11 +283,11 @@ def _plan_section(found: SweepResult) -> Section:
         *((f"changed: {key}", json.dumps(value)) for key, value in sweep.table.scenario.items()),
     ]
     parts = (
-        Table("What was varied", aid, heads, tuple(rows)),
-        Table(
+        PageTable("What was varied", aid, heads, tuple(rows)),
+        PageTable(
             "What all runs share",
             "Unless an axis says otherwise.",
-            (Column("setting", "keep"), Column("value", "words")),
+            (PageColumn("setting", "keep"), PageColumn("value", "words")),
             tuple(row(*one) for one in settings),
         ),
     )

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from bench.document import table as document
 from bench.document.table import RIGHT
-from bench.page.parts import Cell, Column, Kind, Row, Table
+from bench.page.parts import Cell, Kind, PageColumn, PageRow, PageTable
 from bench.page.words import typeset
 
 KINDS: Mapping[str, Kind] = {
@@ -17,14 +17,16 @@ KINDS: Mapping[str, Kind] = {
 MARKS = {"": "", "strong": "strong", "weak": "weak", "poor": "weak"}
 
 
-def on_page(table: document.Table, title: str, aid: str, *, folded: bool = False) -> Table:
+def on_page(table: document.Table, title: str, aid: str, *, folded: bool = False) -> PageTable:
     """The table with its title and a line on how to read it."""
     columns = [one for one in table.columns if one.kind != "bar"]
     heads = tuple(
-        Column(one.header, "right" if one.kind in RIGHT else KINDS.get(one.kind, "")) for one in columns
+        PageColumn(one.header, "right" if one.kind in RIGHT else KINDS.get(one.kind, "")) for one in columns
     )
     rows = zip(table.mark_of_rows, *(_cells(one) for one in columns), strict=True)
-    return Table(title, aid, heads, tuple(Row(tuple(cells), MARKS[mark]) for mark, *cells in rows), folded)
+    return PageTable(
+        title, aid, heads, tuple(PageRow(tuple(cells), MARKS[mark]) for mark, *cells in rows), folded
+    )
 
 
 def _cells(one: document.Column) -> list[Cell]:

@@ -10,7 +10,7 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.diagnosis.summary import and_list
 from bench.page.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
-from bench.page.parts import Cell, Column, Commands, Items, Page, Part, Section, Table, Tile, row
+from bench.page.parts import Cell, Commands, Items, Page, PageColumn, PageTable, Part, Section, Tile, row
 from bench.page.section_run import quoted, versions_of
 from bench.page.sweep_page import footer, generator
 from bench.page.tables import on_page
@@ -31,7 +31,7 @@ from bench.studies.trial.markdown import (
     target_cells,
 )
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import NO, TOO_FEW, YES, Figure, Share, Target
+from bench.studies.trial.target import NO, TOO_FEW, YES, Share, Target, TargetFigure
 
 NEEDED = (
     "status",
@@ -151,14 +151,14 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
     """Three sentences: what is named, false alarms, and what the answers are worth."""
     by_figure = {one.figure: one for one in summary.targets}
     told = [
-        (by_figure[Figure.ONE_FIRST], "a single hidden effect is named first in"),
-        (by_figure[Figure.TWO_EXACT], "two are found exactly in"),
-        (by_figure[Figure.THREE_EXACT], "three in"),
+        (by_figure[TargetFigure.ONE_FIRST], "a single hidden effect is named first in"),
+        (by_figure[TargetFigure.TWO_EXACT], "two are found exactly in"),
+        (by_figure[TargetFigure.THREE_EXACT], "three in"),
     ]
     found = [f"{words} {_of(one.share)}" for one, words in told if one.share is not None and one.share.of]
     first = f"{and_list(found)} of the cases." if found else "No effect that counts was hidden."
-    alarms = by_figure[Figure.ALARM].share
-    outside = by_figure[Figure.OUTSIDE_HONEST].share
+    alarms = by_figure[TargetFigure.ALARM].share
+    outside = by_figure[TargetFigure.OUTSIDE_HONEST].share
     said = []
     if alarms is not None and alarms.of:
         said.append(f"with nothing hidden, {alarms.count} of {plural(alarms.of, 'dataset')} raised an alarm")
@@ -189,10 +189,10 @@ def _of(share: Share | None) -> str:
 
 def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
     wanted = {
-        Figure.ONE_FIRST: "One effect: named first",
-        Figure.TWO_EXACT: "Two: the set exactly",
-        Figure.THREE_EXACT: "Three: the set exactly",
-        Figure.ALARM: "Nothing hidden: alarms",
+        TargetFigure.ONE_FIRST: "One effect: named first",
+        TargetFigure.TWO_EXACT: "Two: the set exactly",
+        TargetFigure.THREE_EXACT: "Three: the set exactly",
+        TargetFigure.ALARM: "Nothing hidden: alarms",
     }
     tiles = []
     for one in summary.targets:
@@ -205,12 +205,12 @@ def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
 
 def _targets_section(summary: TrialSummary) -> Section:
     columns = (
-        Column("figure", "words"),
-        Column("reached", "right"),
-        Column("must be", "keep"),
-        Column(""),
-        Column("cases", "right"),
-        Column("95 % interval", "keep"),
+        PageColumn("figure", "words"),
+        PageColumn("reached", "right"),
+        PageColumn("must be", "keep"),
+        PageColumn(""),
+        PageColumn("cases", "right"),
+        PageColumn("95 % interval", "keep"),
     )
     rows = []
     for one in summary.targets:
@@ -219,7 +219,7 @@ def _targets_section(summary: TrialSummary) -> Section:
         first = typeset(name.replace("`", ""))
         texts = (typeset(cell) for cell in (reached or "–", bound))
         rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
-    parts = (Table("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
+    parts = (PageTable("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
     lead = "A wide interval means too few cases: more seeds add to what is there."
     return Section("reached", "What was reached", lead, parts)
 
@@ -308,7 +308,7 @@ def _again_section(found: TrialResult, again: Sequence[str]) -> Section:
         if name == "commit" or name.startswith("version.")
     }
     counts = Counter(row["kind"] for row in found.rows)
-    heads = (Column("kind", "keep"), Column("datasets", "right"), Column("hidden", "words"))
+    heads = (PageColumn("kind", "keep"), PageColumn("datasets", "right"), PageColumn("hidden", "words"))
     hidden = {
         "nothing": "nothing",
         "one": "one effect of the catalogue",
@@ -319,7 +319,9 @@ def _again_section(found: TrialResult, again: Sequence[str]) -> Section:
     rows = tuple(row(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind])
     aid = "More seeds add to what is there."
     parts: tuple[Part, ...] = (
-        Table("Datasets", "Drawn from seeds; each was diagnosed without access to the truth.", heads, rows),
+        PageTable(
+            "Datasets", "Drawn from seeds; each was diagnosed without access to the truth.", heads, rows
+        ),
         versions_of(columns),
         Commands("Run it again", aid, tuple(again)),
     )

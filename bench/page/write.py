@@ -15,7 +15,7 @@ from bench.page.folder import Kept, keep_run
 from bench.page.pages import comparison_page, diagnosis_page, identification_page, replay_page
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
-from bench.page.section_run import Made, Run, quoted
+from bench.page.section_run import CommandRun, Made, quoted
 from bench.page.sweep_page import read_sweep, sweep_page
 from bench.page.trial_page import again_line, read_trial, trial_page
 from bench.replay.replay import Replay
@@ -33,7 +33,7 @@ def write_page(path: Path, page: Page, workbench: Workbench | None = None) -> Pa
 
 
 def write_diagnosis_report(
-    folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: Run, progress: Progress = SILENT
+    folder: Path, diagnosis: Diagnosis, dataset: Dataset, run: CommandRun, progress: Progress = SILENT
 ) -> Path:
     """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
     progress.phase("preparing the workbench of the page")
@@ -44,7 +44,7 @@ def write_diagnosis_report(
 
 
 def write_identification_report(
-    folder: Path, result: Identification, dataset: Dataset, run: Run, model: str = ""
+    folder: Path, result: Identification, dataset: Dataset, run: CommandRun, model: str = ""
 ) -> Path:
     """Write report.html of an identification, or of a saved model that was applied (named `model`)."""
     kept = Kept(run, dataset, result, None, model)
@@ -53,7 +53,7 @@ def write_identification_report(
 
 
 def write_replay_report(
-    folder: Path, result: Replay, problem: Problem, saved: Identification, run: Run
+    folder: Path, result: Replay, problem: Problem, saved: Identification, run: CommandRun
 ) -> Path:
     """Write report.html of a replay into a folder; saved: the model that was exported."""
     return write_page(folder / REPORT_FILE, replay_page(result, problem, saved, Made((run.line(),))))
@@ -86,7 +86,7 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Pro
 def _identify_line(kept: Kept) -> str:
     """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
     each = tuple(one for one in kept.after.effects if one.endswith(TAG))
-    return Run("identify", kept.run.dataset, each, kept.run.effect_files, kept.run.options).line()
+    return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, kept.run.options).line()
 
 
 def write_sweep_report(folder: Path, output: Path) -> Path:

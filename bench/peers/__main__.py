@@ -25,7 +25,7 @@ from bench.peers.own import (
     solve_output_error,
     solve_two_masses,
 )
-from bench.peers.problems import COULOMB_SHARE, DURATION, Problem, make_problem
+from bench.peers.problems import COULOMB_SHARE, DURATION, PeerProblem, make_problem
 from bench.studies.sweep.console import table_console
 from bench.studies.sweep.versions import versions
 
@@ -61,7 +61,7 @@ class Score:
     mass_within: float | None
 
 
-Solver = Callable[[Problem], Answer]
+Solver = Callable[[PeerProblem], Answer]
 
 
 def score(robot: str, *, friction: bool, solve: Solver, seeds: int) -> Score:
@@ -119,7 +119,7 @@ def arm_scores(*, friction: bool) -> list[Score]:
 
     settings = solve_all_unknown(make_problem("two_link", 1, friction=friction))[1].settings
 
-    def others(problem: Problem) -> Answer:
+    def others(problem: PeerProblem) -> Answer:
         return figaroh_arm.solve(problem, settings.position_cutoff, settings.decimation)
 
     own: list[Solver] = [solve_mass_known, lambda problem: solve_all_unknown(problem)[0]]

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.signal import decimate
 
 from bench.peers.own import Answer
-from bench.peers.problems import Problem
+from bench.peers.problems import PeerProblem
 from bench.truth.dataset import as_dataset
 
 # only there in the environment of `make peers`
@@ -34,7 +34,7 @@ ITS_CUTOFF = (
 ORDER = 4
 
 
-def solve(problem: Problem, cutoff: float, decimation: int) -> Answer:
+def solve(problem: PeerProblem, cutoff: float, decimation: int) -> Answer:
     """Gains from the two recordings: cut-off of the positions' filter in Hz, one sample in `decimation` fitted."""
     dataset = as_dataset(problem.simulation)
     payload = next(iter(dataset.payloads.values()))
@@ -87,7 +87,7 @@ def _mass_last(rows: np.ndarray) -> np.ndarray:
     return rows[:, order]
 
 
-def _urdf(problem: Problem) -> str:
+def _urdf(problem: PeerProblem) -> str:
     """The arm as URDF, from its compiled model; hinges in a chain, frames at the joints."""
     model = problem.simulation.machine.models[None]
     links = ['<link name="world"/>']

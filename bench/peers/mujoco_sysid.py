@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from bench.peers.own import Answer
-from bench.peers.problems import UNKNOWN_BODIES, Problem
+from bench.peers.problems import UNKNOWN_BODIES, PeerProblem
 from bench.scenario.scenario import payload_truth
 
 # only there in the environment of `make peers`
@@ -27,7 +27,7 @@ sysid: Any = import_module("mujoco.sysid")
 START = 1.3  # masses begin this much too large, gains at their nominal values
 
 
-def solve(problem: Problem, step: float) -> Answer:
+def solve(problem: PeerProblem, step: float) -> Answer:
     """Gains and the two masses by nonlinear least squares on the positions, at a step in s."""
     simulation = problem.simulation
     machine, joints = simulation.machine, simulation.robot.joints
@@ -77,7 +77,7 @@ def _mass_change(body: str) -> Change:
     return change
 
 
-def _sequence(problem: Problem, index: int, step: float) -> Any:
+def _sequence(problem: PeerProblem, index: int, step: float) -> Any:
     simulation = problem.simulation
     recording = simulation.recordings[index]
     spec = _spec(problem, recording.table.payload, step)
@@ -91,7 +91,7 @@ def _sequence(problem: Problem, index: int, step: float) -> Any:
     return sysid.ModelSequences(name, spec, name, state, sysid.TimeSeries(times, command), positions)
 
 
-def _spec(problem: Problem, payload: str | None, step: float) -> Any:
+def _spec(problem: PeerProblem, payload: str | None, step: float) -> Any:
     """The robot with motors, position sensors and its payload, loops as stiff as the truth's."""
     simulation = problem.simulation
     robot, truth = simulation.robot, simulation.machine.models[None]

@@ -16,7 +16,7 @@ from bench.identification.result import Identification
 from bench.model.model import IdentificationModel, build_model
 from bench.model.regressor import moved_parameters, projected_regressor
 from bench.model.states import random_motion
-from bench.peers.problems import UNKNOWN_BODIES, Problem
+from bench.peers.problems import UNKNOWN_BODIES, PeerProblem
 from bench.studies.sweep.true_parameters import true_base_parameters
 from bench.truth.dataset import as_dataset
 from bench.truth.report import truth
@@ -36,13 +36,13 @@ class Answer:
     mass_stds: np.ndarray | None
 
 
-def solve_all_unknown(problem: Problem, effects: tuple[str, ...] = ()) -> tuple[Answer, Identification]:
+def solve_all_unknown(problem: PeerProblem, effects: tuple[str, ...] = ()) -> tuple[Answer, Identification]:
     """Gains and all base parameters from the measurements and the payload alone."""
     name = "parabench" + (f", with {' + '.join(effects)}" if effects else "")
     return _identified(as_dataset(problem.simulation), effects, name)
 
 
-def solve_output_error(problem: Problem, effects: tuple[str, ...] = ()) -> Answer:
+def solve_output_error(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Answer:
     """The same from the controller's law and its references as well, which mujoco.sysid is given."""
     simulation = problem.simulation
     settings = simulation.scenario.settings
@@ -63,7 +63,7 @@ def _identified(
     return Answer(name, seconds, values, stds, None, None), result
 
 
-def solve_mass_known(problem: Problem) -> Answer:
+def solve_mass_known(problem: PeerProblem) -> Answer:
     """Gains and all base parameters from the measurements and the mass of the payload."""
     dataset = as_dataset(problem.simulation)
     payloads = {
@@ -72,7 +72,7 @@ def solve_mass_known(problem: Problem) -> Answer:
     return _identified(replace(dataset, payloads=payloads), (), "parabench, payload's mass alone")[0]
 
 
-def solve_two_masses(problem: Problem, effects: tuple[str, ...] = ()) -> Answer:
+def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Answer:
     """The same, then the two masses and the gains that suit best with everything else known.
 
     Base parameters are linear in the masses: the identified ones, with their covariance, are fitted by those of
@@ -99,7 +99,7 @@ def solve_two_masses(problem: Problem, effects: tuple[str, ...] = ()) -> Answer:
     return Answer(name, seconds, solution[2:], stds[2:], solution[:2], stds[:2])
 
 
-def _base_of_masses(problem: Problem, model: IdentificationModel) -> tuple[np.ndarray, np.ndarray]:
+def _base_of_masses(problem: PeerProblem, model: IdentificationModel) -> tuple[np.ndarray, np.ndarray]:
     """Base parameters (nb,) without the two masses, and those of 1 kg of each (nb, 2)."""
     full = true_base_parameters(model, truth(problem.simulation))
     per_mass = np.column_stack(
@@ -108,7 +108,7 @@ def _base_of_masses(problem: Problem, model: IdentificationModel) -> tuple[np.nd
     return full - per_mass @ problem.masses, per_mass
 
 
-def _base_of_mass(problem: Problem, model: IdentificationModel, body: str) -> np.ndarray:
+def _base_of_mass(problem: PeerProblem, model: IdentificationModel, body: str) -> np.ndarray:
     """Base parameters (nb,) of 1 kg at the centre of mass of a body."""
     geometry = model.geometry
     joint, frame = geometry.body_frames[body]

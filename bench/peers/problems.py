@@ -21,7 +21,7 @@ UNKNOWN_BODIES = {"five_bar": ("left_rod", "right_rod"), "two_link": ("upper_arm
 
 
 @dataclass(frozen=True)
-class Problem:
+class PeerProblem:
     """A robot whose two drive gains and the masses of two bodies are unknown; everything else can be known.
 
     simulation: recordings without and with a payload that is known in full.
@@ -44,11 +44,11 @@ class Problem:
         return np.array([model.body(name).mass[0] for name in UNKNOWN_BODIES[self.robot]])
 
 
-def make_problem(robot: str, seed: int, *, friction: bool) -> Problem:
+def make_problem(robot: str, seed: int, *, friction: bool) -> PeerProblem:
     """A problem; the same motion for all seeds, other noise of the sensors."""
     simulation = _simulated(robot, friction=friction)
     scenario = load_scenario(robot, _changes(robot, seed, simulation.scenario.settings.hidden))
-    return Problem(robot, friction, seed, sense_again(simulation, scenario))
+    return PeerProblem(robot, friction, seed, sense_again(simulation, scenario))
 
 
 @cache

@@ -26,7 +26,7 @@ from bench.identification.result import CurrentSeries, error_summary
 from bench.identification.summary import modelled_series
 from bench.model.configuration import configuration_rates
 from bench.model.geometry import Geometry, to_mujoco
-from bench.replay.tracking import Reference, Tracked, track
+from bench.replay.tracking import Tracked, TrackingReference, track
 from bench.twin import load_twin
 
 
@@ -102,10 +102,10 @@ def replay_json(result: Replay) -> dict[str, Any]:
     return dict(finite(answer))
 
 
-def _reference(geometry: Geometry, measured: Measured) -> Reference:
+def _reference(geometry: Geometry, measured: Measured) -> TrackingReference:
     first = measured.tree.at(slice(0, 1))
     qpos = to_mujoco(geometry.joints, first.q)[0]
-    return Reference(
+    return TrackingReference(
         time=measured.time - measured.time[0],
         position=measured.position,
         velocity=measured.velocity,

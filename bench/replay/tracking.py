@@ -16,7 +16,7 @@ LOST = 0.05  # of a joint's range: farther from the recorded motion it is anothe
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
+class TrackingReference:
     """What the driven joints do: time (N,) s, from its start; position, velocity, acceleration (N, n); qpos, qvel: of
     the whole robot at the start, in MuJoCo's coordinates.
     """
@@ -40,7 +40,7 @@ class Tracked:
     opened: float
 
 
-def track(twin: Twin, gains: np.ndarray, reference: Reference) -> Tracked:
+def track(twin: Twin, gains: np.ndarray, reference: TrackingReference) -> Tracked:
     """Simulate the twin along a motion; gains (n,): N*m or N per unit of control.
 
     In every step the motors get what gives the driven joints the acceleration that is asked for: the recorded one and
@@ -90,7 +90,9 @@ def _accelerate(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     mujoco.mj_fwdConstraint(model, data)
 
 
-def _between_samples(reference: Reference, substeps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _between_samples(
+    reference: TrackingReference, substeps: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Position, velocity and acceleration at every step of the simulation."""
     given = reference.position, reference.velocity, reference.acceleration
     if substeps == 1:
@@ -130,7 +132,7 @@ class _ApparentInertia:
         return float(self._model.actuator_gear[actuator, 0] * self._model.actuator_biasprm[actuator, 0])
 
 
-def _check_followed(twin: Twin, reference: Reference, positions: np.ndarray) -> None:
+def _check_followed(twin: Twin, reference: TrackingReference, positions: np.ndarray) -> None:
     span = np.maximum(np.ptp(reference.position, axis=0), np.finfo(float).tiny)
     off = np.abs(positions - reference.position) / span
     late = ~(off < LOST)

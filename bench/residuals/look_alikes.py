@@ -9,7 +9,7 @@ from bench.identification.problem import Problem
 from bench.model.geometry import read_geometry
 from bench.residuals.concentration import Concentration
 from bench.residuals.opposing_motion import Change
-from bench.residuals.periods import Line
+from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import Dependence
 
 QUESTION: Mapping[Seen, int] = {
@@ -59,7 +59,7 @@ def possible_effects(problem: Problem) -> dict[str, Effect]:
 
 def look_alikes(
     joint: str,
-    found: tuple[Iterable[Concentration], Iterable[Dependence], Iterable[Line], Iterable[Change]],
+    found: tuple[Iterable[Concentration], Iterable[Dependence], Iterable[SpectralLine], Iterable[Change]],
     possible: Mapping[str, Effect],
     has: Iterable[str],
 ) -> tuple[LookAlike, ...]:
@@ -98,7 +98,7 @@ def _plainness(effect: Effect, possible: Mapping[str, Effect]) -> tuple[bool, in
 def _looks(
     concentrations: Iterable[Concentration],
     dependences: Iterable[Dependence],
-    lines: Iterable[Line],
+    lines: Iterable[SpectralLine],
     changes: Iterable[Change],
 ) -> list[Seen]:
     """What was found, as the atlas asks for it: changes first, since they tell most; then by the share of the error."""

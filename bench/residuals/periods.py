@@ -40,7 +40,7 @@ class PositionSpectrum:
 
 
 @dataclass(frozen=True)
-class Line:
+class SpectralLine:
     """What repeats. frequency: cycles per rad, m or s; amplitude: drive unit."""
 
     joint: str
@@ -75,7 +75,7 @@ def position_spectrum(series: Sequence[MotorSeries]) -> PositionSpectrum:
     return PositionSpectrum(cycles, amplitude, share)
 
 
-def lines(series: Sequence[MotorSeries]) -> list[Line]:
+def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
     """Lines that stand out of one motor's error far beyond chance, at most one over position and one over time."""
     count = independent_rows(series, [one.error for one in series])
     found = []
@@ -84,7 +84,7 @@ def lines(series: Sequence[MotorSeries]) -> list[Line]:
     best = _strongest(over_position.cycles, over_position.share, FEWEST_CYCLES / max(travel, 1e-12), count, 2)
     if best is not None:
         found.append(
-            Line(
+            SpectralLine(
                 series[0].joint,
                 "position",
                 float(over_position.cycles[best]),
@@ -96,7 +96,7 @@ def lines(series: Sequence[MotorSeries]) -> list[Line]:
     return [*found, *([in_time] if in_time else [])]
 
 
-def _time_line(series: Sequence[MotorSeries], independent: float) -> Line | None:
+def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLine | None:
     duration = min(float(np.ptp(one.time)) for one in series)
     if duration <= 0:
         return None
@@ -118,7 +118,9 @@ def _time_line(series: Sequence[MotorSeries], independent: float) -> Line | None
     best = _strongest(frequency, own, FEWEST_CYCLES / duration, independent, 2 * len(series))
     if best is None:
         return None
-    return Line(series[0].joint, "time", float(frequency[best]), float(share[best]), float(amplitude[best]))
+    return SpectralLine(
+        series[0].joint, "time", float(frequency[best]), float(share[best]), float(amplitude[best])
+    )
 
 
 def _grid(extent: float, finest: float) -> np.ndarray:

@@ -12,7 +12,7 @@ from bench.residuals.concentration import Concentration, concentrations
 from bench.residuals.look_alikes import LookAlike, look_alikes
 from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Change, Opposing, by_load, changes, over_warm_up
-from bench.residuals.periods import Line, lines
+from bench.residuals.periods import SpectralLine, lines
 from bench.residuals.profile import Dependence, dependences
 from bench.residuals.regions import regions
 
@@ -38,7 +38,7 @@ class MotorErrors:
     above_noise: bool
     concentrations: tuple[Concentration, ...]
     dependences: tuple[Dependence, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[SpectralLine, ...]
     changes: tuple[Change, ...]
     warm_up: tuple[Opposing, Opposing]
     by_load: tuple[Opposing, ...]

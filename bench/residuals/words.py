@@ -5,7 +5,7 @@ from bench.identification.wording import in_percent
 from bench.residuals.concentration import Concentration
 from bench.residuals.look_alikes import LookAlike
 from bench.residuals.opposing_motion import Change
-from bench.residuals.periods import Line
+from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import Dependence
 from bench.residuals.residuals import MotorErrors, WhereItFails
 
@@ -93,7 +93,7 @@ def dependence_words(one: Dependence, units: tuple[str, str]) -> str:
     return f"{head} the {one.variable}, on average from {ends[0]} to {ends[1]}"
 
 
-def line_words(one: Line, units: tuple[str, str]) -> str:
+def line_words(one: SpectralLine, units: tuple[str, str]) -> str:
     """What repeats, and how often."""
     share = f"{one.error_share:.0%}".replace("%", " %")
     size = f"with an amplitude of {one.amplitude:.2g} {units[0]}"

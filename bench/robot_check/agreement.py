@@ -10,7 +10,7 @@ from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.model.supported import label_of
-from bench.robot_check.machine import Machine, body_label, set_pose
+from bench.robot_check.machine import CheckedMachine, body_label, set_pose
 from bench.robot_check.report import Check, count
 
 TOLERANCE = 1e-10  # of the quantity's own size (at least 1, in its SI unit): two libraries, rounding only
@@ -22,7 +22,7 @@ KINDS = {
 }
 
 
-def check_joint_list(machine: Machine) -> Check:
+def check_joint_list(machine: CheckedMachine) -> Check:
     """Every joint of the MJCF is in the model under its name, of its kind, on the body that MuJoCo says."""
     name = "joint tree"
     geometry, compiled = machine.geometry, machine.compiled
@@ -50,7 +50,7 @@ def check_joint_list(machine: Machine) -> Check:
     return Check(name, "ok", f"{count(compiled.njnt, 'joint')}, {roots} on the base, the same in both")
 
 
-def check_joint_motion(machine: Machine, poses: np.ndarray) -> Check:
+def check_joint_motion(machine: CheckedMachine, poses: np.ndarray) -> Check:
     """Place and axis of every joint at the configurations poses (N, nq), from both libraries' Jacobians."""
     name = "joint places and axes"
     compiled, model, data = machine.compiled, machine.model, machine.data
@@ -81,7 +81,7 @@ def check_joint_motion(machine: Machine, poses: np.ndarray) -> Check:
     )
 
 
-def check_body_poses(machine: Machine, poses: np.ndarray, what: str) -> Check:
+def check_body_poses(machine: CheckedMachine, poses: np.ndarray, what: str) -> Check:
     """Position and orientation of every body, fixed ones included, at the configurations poses (N, nq)."""
     worst = np.zeros(machine.compiled.nbody)
     for q in poses:
@@ -100,7 +100,7 @@ def check_body_poses(machine: Machine, poses: np.ndarray, what: str) -> Check:
     )
 
 
-def check_total_mass(machine: Machine) -> Check:
+def check_total_mass(machine: CheckedMachine) -> Check:
     """The mass of everything that moves."""
     moving = [body for body, (joint, _) in machine.places.items() if joint >= 0]
     theirs = float(machine.compiled.body_mass[moving].sum())
@@ -113,7 +113,7 @@ def check_total_mass(machine: Machine) -> Check:
     )
 
 
-def check_mass_matrix(machine: Machine, poses: np.ndarray) -> Check:
+def check_mass_matrix(machine: CheckedMachine, poses: np.ndarray) -> Check:
     """Joint-space inertia matrix of the opened tree, rotor inertias included: all masses and inertias."""
     nv = machine.geometry.nv
     worst = np.zeros(nv)
@@ -134,7 +134,7 @@ def check_mass_matrix(machine: Machine, poses: np.ndarray) -> Check:
     )
 
 
-def check_bias_forces(machine: Machine, poses: np.ndarray, velocities: np.ndarray) -> Check:
+def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np.ndarray) -> Check:
     """Gravity, centrifugal and Coriolis forces at poses (N, nq) and velocities (N, nv)."""
     worst = np.zeros(machine.geometry.nv)
     for q, v in zip(poses, velocities, strict=True):
@@ -150,7 +150,7 @@ def check_bias_forces(machine: Machine, poses: np.ndarray, velocities: np.ndarra
     )
 
 
-def check_motor_forces(machine: Machine, motion: Motion) -> Check:
+def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
     """Forces of the motors at closed states: regressor times masses and rotor inertias, against MuJoCo's dynamics.
 
     This is the whole identification model; MuJoCo's forces are projected by its own constraint Jacobian.
@@ -183,7 +183,7 @@ def check_motor_forces(machine: Machine, motion: Motion) -> Check:
     )
 
 
-def _motor_motions(machine: Machine) -> np.ndarray:
+def _motor_motions(machine: CheckedMachine) -> np.ndarray:
     """MuJoCo's velocities (nv, n) for a unit velocity of each motor, from its own constraint Jacobian."""
     geometry, state = machine.geometry, machine.state
     active, passive = geometry.active, geometry.passive
@@ -196,7 +196,7 @@ def _motor_motions(machine: Machine) -> np.ndarray:
     return motions
 
 
-def _spin_rows(machine: Machine) -> np.ndarray:
+def _spin_rows(machine: CheckedMachine) -> np.ndarray:
     """Rates (spins, nv) at which rods turn about their own axes, by MuJoCo's velocities."""
     rows = []
     linear, angular = np.empty((2, 3, machine.geometry.nv))
@@ -207,7 +207,7 @@ def _spin_rows(machine: Machine) -> np.ndarray:
     return np.array(rows).reshape(-1, machine.geometry.nv)
 
 
-def _model_acceleration(machine: Machine, v: np.ndarray) -> np.ndarray:
+def _model_acceleration(machine: CheckedMachine, v: np.ndarray) -> np.ndarray:
     """The model's accelerations (nv,) when MuJoCo's are zero: T' qvel, from a free body's turning frame."""
     acceleration = np.zeros(machine.geometry.nv)
     for joint in machine.geometry.joints:
@@ -218,7 +218,7 @@ def _model_acceleration(machine: Machine, v: np.ndarray) -> np.ndarray:
     return acceleration
 
 
-def _joint_of(machine: Machine, v: int) -> str:
+def _joint_of(machine: CheckedMachine, v: int) -> str:
     return next(joint.name for joint in machine.geometry.joints if joint.v.start <= v < joint.v.stop)
 
 

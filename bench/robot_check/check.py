@@ -16,11 +16,11 @@ from bench.robot_check.features import check_features, notes
 from bench.robot_check.home import check_home
 from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, loop_lines
 from bench.robot_check.loops import check_closed_motion, check_constraints
-from bench.robot_check.machine import Machine, make_machine, random_open_poses, to_mujoco
+from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
 from bench.robot_check.report import Check, RobotReport, Singularity
 from bench.robot_check.rotors import check_rotors
-from bench.robot_check.singularity import Sweep, singularity_of, sweep
+from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
 
 POSES = 20  # random ones, open and closed, at which the libraries are compared
 SEED = 20120601
@@ -64,7 +64,7 @@ def _with(report: RobotReport, *checks: Check) -> RobotReport:
     return replace(report, checks=report.checks + checks)
 
 
-def _same_tree(machine: Machine) -> list[Check]:
+def _same_tree(machine: CheckedMachine) -> list[Check]:
     """The opened tree in both libraries."""
     poses = random_open_poses(machine.geometry, POSES, SEED)
     velocities = np.random.default_rng(SEED).normal(size=(POSES, machine.geometry.nv))
@@ -81,7 +81,7 @@ def _same_tree(machine: Machine) -> list[Check]:
     ]
 
 
-def _assembled(report: RobotReport, machine: Machine) -> RobotReport:
+def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     """What can be asked of a robot whose loops are closed."""
     geometry = machine.geometry
     mobility = mobility_of(geometry, geometry.home[None])
@@ -134,7 +134,7 @@ def _ranges(found: Singularity) -> list[Check]:
     ]
 
 
-def _passive_ranges(geometry: Geometry, swept: Sweep) -> list[Check]:
+def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
     """Ranges of passive joints that the motors' own ranges let them leave."""
     checks = []
     qpos = np.array([to_mujoco(geometry, q) for q in swept.q])

@@ -7,7 +7,7 @@ from bench.dataset.robot import Robot
 from bench.model.geometry import Geometry
 from bench.model.supported import label_of
 from bench.robot_check.loops import gaps, loop_bodies
-from bench.robot_check.machine import Machine, body_label
+from bench.robot_check.machine import CheckedMachine, body_label
 from bench.robot_check.report import Check, JointLine, LoopLine
 
 SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of its range
@@ -51,7 +51,7 @@ def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]
     return tuple(lines)
 
 
-def loop_lines(machine: Machine) -> tuple[LoopLine, ...]:
+def loop_lines(machine: CheckedMachine) -> tuple[LoopLine, ...]:
     """Every loop closure with its gap in the home pose."""
     geometry: Geometry = machine.geometry
     pairs = loop_bodies(geometry, machine.compiled)

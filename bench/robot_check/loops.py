@@ -11,7 +11,7 @@ from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.geometry import Geometry, Loop
 from bench.model.motion import Motion
 from bench.model.tree import loop_constraints
-from bench.robot_check.machine import Machine, body_label, rotation_matrix, set_pose
+from bench.robot_check.machine import CheckedMachine, body_label, rotation_matrix, set_pose
 from bench.robot_check.report import Check
 
 TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
@@ -38,7 +38,7 @@ def _active(compiled: mujoco.MjModel) -> list[int]:
     return [index for index in range(compiled.neq) if compiled.eq_active0[index]]
 
 
-def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
+def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
     """Residual and Jacobian of every loop and coupling at the closed configurations poses (N, nq)."""
     name = "loop closures"
     geometry = machine.geometry
@@ -80,7 +80,7 @@ def check_constraints(machine: Machine, poses: np.ndarray) -> Check:
     )
 
 
-def check_closed_motion(machine: Machine, motion: Motion) -> Check:
+def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
     """Velocities and accelerations keep MuJoCo's loops closed: its residuals some moments before and after."""
     worst = np.zeros(2)
     for q, v, a in zip(motion.q, motion.v, motion.a, strict=True):
@@ -99,14 +99,14 @@ def check_closed_motion(machine: Machine, motion: Motion) -> Check:
     return Check(name, "ok" if worst.max() < MOTION_TOLERANCE else "failed", told)
 
 
-def _mujoco_residual(machine: Machine, q: np.ndarray) -> np.ndarray:
+def _mujoco_residual(machine: CheckedMachine, q: np.ndarray) -> np.ndarray:
     set_pose(machine, q)
     loops = [_mujoco_rows(machine, index)[:, 0] for index in active_equalities(machine.compiled)]
     couplings = [_coupling_row(machine, index)[:1] for index in active_couplings(machine.compiled)]
     return np.concatenate(loops + couplings)
 
 
-def _coupling_row(machine: Machine, equality: int) -> np.ndarray:
+def _coupling_row(machine: CheckedMachine, equality: int) -> np.ndarray:
     """MuJoCo's residual and Jacobian (1 + nv,) of one coupling."""
     compiled, state = machine.compiled, machine.state
     rows = (state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (state.efc_id == equality)
@@ -114,7 +114,7 @@ def _coupling_row(machine: Machine, equality: int) -> np.ndarray:
     return np.hstack((state.efc_pos[rows, None], jacobian))[0]
 
 
-def _mujoco_rows(machine: Machine, equality: int) -> np.ndarray:
+def _mujoco_rows(machine: CheckedMachine, equality: int) -> np.ndarray:
     """MuJoCo's residual and Jacobian (3 or 6, 1 + nv) of one equality, in the model's form."""
     compiled, state = machine.compiled, machine.state
     weld = compiled.eq_type[equality] == mujoco.mjtEq.mjEQ_WELD
@@ -130,14 +130,14 @@ def _mujoco_rows(machine: Machine, equality: int) -> np.ndarray:
     return both
 
 
-def _second_rotation(machine: Machine, equality: int) -> np.ndarray:
+def _second_rotation(machine: CheckedMachine, equality: int) -> np.ndarray:
     second = int(machine.compiled.eq_obj2id[equality])
     by_site = machine.compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE
     matrices = machine.state.site_xmat if by_site else machine.state.xmat
     return np.array(matrices[second]).reshape(3, 3)
 
 
-def _pinocchio_rows(machine: Machine, q: np.ndarray, turn: np.ndarray) -> list[np.ndarray]:
+def _pinocchio_rows(machine: CheckedMachine, q: np.ndarray, turn: np.ndarray) -> list[np.ndarray]:
     """Pinocchio's own constraints, turned from the frame of the first anchor to the world."""
     model, data = machine.model, machine.data
     pin.computeJointJacobians(model, data, q)
@@ -154,7 +154,7 @@ def _pinocchio_rows(machine: Machine, q: np.ndarray, turn: np.ndarray) -> list[n
     return blocks
 
 
-def gaps(machine: Machine, q: np.ndarray) -> list[tuple[float, float]]:
+def gaps(machine: CheckedMachine, q: np.ndarray) -> list[tuple[float, float]]:
     """How far each loop is open at q (nq,) by MuJoCo's body poses: m between points, rad of a weld."""
     set_pose(machine, q)
     found = []
@@ -170,7 +170,7 @@ def gaps(machine: Machine, q: np.ndarray) -> list[tuple[float, float]]:
     return found
 
 
-def _mujoco_ends(machine: Machine, equality: int, loop: Loop) -> list[tuple[np.ndarray, np.ndarray]]:
+def _mujoco_ends(machine: CheckedMachine, equality: int, loop: Loop) -> list[tuple[np.ndarray, np.ndarray]]:
     compiled, state = machine.compiled, machine.state
     ids = int(compiled.eq_obj1id[equality]), int(compiled.eq_obj2id[equality])
     if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:

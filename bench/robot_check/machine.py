@@ -14,7 +14,7 @@ OPEN_TRAVEL = 0.5  # m: how far slides and free bodies are put from zero in a ra
 
 
 @dataclass(frozen=True)
-class Machine:
+class CheckedMachine:
     """Both libraries' models of one robot; `state` and `data` are scratch space."""
 
     geometry: Geometry
@@ -36,7 +36,7 @@ def compiled_model(geometry: Geometry) -> mujoco.MjModel:
     return compiled
 
 
-def make_machine(geometry: Geometry) -> Machine:
+def make_machine(geometry: Geometry) -> CheckedMachine:
     """Give the model's tree the masses of the MJCF."""
     compiled = compiled_model(geometry)
     model = build_tree(geometry)
@@ -46,7 +46,7 @@ def make_machine(geometry: Geometry) -> Machine:
             frame = pin.SE3(place.rotation, place.translation)
             model.appendBodyToJoint(joint + 1, _inertia(compiled, body), frame)
     model.armature = compiled.dof_armature.copy()
-    return Machine(geometry, compiled, mujoco.MjData(compiled), model, model.createData(), places)
+    return CheckedMachine(geometry, compiled, mujoco.MjData(compiled), model, model.createData(), places)
 
 
 def body_places(compiled: mujoco.MjModel) -> dict[int, tuple[int, Placement]]:
@@ -88,7 +88,7 @@ def to_mujoco(geometry: Geometry, q: np.ndarray) -> np.ndarray:
     return qpos
 
 
-def set_pose(machine: Machine, q: np.ndarray, v: np.ndarray | None = None) -> np.ndarray:
+def set_pose(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None = None) -> np.ndarray:
     """Put MuJoCo at the model's state q (nq,), v (nv,), evaluate it, and return T (nv, nv): v = T qvel.
 
     A free joint's linear velocity is in its own frame in Pinocchio and in the world in MuJoCo.

@@ -29,7 +29,7 @@ NAMED = 4  # joints that a sentence names
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SingularitySweep:
     """Closed poses q (N, nq) in paths from home, and the path's number of each.
 
     ends (P, nq): where paths ended early, at a singular pose or the end of reach.
@@ -40,7 +40,7 @@ class Sweep:
     ends: np.ndarray
 
 
-def sweep(geometry: Geometry) -> Sweep:
+def sweep(geometry: Geometry) -> SingularitySweep:
     """Follow the closures from home along every axis, to corners and random points of the joint ranges.
 
     Raises BenchError if home is not assembled.
@@ -58,10 +58,10 @@ def sweep(geometry: Geometry) -> Sweep:
             if share < 1.0:
                 ends.append(pose.q)
                 break
-    return Sweep(np.array(poses), np.array(paths), np.array(ends).reshape(-1, geometry.nq))
+    return SingularitySweep(np.array(poses), np.array(paths), np.array(ends).reshape(-1, geometry.nq))
 
 
-def singularity_of(geometry: Geometry, swept: Sweep) -> Singularity:
+def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
     """Distance from singularity at home and over a sweep."""
     values = smallest_singular_values(geometry, swept.q)
     singular = np.concatenate((swept.ends, swept.q[_crossings(geometry, swept)]))
@@ -125,7 +125,7 @@ def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
     return targets
 
 
-def _crossings(geometry: Geometry, swept: Sweep) -> np.ndarray:
+def _crossings(geometry: Geometry, swept: SingularitySweep) -> np.ndarray:
     """Poses (their numbers) that lie beyond a singularity seen from the pose before on their path.
 
     J' J of two neighbouring poses changes the sign of its determinant where J lost rank between them.
@@ -137,7 +137,7 @@ def _crossings(geometry: Geometry, swept: Sweep) -> np.ndarray:
     return np.flatnonzero(sign <= 0) + 1
 
 
-def _reach(geometry: Geometry, swept: Sweep) -> dict[str, tuple[float, float]]:
+def _reach(geometry: Geometry, swept: SingularitySweep) -> dict[str, tuple[float, float]]:
     """The ends of the first paths: each motor alone, down and up."""
     reach = {}
     for i, name in enumerate(geometry.robot.joints):

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Motion:
+class FilteredMotion:
     """Filtered motion of the measured joints, border samples dropped; each array has shape (M, n).
 
     Attributes:
@@ -28,7 +28,7 @@ class Motion:
     acceleration: FloatArray
 
 
-def estimate_motion(position: FloatArray, rate: float, settings: FilterSettings) -> Motion:
+def estimate_motion(position: FloatArray, rate: float, settings: FilterSettings) -> FilteredMotion:
     """Low-pass the positions, differentiate them twice, and drop the border samples.
 
     The acceleration is the central difference of the velocity. Source: M. Gautier, ICRA 1997, where this is
@@ -42,7 +42,7 @@ def estimate_motion(position: FloatArray, rate: float, settings: FilterSettings)
     filtered = low_pass(position, rate, settings.position_cutoff, settings.filter_order)
     velocity = central_difference(filtered, 1 / rate, settings.difference_order)
     acceleration = central_difference(velocity, 1 / rate, settings.difference_order)
-    return Motion(trim(filtered, settings), trim(velocity, settings), trim(acceleration, settings))
+    return FilteredMotion(trim(filtered, settings), trim(velocity, settings), trim(acceleration, settings))
 
 
 def trim(x: FloatArray, settings: FilterSettings) -> FloatArray:

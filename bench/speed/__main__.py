@@ -5,79 +5,81 @@ import sys
 from pathlib import Path
 
 from bench.speed import diagnosis, growth, long_log, main_job, regressor, report, six_axes, start_up
-from bench.speed.figures import Figure, append_history, figures_table, last_values
+from bench.speed.figures import SpeedFigure, append_history, figures_table, last_values
 from bench.speed.scheduling import scheduling_figures
 from bench.speed.sweep import sweep_figures
 from bench.studies.sweep.console import table_console
 
 
-def regressor_figures() -> list[Figure]:
+def regressor_figures() -> list[SpeedFigure]:
     """The projected regressor over Pinocchio's own."""
     return [
-        Figure(f"regressor over Pinocchio's, {robot}", regressor.measure(robot).ratio, "×", limit)
+        SpeedFigure(f"regressor over Pinocchio's, {robot}", regressor.measure(robot).ratio, "×", limit)
         for robot, limit in regressor.LIMITS.items()
     ]
 
 
-def main_job_figures() -> list[Figure]:
+def main_job_figures() -> list[SpeedFigure]:
     """Simulation over rollout, identification, and the design and simulation of a hexapod."""
     name = "simulate a hexapod, design included"
-    figures = [Figure(name, main_job.hexapod_seconds(), "s", main_job.HEXAPOD_LIMIT)]
+    figures = [SpeedFigure(name, main_job.hexapod_seconds(), "s", main_job.HEXAPOD_LIMIT)]
     for robot, limit in main_job.IDENTIFICATION_LIMITS.items():
         speed = main_job.measure(robot)
         figures += [
-            Figure(f"simulation over mujoco.rollout, {robot}", speed.ratio, "×", main_job.SIMULATION_LIMIT),
-            Figure(f"identify two recordings of 20 s, {robot}", speed.identification, "s", limit),
+            SpeedFigure(
+                f"simulation over mujoco.rollout, {robot}", speed.ratio, "×", main_job.SIMULATION_LIMIT
+            ),
+            SpeedFigure(f"identify two recordings of 20 s, {robot}", speed.identification, "s", limit),
         ]
     return figures
 
 
-def diagnosis_figures() -> list[Figure]:
+def diagnosis_figures() -> list[SpeedFigure]:
     """Diagnoses of small and large robots, what of the processor and the memory they take, and several at once."""
     figures, busy, memory = [], 0.0, 0.0
     for name, limit, cost in diagnosis.costs():
-        figures.append(Figure(name, cost.seconds, "s", limit))
+        figures.append(SpeedFigure(name, cost.seconds, "s", limit))
         busy = max(busy, cost.processor / cost.seconds)
         if "hexapod" in name:
             memory = cost.megabytes
     return [
         *figures,
-        Figure("peak memory of a hexapod's diagnosis", memory, "MB", diagnosis.MEGABYTES),
-        Figure("processor time of a diagnosis over its time", busy, "×", diagnosis.BUSY),
-        Figure("three diagnoses at once over two", diagnosis.three_over_two(), "×", diagnosis.AT_ONCE),
+        SpeedFigure("peak memory of a hexapod's diagnosis", memory, "MB", diagnosis.MEGABYTES),
+        SpeedFigure("processor time of a diagnosis over its time", busy, "×", diagnosis.BUSY),
+        SpeedFigure("three diagnoses at once over two", diagnosis.three_over_two(), "×", diagnosis.AT_ONCE),
     ]
 
 
-def report_figures() -> list[Figure]:
+def report_figures() -> list[SpeedFigure]:
     """The page of a diagnosis of a robot with six motors: at first, and again from the diagnosis's folder."""
     first, again = report.measure()
     return [
-        Figure("report of 60 s of six motors", first, "s", report.LIMIT),
-        Figure("report of a finished diagnosis", again, "s", report.AGAIN_LIMIT),
+        SpeedFigure("report of 60 s of six motors", first, "s", report.LIMIT),
+        SpeedFigure("report of a finished diagnosis", again, "s", report.AGAIN_LIMIT),
     ]
 
 
-def long_log_figures() -> list[Figure]:
+def long_log_figures() -> list[SpeedFigure]:
     """Two logs of 20 minutes, and a measured arm at 5 kHz where its data are."""
     seconds, gigabytes = long_log.measure()
     name = "identify a five-bar, two logs of 20 minutes at 1 kHz"
     figures = [
-        Figure(name, seconds, "s", long_log.SECONDS_LIMIT),
-        Figure(f"{name}, memory", gigabytes, "GB", long_log.MEMORY_LIMIT),
+        SpeedFigure(name, seconds, "s", long_log.SECONDS_LIMIT),
+        SpeedFigure(f"{name}, memory", gigabytes, "GB", long_log.MEMORY_LIMIT),
     ]
     measured = Path(os.environ.get("PARABENCH_DATA", "../shared/data"))
     if (measured / six_axes.MACHINE).is_dir():
         name = "identify six axes, 45,000 samples at 5 kHz"
-        figures.append(Figure(name, six_axes.measure(measured), "s", six_axes.LIMIT))
+        figures.append(SpeedFigure(name, six_axes.measure(measured), "s", six_axes.LIMIT))
     return figures
 
 
-def growth_figures() -> list[Figure]:
+def growth_figures() -> list[SpeedFigure]:
     """Exponents of the cost; its picture and numbers are kept as well."""
     series = list(growth.measure())
     growth.keep(series)
     return [
-        Figure(
+        SpeedFigure(
             f"{one.command} against {one.of}, exponent",
             one.exponent,
             "",
@@ -87,10 +89,10 @@ def growth_figures() -> list[Figure]:
     ]
 
 
-def start_up_figures() -> list[Figure]:
+def start_up_figures() -> list[SpeedFigure]:
     """From the command to the moment when its dataset is read."""
     return [
-        Figure(f"start of bench {command}", start_up.measure(command), "s", start_up.LIMIT)
+        SpeedFigure(f"start of bench {command}", start_up.measure(command), "s", start_up.LIMIT)
         for command in start_up.COMMANDS
     ]
 

@@ -21,7 +21,7 @@ NOTABLE = 0.15  # relative change that is worth a colour; machines are noisier t
 
 
 @dataclass(frozen=True)
-class Figure:
+class SpeedFigure:
     """A measured figure. limit: it should be at most this, or with `at_least` at least; None: no promise."""
 
     name: str
@@ -50,7 +50,7 @@ def last_values(path: Path = HISTORY) -> dict[str, float]:
     return values
 
 
-def append_history(figures: Sequence[Figure], path: Path = HISTORY) -> None:
+def append_history(figures: Sequence[SpeedFigure], path: Path = HISTORY) -> None:
     """Add a line to the history: figures by name, the program, the machine."""
     record: dict[str, Any] = {
         "figures": {one.name: float(f"{one.value:.4g}") for one in figures},
@@ -63,7 +63,7 @@ def append_history(figures: Sequence[Figure], path: Path = HISTORY) -> None:
         file.write(json.dumps(record) + "\n")
 
 
-def figures_table(figures: Sequence[Figure], last: Mapping[str, float]) -> Table:
+def figures_table(figures: Sequence[SpeedFigure], last: Mapping[str, float]) -> Table:
     """Each figure beside the last one and its limit."""
     table = Table(
         box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False

@@ -15,7 +15,7 @@ from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.page.folder import read_run
-from bench.page.section_run import Run
+from bench.page.section_run import CommandRun
 from bench.page.write import write_diagnosis_report, write_kept
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.speed.hexapod import write_hexapod
@@ -102,7 +102,7 @@ def measure() -> tuple[float, float]:
         dataset = six_motors(folder)
         diagnosis = told(dataset)
         start = perf_counter()
-        write_diagnosis_report(folder / "out", diagnosis, dataset, Run("diagnose", "data"))
+        write_diagnosis_report(folder / "out", diagnosis, dataset, CommandRun("diagnose", "data"))
         written = perf_counter()
         write_kept(folder / "again.html", read_run(folder / "out"), folder / "out")
         return written - start, perf_counter() - written

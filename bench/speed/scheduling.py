@@ -19,7 +19,7 @@ from rich.table import Table
 
 from bench.basics.errors import BenchError
 from bench.files.atomic import write_json_atomically
-from bench.speed.figures import Figure
+from bench.speed.figures import SpeedFigure
 from bench.speed.stand_in import NoWork
 from bench.studies.sweep.console import table_console
 from bench.studies.sweep.dask_pool import DaskPool
@@ -156,18 +156,18 @@ def measure_all() -> list[Scheduling]:
     return [measure("local", LOCAL_WORKERS, lambda: LocalPool(LOCAL_WORKERS)), measure_dask()]
 
 
-def scheduling_figures() -> list[Figure]:
+def scheduling_figures() -> list[SpeedFigure]:
     """Cost and memory of both pools."""
     return [figure for one in measure_all() for figure in figures_of(one)]
 
 
-def figures_of(one: Scheduling) -> list[Figure]:
+def figures_of(one: Scheduling) -> list[SpeedFigure]:
     """What is promised of a pool, and its rate."""
     name = f"{one.runs} runs without work, {one.pool}, {one.workers} workers"
     return [
-        Figure(f"{name}: driver's time a run", one.driver, "ms", COST_LIMIT),
-        Figure(f"{name}: memory gained", one.growth, "MB", GROWTH_LIMIT),
-        Figure(f"{name}: runs a second", one.rate, "/s"),
+        SpeedFigure(f"{name}: driver's time a run", one.driver, "ms", COST_LIMIT),
+        SpeedFigure(f"{name}: memory gained", one.growth, "MB", GROWTH_LIMIT),
+        SpeedFigure(f"{name}: runs a second", one.rate, "/s"),
     ]
 
 

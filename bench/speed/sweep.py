@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.speed.figures import Figure
+from bench.speed.figures import SpeedFigure
 from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.pool import LocalPool
 from bench.studies.sweep.run_sweep import RECORD, run_sweep
@@ -33,7 +33,7 @@ recordings = [
 """
 
 
-def sweep_figures() -> list[Figure]:
+def sweep_figures() -> list[SpeedFigure]:
     """Seconds of 200 runs with two workers, what the second worker gains, and seconds until runs begin."""
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
         file = Path(folder) / "sweep.toml"
@@ -43,9 +43,11 @@ def sweep_figures() -> list[Figure]:
         file.write_text(SWEEP.format(runs=FEWER), encoding="utf-8")
         alone = _timed(file, Path(folder) / "one", 1)[1]
     return [
-        Figure(f"sweep: {RUNS} five-bar runs, two workers", seconds, "s", SECONDS_LIMIT),
-        Figure("sweep: runs a second, two workers over one", together / alone, "", GAIN_LIMIT, at_least=True),
-        Figure("sweep: from the command to the first run", start, "s", START_LIMIT),
+        SpeedFigure(f"sweep: {RUNS} five-bar runs, two workers", seconds, "s", SECONDS_LIMIT),
+        SpeedFigure(
+            "sweep: runs a second, two workers over one", together / alone, "", GAIN_LIMIT, at_least=True
+        ),
+        SpeedFigure("sweep: from the command to the first run", start, "s", START_LIMIT),
     ]
 
 

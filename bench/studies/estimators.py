@@ -43,7 +43,7 @@ BAD = ("stuck", "offset", "noisy")  # what a bad second is, in turn
 
 
 @dataclass(frozen=True)
-class Case:
+class Condition:
     """What is unlike the first case: sensors and controller of the scenario, filters of the fit, and how many seconds
     of each recording are bad at one motor.
     """
@@ -56,23 +56,27 @@ class Case:
 
 
 CASES = (
-    Case("20 bits, 1 % noise of the currents"),
-    Case("0.1 % noise of the currents", {"current_noise_ratio": 0.001}),
-    Case("10 % noise of the currents", {"current_noise_ratio": 0.1}),
-    Case("16-bit encoders", {"encoder_bits": 16}),
-    Case("14-bit encoders", {"encoder_bits": 14}),
-    Case("filter too wide: 160 Hz, one sample in 4", {}, {}, {"position_cutoff": 160.0, "decimation": 4}),
-    Case("the same, 14-bit encoders", {"encoder_bits": 14}, {}, {"position_cutoff": 160.0, "decimation": 4}),
-    Case("filter too narrow: 5 Hz", {}, {}, {"position_cutoff": 5.0}),
-    Case("one bad second in ten", bad_seconds=1),
-    Case("two bad seconds in ten", bad_seconds=2),
-    Case("soft controller: 5 Hz", {}, {"natural_frequency": 5.0, "tracking_limit": 1.0}),
-    Case("stiff controller: 20 Hz", {}, {"natural_frequency": 20.0}),
+    Condition("20 bits, 1 % noise of the currents"),
+    Condition("0.1 % noise of the currents", {"current_noise_ratio": 0.001}),
+    Condition("10 % noise of the currents", {"current_noise_ratio": 0.1}),
+    Condition("16-bit encoders", {"encoder_bits": 16}),
+    Condition("14-bit encoders", {"encoder_bits": 14}),
+    Condition(
+        "filter too wide: 160 Hz, one sample in 4", {}, {}, {"position_cutoff": 160.0, "decimation": 4}
+    ),
+    Condition(
+        "the same, 14-bit encoders", {"encoder_bits": 14}, {}, {"position_cutoff": 160.0, "decimation": 4}
+    ),
+    Condition("filter too narrow: 5 Hz", {}, {}, {"position_cutoff": 5.0}),
+    Condition("one bad second in ten", bad_seconds=1),
+    Condition("two bad seconds in ten", bad_seconds=2),
+    Condition("soft controller: 5 Hz", {}, {"natural_frequency": 5.0, "tracking_limit": 1.0}),
+    Condition("stiff controller: 20 Hz", {}, {"natural_frequency": 20.0}),
 )
 
 
 @dataclass(frozen=True)
-class Row:
+class EstimatorRow:
     """One estimator on one robot in one case; relative to the true gains, of the joint where it is largest.
 
     bias: mean error; spread: standard deviation of it; error: median over seeds of the largest error of a gain; within:
@@ -93,7 +97,7 @@ class Row:
     reason: str = ""
 
 
-def changes(robot: str, case: Case, seed: int) -> dict[str, Any]:
+def changes(robot: str, case: Condition, seed: int) -> dict[str, Any]:
     """The robot's built-in scenario in a case: two recordings, the controller's law declared."""
     payload = next(iter(load_scenario(robot).settings.payloads))
     design = {"optimise": True, "duration": DURATION, "ramp": 0.5}
@@ -133,18 +137,18 @@ def _trajectories(robot: str) -> Mapping[str, FourierTrajectory]:
     return resolve_trajectories(_scenario(robot, CASES[0], 1), designer)
 
 
-def _scenario(robot: str, case: Case, seed: int) -> Scenario:
+def _scenario(robot: str, case: Condition, seed: int) -> Scenario:
     return load_scenario(robot, changes(robot, case, seed))
 
 
 @lru_cache(maxsize=2)
 def _simulated(robot: str, controller: tuple[tuple[str, float], ...]) -> Simulation:
-    case = Case("", controller=dict(controller))
+    case = Condition("", controller=dict(controller))
     return simulate(_scenario(robot, case, 1), _trajectories(robot), threads=1)
 
 
 @on_one_thread
-def rows_of(robot: str, case: Case, methods: Sequence[str], seeds: int) -> list[Row]:
+def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> list[EstimatorRow]:
     """Every method on the same data of a robot in a case, seeds 1 to so many."""
     simulation = _simulated(robot, tuple(case.controller.items()))
     truth = true_gains(simulation.scenario)
@@ -170,17 +174,17 @@ def rows_of(robot: str, case: Case, methods: Sequence[str], seeds: int) -> list[
 
 def _row(
     robot: str,
-    case: Case,
+    case: Condition,
     method: str,
     found: Sequence[tuple[np.ndarray, np.ndarray, float]],
     reasons: Sequence[str],
-) -> Row:
+) -> EstimatorRow:
     failed, reason = len(reasons), reasons[0] if reasons else ""
     if not found:
         nan = float("nan")
-        return Row(robot, case.name, method, 0, nan, nan, nan, nan, nan, failed, reason)
+        return EstimatorRow(robot, case.name, method, 0, nan, nan, nan, nan, nan, failed, reason)
     errors, stds = (np.array([one[k] for one in found]) for k in (0, 1))
-    return Row(
+    return EstimatorRow(
         robot,
         case.name,
         method,
@@ -199,7 +203,7 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.2g} %" if share < 1.0 else f"{100.0 * share:.0f} %"
 
 
-def markdown(rows: Sequence[Row]) -> str:
+def markdown(rows: Sequence[EstimatorRow]) -> str:
     """A table for each robot and case, estimators below each other."""
     text = ["# Estimators", "", EXPLANATION, ""]
     for robot in dict.fromkeys(one.robot for one in rows):
@@ -246,7 +250,7 @@ def main(robots: tuple[str, ...], output: Path, seeds: int, workers: int) -> Non
     write_text_atomically(output / "estimators.md", markdown(kept_rows(output)))
 
 
-def kept_rows(folder: Path) -> list[Row]:
+def kept_rows(folder: Path) -> list[EstimatorRow]:
     """The rows of all robots in a folder, built-in ones first."""
     files = sorted(
         folder.glob("*.json"), key=lambda one: (*(one.stem != robot for robot in ROBOTS), one.stem)
@@ -256,9 +260,9 @@ def kept_rows(folder: Path) -> list[Row]:
     return [_kept(row) for row in every]
 
 
-def _kept(row: Mapping[str, Any]) -> Row:
+def _kept(row: Mapping[str, Any]) -> EstimatorRow:
     values: dict[str, Any] = {key: float("nan") if value is None else value for key, value in row.items()}
-    return Row(**values)
+    return EstimatorRow(**values)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from bench.basics.progress import SILENT, Progress
 from bench.dataset.dataset import Dataset
 from bench.excitation.experiment.files import scenario_text
 from bench.excitation.experiment.forecast import Forecast, described
-from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.plan import ExperimentPlan
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -21,7 +21,7 @@ from bench.truth.simulate import simulate
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ForecastOutcome:
     """One unknown: its forecast standard error, and the standard deviation of its estimates over all repetitions."""
 
     name: str
@@ -35,8 +35,8 @@ class Outcome:
 
 
 def monte_carlo(
-    plan: Plan, told: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
-) -> tuple[Outcome, ...]:
+    plan: ExperimentPlan, told: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
+) -> tuple[ForecastOutcome, ...]:
     """Simulate the planned motions once, log them `repetitions` times with other noise, identify each.
 
     Raises BenchError for fewer than two repetitions.
@@ -54,18 +54,18 @@ def monte_carlo(
         estimates.append(_estimate(as_dataset(sense_again(simulation, again)), plan))
     found = np.std(estimates, axis=0, ddof=1)
     return tuple(
-        Outcome(one.name, one.std, float(spread))
+        ForecastOutcome(one.name, one.std, float(spread))
         for one, spread in zip(told.unknowns, found, strict=True)
         if one.std is not None
     )
 
 
-def pooled(outcomes: tuple[Outcome, ...]) -> float:
+def pooled(outcomes: tuple[ForecastOutcome, ...]) -> float:
     """The root mean square of all ratios: 1 where the forecast is right on the whole."""
     return float(np.sqrt(np.mean([one.ratio**2 for one in outcomes])))
 
 
-def planned_scenario(plan: Plan, seed: int) -> Scenario:
+def planned_scenario(plan: ExperimentPlan, seed: int) -> Scenario:
     """The experiment as a scenario, without the recordings that only check."""
     content = tomllib.loads(scenario_text(plan))
     content["seed"] = seed
@@ -80,7 +80,7 @@ def _seeded(scenario: Scenario, seed: int) -> Scenario:
     return replace(scenario, settings=scenario.settings.model_copy(update={"seed": seed}))
 
 
-def _estimate(dataset: Dataset, plan: Plan) -> np.ndarray:
+def _estimate(dataset: Dataset, plan: ExperimentPlan) -> np.ndarray:
     """The estimates in the order of the forecast."""
     found = identify(
         prepare(problem_of(dataset, list(dict.fromkeys(one.request for one in plan.nominal.effects))))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.controller import Controller, reference_column
+from bench.dataset.controller import ControlLaw, reference_column
 from bench.dataset.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
 from bench.dataset.recording import Recording, position_column, write_recording
 from bench.dataset.robot import Robot
@@ -43,12 +43,12 @@ def as_dataset(simulation: Simulation) -> Dataset:
     )
 
 
-def _law(simulation: Simulation) -> Controller:
+def _law(simulation: Simulation) -> ControlLaw:
     """The controller's law; MuJoCo's velocity is the backward difference of its positions over a step."""
     drive = simulation.machine.drive
     n = len(simulation.robot.joints)
     kp, kv, ka = ((one / drive.nominal_gains)[:n] for one in (drive.kp, drive.kv, drive.feedforward))
-    return Controller(kp, kv, ka, 0.5 * simulation.scenario.settings.step)
+    return ControlLaw(kp, kv, ka, 0.5 * simulation.scenario.settings.step)
 
 
 def _beside(recording: SimulatedRecording, robot: Robot, *, references: bool) -> dict[str, np.ndarray]:

@@ -39,7 +39,7 @@ class Timing:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class MotionRun:
     """One movement to simulate: the machine with its payload (or None), a reference, a number of samples."""
 
     name: str
@@ -49,7 +49,7 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class TrueMotion:
     """The true motion of one run at the log rate, N samples; coordinates as MuJoCo has them.
 
     At each sample the rigid-body equations hold to rounding between all of these, hidden effects aside.
@@ -77,11 +77,11 @@ class Motion:
 
 def simulate_motion(
     machine: Machine,
-    runs: Sequence[Run],
+    runs: Sequence[MotionRun],
     timing: Timing,
     threads: int = 2,
     progress: Progress = SILENT,
-) -> tuple[Motion, ...]:
+) -> tuple[TrueMotion, ...]:
     """The motion of every run, all of them side by side; the number of threads changes nothing but the time.
 
     A run begins with the loops closed at the start of its trajectory, at rest, and is held there by the
@@ -139,7 +139,7 @@ def _reference(
     return evaluated
 
 
-def _first_pose(machine: Machine, run: Run) -> Array:
+def _first_pose(machine: Machine, run: MotionRun) -> Array:
     """Loops closed; where a spring or play stands between motor and joint, it carries the weight."""
     model = machine.models[run.payload]
     home = np.concatenate([machine.home, np.zeros(model.nq - len(machine.home))])
@@ -188,7 +188,7 @@ def _roll_out(
     return States(qpos, qvel, acceleration, torque, current, np.zeros_like(current), gaps)
 
 
-def _motion(robot: Robot, index: int, run: Run, timing: Timing, chunks: Sequence[States]) -> Motion:
+def _motion(robot: Robot, index: int, run: MotionRun, timing: Timing, chunks: Sequence[States]) -> TrueMotion:
     own = slice(timing.settle, timing.settle + run.samples)
     qpos, qvel, qacc, torque, current, misread, gaps = (
         np.concatenate([getattr(states, name)[index] for states in chunks])[own]
@@ -196,4 +196,4 @@ def _motion(robot: Robot, index: int, run: Run, timing: Timing, chunks: Sequence
     )
     time = timing.step * timing.log_every * np.arange(run.samples, dtype=np.float64)
     reference = references(robot, run.trajectory)(time)[0]
-    return Motion(time, qpos, qvel, qacc, torque, current, misread, reference, gaps)
+    return TrueMotion(time, qpos, qvel, qacc, torque, current, misread, reference, gaps)

@@ -17,7 +17,7 @@ from bench.scenario.scenario import Scenario, per_joint, resolve_trajectories
 from bench.scenario.tables import RecordingTable
 from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.machine import Machine, build_machine
-from bench.truth.motion import Motion, Run, Timing, simulate_motion
+from bench.truth.motion import MotionRun, Timing, TrueMotion, simulate_motion
 from bench.truth.sensors import Log, sense
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ class SimulatedRecording:
 
     table: RecordingTable
     trajectory: FourierTrajectory
-    motion: Motion
+    motion: TrueMotion
     position: Array
     """(N, n) what perfect encoders read: the true positions of the actuated joints, hidden effects aside."""
     current: Array
@@ -89,7 +89,7 @@ def simulate(
     machine = build_machine(scenario)
     timing = Timing(settings.step, scenario.log_every, round(settings.settle / scenario.log_period))
     runs = [
-        Run(r.name, r.payload, given[r.name], round(given[r.name].duration / scenario.log_period))
+        MotionRun(r.name, r.payload, given[r.name], round(given[r.name].duration / scenario.log_period))
         for r in settings.recordings
     ]
     start = time.perf_counter()
@@ -107,7 +107,11 @@ def simulate(
 
 
 def _recorded(
-    scenario: Scenario, machine: Machine, table: RecordingTable, trajectory: FourierTrajectory, motion: Motion
+    scenario: Scenario,
+    machine: Machine,
+    table: RecordingTable,
+    trajectory: FourierTrajectory,
+    motion: TrueMotion,
 ) -> SimulatedRecording:
     position = motion.qpos[:, machine.motor_addresses] + machine.drive.offset + motion.misread
     current = motion.current
@@ -132,7 +136,7 @@ def _recorded(
     return SimulatedRecording(table, trajectory, motion, position, current, gap, log)
 
 
-def _tracking_fault(scenario: Scenario, motion: Motion, position: Array) -> str | None:
+def _tracking_fault(scenario: Scenario, motion: TrueMotion, position: Array) -> str | None:
     robot, limit = scenario.robot, scenario.settings.controller.tracking_limit
     if limit is None:
         largest = np.array([LARGEST_TRACKING_ERROR[a.gain_unit.split("/")[0]] for a in robot.motors])
@@ -150,7 +154,7 @@ def _tracking_fault(scenario: Scenario, motion: Motion, position: Array) -> str 
     )
 
 
-def _end_stop_fault(model: mujoco.MjModel, motion: Motion) -> str | None:
+def _end_stop_fault(model: mujoco.MjModel, motion: TrueMotion) -> str | None:
     for joint in range(model.njnt):
         if not model.jnt_limited[joint] or model.jnt_type[joint] not in (
             int(mujoco.mjtJoint.mjJNT_HINGE),

@@ -17,7 +17,7 @@ def sidecar_path(path: Path) -> Path:
 
 
 @dataclass(frozen=True)
-class Motor:
+class SidecarMotor:
     """A driven joint; gain: N*m or N per unit of current; actuator: its name in the MJCF."""
 
     joint: str
@@ -30,7 +30,7 @@ class TwinFile:
     """motors in actuator order; effects with the values of their linear parameters; tool: site, None without."""
 
     path: Path
-    motors: tuple[Motor, ...]
+    motors: tuple[SidecarMotor, ...]
     effects: tuple[tuple[EffectInstance, Mapping[str, float]], ...]
     tool: str | None
 
@@ -53,7 +53,7 @@ def load_twin_file(mjcf: Path) -> TwinFile:
         return TwinFile(
             path=path,
             motors=tuple(
-                Motor(one["joint"], float(one["gain"]), one["actuator"]) for one in content["motors"]
+                SidecarMotor(one["joint"], float(one["gain"]), one["actuator"]) for one in content["motors"]
             ),
             effects=tuple(_effect(path, one, catalogue) for one in content["effects"]),
             tool=content["tool"],

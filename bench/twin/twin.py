@@ -10,7 +10,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.effects.laws.platform_force import PlatformForce
 from bench.twin.drive import ORDER, DriveLaw, drive_law_of
-from bench.twin.file import Motor, TwinFile, load_twin_file
+from bench.twin.file import SidecarMotor, TwinFile, load_twin_file
 from bench.twin.friction import STEPS_TO_STICK, STIFF
 from bench.twin.laws import Instant, JointLaw, joint_law_of
 
@@ -19,7 +19,7 @@ from bench.twin.laws import Instant, JointLaw, joint_law_of
 class TwinMotor:
     """A motor of the twin with its places in MuJoCo's arrays and its effects; dry: friction that the MJCF holds."""
 
-    motor: Motor
+    motor: SidecarMotor
     actuator: int
     qpos: int
     dof: int

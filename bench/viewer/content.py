@@ -11,7 +11,7 @@ from bench.document.colours import rgb
 from bench.identification.effect_torques import EffectTorques
 from bench.identification.result import CurrentSeries
 from bench.viewer.body_motion import BodyMotion
-from bench.viewer.context import Known
+from bench.viewer.context import KnownTruth
 
 TIMELINE = "time"
 
@@ -29,7 +29,7 @@ class Motor:
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class ShownContent:
     """One recording. root: the entity below which all lies; deviation (n,): of the fitted errors, drive unit.
 
     steps: words and currents of the models before the one that is shown, whose own word is label.
@@ -45,7 +45,7 @@ class Shown:
     steps: tuple[tuple[str, CurrentSeries], ...] = ()
     label: str = ""
     torques: EffectTorques | None = None
-    known: Known | None = None
+    known: KnownTruth | None = None
     reference_path: np.ndarray | None = None
 
     @property
@@ -65,7 +65,7 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Line:
+class Curve:
     """How a series is drawn; width in points."""
 
     name: str
@@ -79,7 +79,7 @@ def nanoseconds(seconds: np.ndarray) -> np.ndarray:
 
 
 def send_line(
-    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, values: np.ndarray, line: Line
+    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, values: np.ndarray, line: Curve
 ) -> None:
     """Send one curve, its values (N,) as one column."""
     style = rr.SeriesLines(names=line.name, colors=rgb(line.colour), widths=line.width)

@@ -11,7 +11,7 @@ from bench.identification.result import CurrentSeries
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class KnownTruth:
     """What is known of one recording from elsewhere, S samples; what is None is not known.
 
     time (S,) s, as logged. reference (S, n) rad or m: the positions that the controller was asked for. torque
@@ -24,7 +24,7 @@ class Known:
     torque: np.ndarray | None = None
     loop_gap: np.ndarray | None = None
 
-    def within(self, first: float, last: float) -> "Known":
+    def within(self, first: float, last: float) -> "KnownTruth":
         """The samples from one time to another, s."""
         inside = (self.time >= first) & (self.time <= last)
         if inside.all():
@@ -32,11 +32,11 @@ class Known:
         values = [
             None if one is None else one[inside] for one in (self.reference, self.torque, self.loop_gap)
         ]
-        return Known(self.time[inside], *values)
+        return KnownTruth(self.time[inside], *values)
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class LadderModel:
     """A model on the way to the one that is shown: words such as "+ coulomb friction", and its currents."""
 
     label: str
@@ -52,9 +52,9 @@ class Story:
     of the model that is shown, where there are steps.
     """
 
-    steps: tuple[Step, ...] = ()
+    steps: tuple[LadderModel, ...] = ()
     torques: Mapping[str, EffectTorques] = field(default_factory=dict)
-    known: Mapping[str, Known] = field(default_factory=dict)
+    known: Mapping[str, KnownTruth] = field(default_factory=dict)
     truth: Truth | None = None
     text: str = ""
     label: str = "the model shown"

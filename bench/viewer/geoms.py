@@ -22,7 +22,7 @@ _DRAWN = {
 
 
 @dataclass(frozen=True)
-class Shape:
+class GeomShape:
     """What is drawn for one body: a name among that body's shapes, and what the viewer takes."""
 
     body: int
@@ -44,7 +44,7 @@ def visible_geoms(model: mujoco.MjModel) -> np.ndarray:
     )
 
 
-def shapes(model: mujoco.MjModel) -> Iterator[Shape]:
+def shapes(model: mujoco.MjModel) -> Iterator[GeomShape]:
     """The visible geoms of every body, in its frame; all boxes of a body together, and so on."""
     geoms = visible_geoms(model)
     for body in range(model.nbody):
@@ -55,9 +55,9 @@ def shapes(model: mujoco.MjModel) -> Iterator[Shape]:
         for kind, members in by_kind.items():
             if kind == "mesh":
                 for number, geom in enumerate(members):
-                    yield Shape(body, f"mesh_{number}", _mesh(model, geom))
+                    yield GeomShape(body, f"mesh_{number}", _mesh(model, geom))
             else:
-                yield Shape(body, kind, (_solids(model, kind, np.array(members)),))
+                yield GeomShape(body, kind, (_solids(model, kind, np.array(members)),))
 
 
 def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray) -> rr.AsComponents:

@@ -23,8 +23,8 @@ from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
 from bench.viewer.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
 from bench.viewer.body_motion import BodyMotion, body_motion, tool_path
-from bench.viewer.content import Motor, Shown
-from bench.viewer.context import Known, Story
+from bench.viewer.content import Motor, ShownContent
+from bench.viewer.context import KnownTruth, Story
 from bench.viewer.scene import TOP, error_share, send_payload, send_robot
 from bench.viewer.tracks import (
     send_currents,
@@ -56,7 +56,7 @@ class _Run:
     prefix: str
     model: mujoco.MjModel
     motors: list[Motor]
-    shown: list[Shown]
+    shown: list[ShownContent]
 
 
 def write_rrd(
@@ -161,7 +161,7 @@ def _run(told: Told, prefix: str) -> _Run:
     return _Run(told, prefix, model, _motors(told.result, geometry), _shown(told, prefix, model, geometry))
 
 
-def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -> list[Shown]:
+def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -> list[ShownContent]:
     result, dataset, story = told.result, told.dataset, told.story
     by_name = {recording.name: recording for recording in dataset.recordings}
     roots = entity_roots([series.name for series in result.recordings])
@@ -175,7 +175,7 @@ def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -
         motion = body_motion(model, geometry, recording, result.settings)
         known = story.known.get(series.name) or _logged_reference(recording, dataset.robot.joints)
         shown.append(
-            Shown(
+            ShownContent(
                 root=f"{prefix}{roots[series.name]}",
                 recording=recording,
                 series=series,
@@ -192,17 +192,17 @@ def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -
     return shown
 
 
-def _logged_reference(recording: Recording, joints: Sequence[str]) -> Known | None:
+def _logged_reference(recording: Recording, joints: Sequence[str]) -> KnownTruth | None:
     """The reference positions, where the log has them as reference.JOINT for every motor."""
     columns = [recording.extra.get(f"{REFERENCE_COLUMN}{joint}") for joint in joints]
     found = [one for one in columns if one is not None]
     if len(found) < len(joints) or not np.isfinite(found).all():
         return None
-    return Known(recording.time, reference=np.stack(found, axis=1))
+    return KnownTruth(recording.time, reference=np.stack(found, axis=1))
 
 
 def _reference_path(
-    model: mujoco.MjModel, geometry: Geometry, motion: BodyMotion, known: Known | None
+    model: mujoco.MjModel, geometry: Geometry, motion: BodyMotion, known: KnownTruth | None
 ) -> np.ndarray | None:
     """Where the controller wanted the tool (F, 3) m; None where that is not known, or out of the robot's reach."""
     if known is None or known.reference is None:

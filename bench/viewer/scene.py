@@ -8,7 +8,7 @@ from bench.dataset.payload import Payload
 from bench.document.colours import scale_colours
 from bench.document.numbers import judged_error
 from bench.identification.result import CurrentSeries
-from bench.viewer.content import Shown
+from bench.viewer.content import ShownContent
 from bench.viewer.geoms import shapes
 
 PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a ball of steel that weighs the same
@@ -30,7 +30,7 @@ def error_share(series: CurrentSeries) -> np.ndarray:
         )
 
 
-def send_robot(stream: rr.RecordingStream, one: Shown, model: mujoco.MjModel, largest: float) -> None:
+def send_robot(stream: rr.RecordingStream, one: ShownContent, model: mujoco.MjModel, largest: float) -> None:
     """Bodies, loops closed, and the tool's path. largest: the error share at the far end of the colour scale."""
     robot = f"{one.root}/robot"
     stream.log(robot, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
@@ -53,7 +53,7 @@ def send_robot(stream: rr.RecordingStream, one: Shown, model: mujoco.MjModel, la
         _send_path(stream, one, one.motion.tool_position, largest)
 
 
-def _send_path(stream: rr.RecordingStream, one: Shown, tool: np.ndarray, largest: float) -> None:
+def _send_path(stream: rr.RecordingStream, one: ShownContent, tool: np.ndarray, largest: float) -> None:
     """Every piece of the path in the colour of the error there, and a dot that runs along."""
     robot = f"{one.root}/robot"
     radius = PATH_RADIUS * float(np.linalg.norm(one.motion.high - one.motion.low))
@@ -69,7 +69,7 @@ def _send_path(stream: rr.RecordingStream, one: Shown, tool: np.ndarray, largest
         stream.log(f"{robot}/reference_path", wanted, static=True)
 
 
-def send_payload(stream: rr.RecordingStream, one: Shown, payload: Payload) -> None:
+def send_payload(stream: rr.RecordingStream, one: ShownContent, payload: Payload) -> None:
     """A ball of the payload's mass, at its centre of mass where that is known, else at the tool."""
     motion = one.motion
     if motion.tool_position is None or motion.tool_quaternion is None:

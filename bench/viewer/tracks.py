@@ -8,25 +8,25 @@ import rerun as rr
 from bench.document.colours import LADDER_ON_DARK, ON_DARK, rgb
 from bench.document.numbers import effect_name, judged_error
 from bench.identification.result import CurrentSeries
-from bench.viewer.content import Line, Motor, Shown, send_line
+from bench.viewer.content import Curve, Motor, ShownContent, send_line
 from bench.viewer.phases import lanes
 
 POSITION_COLOURS = ("#5BC99B", "#C39BF0", "#E6D55A", "#F08A6B", "#9FC7C9", "#D0A0A0")
 EFFECT_COLOURS = ("#7CC7A1", "#B7A3F0", "#E0908A", "#9FC7C9", "#C9CF7A")
 AXES = ("x", "y", "z")
-LOGGED = Line("logged", ON_DARK.logged, 1.0)
-MEASURED = Line("measured, filtered", ON_DARK.measured, 4.0)
-MODELLED = Line("modelled", ON_DARK.modelled, 1.5)
-ERROR = Line("error", ON_DARK.error, 1.4)
-HIDDEN = Line("hidden in the simulated machine", ON_DARK.measured, 4.0)
-FOUND = Line("found: all effects of the model", ON_DARK.modelled, 1.6)
-LEFT = Line("left over: gain × error", ON_DARK.error, 1.0)
+LOGGED = Curve("logged", ON_DARK.logged, 1.0)
+MEASURED = Curve("measured, filtered", ON_DARK.measured, 4.0)
+MODELLED = Curve("modelled", ON_DARK.modelled, 1.5)
+ERROR = Curve("error", ON_DARK.error, 1.4)
+HIDDEN = Curve("hidden in the simulated machine", ON_DARK.measured, 4.0)
+FOUND = Curve("found: all effects of the model", ON_DARK.modelled, 1.6)
+LEFT = Curve("left over: gain × error", ON_DARK.error, 1.0)
 REFERENCE = "#F2F5F8"
-MACHINE = Line("simulated machine", ON_DARK.measured, 1.6)
-CLOSED = Line("as drawn", ON_DARK.modelled, 1.6)
+MACHINE = Curve("simulated machine", ON_DARK.measured, 1.6)
+CLOSED = Curve("as drawn", ON_DARK.modelled, 1.6)
 
 
-def send_currents(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -> None:
+def send_currents(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
     """Currents logged, measured and modelled, and the errors with their deviation, of every motor."""
     recording, series = one.recording, one.series
     errors = judged_error(series)
@@ -55,11 +55,11 @@ def send_currents(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor
             f"{one.root}/position/{motor.entity}",
             logged,
             recording.position[:, j],
-            Line(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 3.0),
+            Curve(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 3.0),
         )
 
 
-def send_steps(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -> None:
+def send_steps(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
     """The errors of the models before the one that is shown and, above all of them, of that one."""
     if not one.steps:
         return
@@ -68,10 +68,10 @@ def send_steps(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) 
         colour = ON_DARK.error if series is one.series else LADDER_ON_DARK[number % len(LADDER_ON_DARK)]
         for j, motor in enumerate(motors):
             entity = f"{one.root}/steps/{motor.entity}/{number}"
-            send_line(stream, entity, column, errors[:, j], Line(label, colour, 1.4))
+            send_line(stream, entity, column, errors[:, j], Curve(label, colour, 1.4))
 
 
-def send_torques(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -> None:
+def send_torques(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
     """Torque of hidden effects where it is known, of the model's effects, and what the model leaves over."""
     if not one.has_torques:
         return
@@ -90,7 +90,7 @@ def send_torques(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]
 
 
 def _send_effects(
-    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, one: Shown, motor: int
+    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, one: ShownContent, motor: int
 ) -> None:
     by_effect = {} if one.torques is None else one.torques.by_effect
     shown = {
@@ -99,23 +99,23 @@ def _send_effects(
     if len(shown) < 2:
         return
     for number, (name, torque) in enumerate(shown.items()):
-        line = Line(effect_name(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
+        line = Curve(effect_name(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
         send_line(stream, f"{entity}/2_{name}", column, torque, line)
 
 
-def send_tool(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -> None:
+def send_tool(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
     """Where the tool is and was wanted, reference positions of the motors, and how far the loops open."""
     frames = one.column(one.motion.time)
     if one.motion.tool_position is not None:
         for k, axis in enumerate(AXES):
-            line = Line(axis, POSITION_COLOURS[k], 4.0)
+            line = Curve(axis, POSITION_COLOURS[k], 4.0)
             send_line(stream, f"{one.root}/tool/1_{axis}", frames, one.motion.tool_position[:, k], line)
             if one.reference_path is not None:
-                wanted = Line(f"{axis}, reference", REFERENCE, 1.2)
+                wanted = Curve(f"{axis}, reference", REFERENCE, 1.2)
                 send_line(stream, f"{one.root}/tool/2_{axis}", frames, one.reference_path[:, k], wanted)
         if one.reference_path is not None:
             apart = 1e3 * np.linalg.norm(one.motion.tool_position - one.reference_path, axis=1)
-            line = Line("actual path to reference path", ON_DARK.error, 1.6)
+            line = Curve("actual path to reference path", ON_DARK.error, 1.6)
             send_line(stream, f"{one.root}/following", frames, apart, line)
     if one.motion.loop_gap.size:
         gap = 1e6 * one.motion.loop_gap.max(axis=1)
@@ -128,12 +128,12 @@ def send_tool(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -
         send_line(stream, f"{one.root}/loop_gap/machine", column, 1e6 * known.loop_gap.max(axis=1), MACHINE)
     if known.reference is not None:
         for j, motor in enumerate(motors):
-            line = Line(f"{motor.name}, reference", REFERENCE, 1.2)
+            line = Curve(f"{motor.name}, reference", REFERENCE, 1.2)
             entity = f"{one.root}/reference/{motor.entity}"
             send_line(stream, entity, column, known.reference[:, j], line)
 
 
-def send_phases(stream: rr.RecordingStream, one: Shown, motors: Sequence[Motor]) -> None:
+def send_phases(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
     """States on the time line: start, middle and end, the payload, and how every motor moves."""
     for number, lane in enumerate(lanes(one.series, [motor.name for motor in motors], one.payload)):
         entity = f"{one.root}/phases/{rr.escape_entity_path_part(f'{number + 1}_{lane.name}')}"

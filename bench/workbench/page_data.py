@@ -16,9 +16,9 @@ from bench.identification.result import Identification
 from bench.workbench.encode import doubles, floats, short_triangle, triangle
 from bench.workbench.found_model import FoundModel, found_models
 from bench.workbench.proposals import instances_of
-from bench.workbench.room import Room, room_for
+from bench.workbench.room import PageRoom, room_for
 from bench.workbench.sample import thinned
-from bench.workbench.system import System, build
+from bench.workbench.system import PageSystem, build
 
 VERSION = 2
 
@@ -70,10 +70,10 @@ def _ranks(model: FoundModel, diagnosis: Diagnosis) -> dict[str, int]:
 
 def _carried(
     model: FoundModel,
-    system: System,
+    system: PageSystem,
     diagnosis: Diagnosis,
     known: Mapping[str, Effect],
-    room: Room,
+    room: PageRoom,
     *,
     drawn: bool = True,
 ) -> dict[str, Any]:
@@ -104,7 +104,7 @@ def _carried(
     }
 
 
-def _motor(model: FoundModel, system: System, kept: np.ndarray, room: Room, j: int) -> dict[str, Any]:
+def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, room: PageRoom, j: int) -> dict[str, Any]:
     actuator = model.plain.dataset.robot.actuators[j]
     columns = np.flatnonzero(kept[j])
     rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
@@ -158,7 +158,9 @@ def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]
     return [of(diagnosis.after, found), of(diagnosis.before, model.started)]
 
 
-def _effect(model: FoundModel, system: System, diagnosis: Diagnosis, room: Room, name: str) -> dict[str, Any]:
+def _effect(
+    model: FoundModel, system: PageSystem, diagnosis: Diagnosis, room: PageRoom, name: str
+) -> dict[str, Any]:
     ranks = [one.effect for one in diagnosis.ranking]
     verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
     places = [(i, one) for i, one in enumerate(system.effects) if one.effect.name == name]
@@ -172,7 +174,7 @@ def _effect(model: FoundModel, system: System, diagnosis: Diagnosis, room: Room,
     }
 
 
-def _place(model: FoundModel, system: System, i: int, instance: EffectInstance) -> dict[str, Any]:
+def _place(model: FoundModel, system: PageSystem, i: int, instance: EffectInstance) -> dict[str, Any]:
     effect = instance.effect
     robot = model.plain.dataset.robot
     names = list(robot.joints)

@@ -6,13 +6,13 @@ import numpy as np
 
 from bench.workbench.encode import floats, quantised
 from bench.workbench.found_model import FoundModel
-from bench.workbench.system import System
+from bench.workbench.system import PageSystem
 
 BYTES, FEW_BYTES = 560_000, 300_000  # of all quantised columns together, in two bytes or in one
 FEWEST, MOST = 60, 500  # rows of a recording
 
 
-def thinned(model: FoundModel, system: System, kept: np.ndarray, *, short: bool) -> list[dict[str, Any]]:
+def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray, *, short: bool) -> list[dict[str, Any]]:
     """Every recording at evenly spaced rows of the fit, with the columns that are kept for each motor (n, C).
 
     short: in one byte each instead of two. Of the measured current each stretch around such a row also has its

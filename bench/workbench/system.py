@@ -14,7 +14,7 @@ from bench.workbench.found_model import FoundModel
 
 
 @dataclass(frozen=True)
-class System:
+class PageSystem:
     """columns (M, n, C) over all recordings, zero where a joint stands still: the model's own, then each effect's.
 
     effects: with shapes, and linearised, as found; starts: the first column of each, and C. reference (C,): how the
@@ -39,7 +39,7 @@ class System:
         return np.asarray(self.columns.any(axis=0))
 
 
-def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> System:
+def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
     """The system of a model with the columns of these effects, those that it found among them. nearby: of `model`."""
     plain = model.plain
     moving = np.concatenate([one.moving for one in plain.observations])
@@ -52,7 +52,7 @@ def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby
     reference = _reference(model, instances, starts)
     modelled = (columns @ reference + known) / model.solution.gains
     basis = set_apart(columns, reference, columns[fitted] * model.solution.weights[:, None], own.shape[2])
-    return System(
+    return PageSystem(
         columns=columns,
         effects=tuple(instances),
         starts=tuple(int(one) for one in starts),

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.trial.markdown import MAIN, target_cells
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import Figure
+from bench.studies.trial.target import TargetFigure
 from bench.studies.trial.unknown_page import unknown_table
 
 SEEDS = ("five_bar", "delta", "robots", "dualv")
@@ -21,7 +21,7 @@ ENCODER_BITS = 20
 CLEAN = {"five_bar": 0.0002, "delta": 0.001}
 """Scenarios without noise, and what `tests/test_identify.py` allows them."""
 METHODS = ("current", "robust", "iv", "oe", "wtls", "tls", "wls", "ls")
-SHOWN = MAIN | {Figure.ONE_UNDECIDED, Figure.TWO_UNDECIDED, Figure.THREE_UNDECIDED}
+SHOWN = MAIN | {TargetFigure.ONE_UNDECIDED, TargetFigure.TWO_UNDECIDED, TargetFigure.THREE_UNDECIDED}
 UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
 APART = "apart"  # the folder of cases that were looked at for their figures alone
 RESULTS = Path(__file__).resolve().parents[2] / "results"

@@ -24,8 +24,8 @@ from bench.document.figures.comparison_panels import (
 from bench.document.figures.currents import DPI, PAGE_WIDTH, STYLE, currents_page
 from bench.document.numbers import USES, percent
 from bench.files.atomic import atomic_path
-from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.residuals.error_breakdown import error_breakdown
+from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.residuals.words import motor_words
 
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}

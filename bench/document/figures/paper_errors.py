@@ -20,8 +20,8 @@ from bench.document.figures.comparison_panels import (
 )
 from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
 from bench.residuals.autocorrelation import Autocorrelation
-from bench.residuals.motor import Compared, MotorSeries
 from bench.residuals.error_breakdown import Branch, ErrorBreakdown, error_breakdown
+from bench.residuals.motor import Compared, MotorSeries
 from bench.residuals.periods import PositionSpectrum, Spectrum
 from bench.residuals.profile import Variable
 

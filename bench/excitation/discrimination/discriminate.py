@@ -20,7 +20,7 @@ from bench.excitation.discrimination.motion_figures import planned_facts, record
 from bench.excitation.discrimination.predicted_currents import foretold, planned, times_of
 from bench.excitation.discrimination.result import Discrimination
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
-from bench.excitation.discrimination.search import Design, band_of, best_motion, judged, starts
+from bench.excitation.discrimination.search import DesignedMotion, band_of, best_motion, judged, starts
 from bench.excitation.discrimination.separation import Question, question, separation, share_left
 from bench.excitation.limits import feasible_motion
 from bench.identification.problem import Problem
@@ -127,7 +127,7 @@ def _with_second_payload(dataset: Dataset) -> Dataset:
 
 
 def _heavier(
-    asked: Sequence[Question], around: Envelope, motion: Design, first: Rival
+    asked: Sequence[Question], around: Envelope, motion: DesignedMotion, first: Rival
 ) -> tuple[float, float] | None:
     """Mass of the second payload, and what the same motion promises with it."""
     payload = first.prepared.dataset.payloads.get(SECOND)

@@ -23,7 +23,7 @@ STEP = 1e-3  # relative, for the derivative by a shape parameter
 
 
 @dataclass(frozen=True)
-class Planned:
+class PlannedMotion:
     """A motion before it is made: its samples (N,), and the rows of the fit without any current."""
 
     measured: Measured
@@ -43,7 +43,7 @@ def times_of(trajectory: FourierTrajectory, band: float) -> np.ndarray:
 
 def planned(
     rival: Rival, trajectory: FourierTrajectory, time: np.ndarray, tree: Motion, payload: str | None
-) -> Planned:
+) -> PlannedMotion:
     """The rows of a motion that carries a payload or none; time (N,) of `times_of`, tree: all joints then."""
     position, velocity, acceleration = trajectory.evaluate(time)
     current = np.zeros_like(position)
@@ -52,10 +52,10 @@ def planned(
     passive = passive_rates(rival.prepared.model.geometry, tree)
     gaps = standstills(position, velocity, passive, recording.rate, settings.position_cutoff)
     measured = Measured(recording, settings, time, position, velocity, acceleration, current, tree, gaps)
-    return Planned(measured, observe(rival.prepared.model, measured))
+    return PlannedMotion(measured, observe(rival.prepared.model, measured))
 
 
-def foretold(rival: Rival, plan: Planned) -> np.ndarray:
+def foretold(rival: Rival, plan: PlannedMotion) -> np.ndarray:
     """Currents (N, n) that the model with its own effect foretells, drive unit, without noise.
 
     Where an effect depends on the current itself, such as a delay, both are found in turn.
@@ -72,7 +72,7 @@ def foretold(rival: Rival, plan: Planned) -> np.ndarray:
     return current
 
 
-def rows_with(rival: Rival, plan: Planned, current: np.ndarray) -> tuple[Observation, np.ndarray]:
+def rows_with(rival: Rival, plan: PlannedMotion, current: np.ndarray) -> tuple[Observation, np.ndarray]:
     """What `rival` would see if these currents (N, n) were logged: its rows, and its tangents (M, n, k)."""
     seen = _seen(rival, plan, current)
     effects = effect_rows(seen, DECIMATION, rival.prepared.effects)
@@ -105,7 +105,7 @@ def tangents(rival: Rival, seen: Sequence[RobotSignals], decimation: int) -> np.
     return np.zeros((rows, len(seen[0].joints), 0))
 
 
-def _seen(rival: Rival, plan: Planned, current: np.ndarray) -> RobotSignals:
+def _seen(rival: Rival, plan: PlannedMotion, current: np.ndarray) -> RobotSignals:
     return robot_signals(rival.prepared.model, replace(plan.measured, current=current), rival.present)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.excitation.discrimination.limits import Envelope
-from bench.excitation.discrimination.search import Design
+from bench.excitation.discrimination.search import DesignedMotion
 from bench.excitation.discrimination.separation import Question
 
 LOUD = 3.0  # times the noise of the currents: an error that no right model makes
@@ -53,7 +53,7 @@ class Discrimination:
     envelope: Envelope
     given_seconds: float
     judged_rows: int
-    motion: Design | None
+    motion: DesignedMotion | None
     recorded: Mapping[str, MotionFacts]
     planned: Mapping[str, MotionFacts]
     second: tuple[float, float] | None

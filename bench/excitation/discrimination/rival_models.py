@@ -48,7 +48,7 @@ class Rival:
 
 
 @dataclass(frozen=True)
-class Noise:
+class RivalNoise:
     """What the better of two models leaves of the given currents.
 
     weights (n,): one over the RMS of every motor's error, 1 / drive unit, in rows of the fit; row_rate Hz: how
@@ -77,7 +77,7 @@ def fit_rivals(problem: Problem, requests: tuple[str, str]) -> tuple[Rival, Riva
     return first, second
 
 
-def noise_of(rivals: tuple[Rival, Rival]) -> Noise:
+def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
     """The noise of the currents, from the errors of the model that fits better."""
     errors = [residual_series(one.stack, one.solution) for one in rivals]
     sizes = [
@@ -89,7 +89,7 @@ def noise_of(rivals: tuple[Rival, Rival]) -> Noise:
     parts = np.split(series, better.stack.starts[1:])
     prepared = better.prepared
     row_rate = prepared.measured[0].recording.rate / prepared.settings.decimation
-    return Noise(weights, row_rate, memory_in_rows(parts) / row_rate)
+    return RivalNoise(weights, row_rate, memory_in_rows(parts) / row_rate)
 
 
 def _fitted(prepared: Prepared, request: str) -> Rival:

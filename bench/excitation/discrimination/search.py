@@ -28,7 +28,7 @@ SMALLEST_SPAN = 1e-3  # rad or m
 
 
 @dataclass(frozen=True)
-class Design:
+class DesignedMotion:
     """A motion, what it carries, and how it separates: one answer for each question that was asked."""
 
     trajectory: FourierTrajectory
@@ -48,11 +48,11 @@ def best_motion(
     duration: float,
     seed: int,
     progress: Progress = SILENT,
-) -> Design | None:
+) -> DesignedMotion | None:
     """The motion of `duration` s with the largest evidence, the smaller of all answers; None without any."""
     random = np.random.default_rng(seed)
     rivals = tuple({one.truth.request: one.truth for one in questions}.values())
-    best: tuple[Movement, Design] | None = None
+    best: tuple[Movement, DesignedMotion] | None = None
     progress.phase("trying random motions", STARTS)
     for i, (movement, trajectory) in enumerate(starts(rivals[0], envelope, duration, random)):
         progress.advance()
@@ -172,7 +172,7 @@ def judged(
     envelope: Envelope,
     loads: Sequence[str | None],
     trajectory: FourierTrajectory,
-) -> Design | None:
+) -> DesignedMotion | None:
     """The motion with the load that separates best, a payload only where it is worth it; None outside the limits."""
     first = questions[0].truth
     time = times_of(trajectory, band_of(envelope, trajectory))
@@ -182,14 +182,14 @@ def judged(
     tree = feasible_motion(first.prepared.model.geometry, envelope.joint, trajectory, time)
     if tree is None:
         return None
-    best: Design | None = None
+    best: DesignedMotion | None = None
     for payload in loads:
         plan = planned(first, trajectory, time, tree, payload)
         currents = {one.truth.request: foretold(one.truth, plan) for one in questions}
         if any(np.any(np.abs(i) > envelope.current) for i in currents.values()):
             continue
         answers = tuple(separation(one, plan, currents[one.truth.request]) for one in questions)
-        found = Design(trajectory, payload, answers)
+        found = DesignedMotion(trajectory, payload, answers)
         if best is None or found.nats > (WORTH if best.payload is None else 1.0) * best.nats:
             best = found
     return best

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.excitation.discrimination.predicted_currents import Planned, given_tangents, rows_with
-from bench.excitation.discrimination.rival_models import Noise, Rival
+from bench.excitation.discrimination.predicted_currents import PlannedMotion, given_tangents, rows_with
+from bench.excitation.discrimination.rival_models import Rival, RivalNoise
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import jacobian_series, residual_series
@@ -23,7 +23,7 @@ class Question:
 
     truth: Rival
     other: Rival
-    noise: Noise
+    noise: RivalNoise
     given: np.ndarray
 
     @property
@@ -48,7 +48,7 @@ class Separation:
     memory: float
 
 
-def question(truth: Rival, other: Rival, noise: Noise) -> Question:
+def question(truth: Rival, other: Rival, noise: RivalNoise) -> Question:
     """Ask it; both models were fitted to the same rows."""
     modelled = (truth.stack.phi @ truth.solution.theta + truth.stack.kappa) / truth.solution.gains
     stack = replace(other.stack, current=modelled * other.stack.moving)
@@ -57,7 +57,7 @@ def question(truth: Rival, other: Rival, noise: Noise) -> Question:
     return Question(truth, other, noise, np.asarray(np.linalg.qr(rows / np.sqrt(memory), mode="r")))
 
 
-def separation(asked: Question, plan: Planned, current: np.ndarray) -> Separation:
+def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Separation:
     """What the planned motion adds; current (N, n): what the truth foretells for it."""
     other = asked.other
     observation, curved = rows_with(other, plan, current)
@@ -72,7 +72,7 @@ def separation(asked: Question, plan: Planned, current: np.ndarray) -> Separatio
     return Separation(nats, new * np.sqrt(memory), observation.time, count, max(1.0, memory * share))
 
 
-def share_left(asked: Question, plan: Planned, current: np.ndarray, answer: Separation) -> float:
+def share_left(asked: Question, plan: PlannedMotion, current: np.ndarray, answer: Separation) -> float:
     """What the other model cannot imitate, as a share of what the truth's own effect does to the currents."""
     observation, _ = rows_with(asked.truth, plan, current)
     count = sum(len(one.effect.parameters) for one in asked.truth.own)
@@ -83,7 +83,7 @@ def share_left(asked: Question, plan: Planned, current: np.ndarray, answer: Sepa
     return float(np.linalg.norm(answer.left)) / size if size > 0.0 else 0.0
 
 
-def _weights(asked: Question, plan: Planned) -> np.ndarray:
+def _weights(asked: Question, plan: PlannedMotion) -> np.ndarray:
     """One over a row's noise (n,): white noise is less in a narrower band."""
     return np.asarray(asked.noise.weights * np.sqrt(asked.noise.row_rate / plan.row_rate))
 

@@ -11,7 +11,7 @@ from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, equati
 from bench.excitation.experiment.plan import (
     WHOLE,
     Aim,
-    Plan,
+    ExperimentPlan,
     Started,
     check_linear,
     noise_of,
@@ -34,7 +34,7 @@ NEXT = "next"
 @on_one_thread
 def plan_after(
     problem: Problem, table: ExperimentTable, aim: Aim = WHOLE, *, progress: Progress = SILENT
-) -> Plan:
+) -> ExperimentPlan:
     """The motion, with a payload of the dataset or without, that tells most beside its fitted recordings.
 
     problem: what was measured; its effects are not aimed at. The machine is the one that the data give; limits of speed

@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 
 from bench.document.figures.currents import DPI, STYLE
 from bench.excitation.experiment.nominal import seen
-from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.plan import ExperimentPlan
 from bench.files.atomic import atomic_path
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73")  # after Okabe and Ito
 LIMIT = "#9AA0A6"
 
 
-def plan_figure(plan: Plan) -> Figure:
+def plan_figure(plan: ExperimentPlan) -> Figure:
     """A row a motor: position, speed, current; dashed: the limits."""
     robot, room = plan.robot, plan.room
     with mpl.rc_context(STYLE):
@@ -55,7 +55,7 @@ def _limits(axes: Axes, values: tuple[float, float]) -> None:
             axes.axhline(value, color=LIMIT, linewidth=0.9, linestyle="--")
 
 
-def write_plan_figure(path: Path, plan: Plan) -> None:
+def write_plan_figure(path: Path, plan: ExperimentPlan) -> None:
     """Write `plan_figure` as a picture, whole or not at all."""
     figure = plan_figure(plan)
     with atomic_path(path) as partial:

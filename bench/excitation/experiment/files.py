@@ -13,7 +13,7 @@ from bench.dataset.recording import write_table
 from bench.excitation.discrimination.files import trajectory_table
 from bench.excitation.experiment.between_samples import extremes
 from bench.excitation.experiment.forecast import Forecast
-from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.sentences import percent, sentences
 from bench.files.atomic import finite, whole_folder, write_json_atomically, write_text_atomically
 from bench.scenario.trajectory import FourierTrajectory
@@ -28,10 +28,12 @@ ANSWER, SCENARIO, SUMMARY, PICTURE, VIEW = (
 
 STIFF = 30.0  # Hz: of the simulated controller
 
-Draw = Callable[[Path, Plan], None]
+Draw = Callable[[Path, ExperimentPlan], None]
 
 
-def write_plan(folder: str | Path, plan: Plan, told: Forecast, drawn: Mapping[str, Draw]) -> list[Path]:
+def write_plan(
+    folder: str | Path, plan: ExperimentPlan, told: Forecast, drawn: Mapping[str, Draw]
+) -> list[Path]:
     """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
 
     drawn: pictures and recordings by file name, and what writes each. Raises BenchError if the folder holds anything
@@ -60,7 +62,7 @@ def check_folder(folder: str | Path) -> None:
         raise BenchError(f"{folder}: is there already and holds something else: name another folder")
 
 
-def plan_json(plan: Plan, told: Forecast) -> dict[str, Any]:
+def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
     """The answer as plain data, ready for JSON."""
     reach = {
         name: _limits(plan, motion.trajectory) for name, motion in zip(plan.names, plan.motions, strict=True)
@@ -107,7 +109,7 @@ def plan_json(plan: Plan, told: Forecast) -> dict[str, Any]:
     return dict(finite(answer))
 
 
-def _limits(plan: Plan, trajectory: FourierTrajectory) -> dict[str, Any]:
+def _limits(plan: ExperimentPlan, trajectory: FourierTrajectory) -> dict[str, Any]:
     """What a motion reaches at most, proven between samples, beside what it may, by joint."""
     reach, room = extremes(trajectory), plan.room
     return {
@@ -124,7 +126,7 @@ def _limits(plan: Plan, trajectory: FourierTrajectory) -> dict[str, Any]:
     }
 
 
-def _coefficients(plan: Plan, trajectory: FourierTrajectory) -> str:
+def _coefficients(plan: ExperimentPlan, trajectory: FourierTrajectory) -> str:
     lines = [
         f"# Joints: {', '.join(plan.robot.joints)}.",
         "# q(t) = center + s(t) sum_k (a_k sin k w t + b_k cos k w t) with w = 2 pi base_frequency;",
@@ -134,7 +136,7 @@ def _coefficients(plan: Plan, trajectory: FourierTrajectory) -> str:
     return "\n".join(lines) + "\n"
 
 
-def scenario_text(plan: Plan) -> str:
+def scenario_text(plan: ExperimentPlan) -> str:
     """A scenario that `bench simulate` runs: the motions to identify from, and the same as a check."""
     robot = plan.robot
     reference = robot.name if built_in_robots().get(robot.name) == robot.folder else str(robot.folder)
@@ -163,7 +165,7 @@ def scenario_text(plan: Plan) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _sensors(plan: Plan) -> list[str]:
+def _sensors(plan: ExperimentPlan) -> list[str]:
     noise, joints = plan.nominal.noise, plan.robot.joints
     lines = (
         [f"current_noise_ratio = {noise.ratio!r}"]
@@ -200,7 +202,7 @@ def _quoted(text: str) -> str:
     return f'"{escaped}"'
 
 
-def _readme(plan: Plan, told: Forecast, drawn: tuple[str, ...]) -> str:
+def _readme(plan: ExperimentPlan, told: Forecast, drawn: tuple[str, ...]) -> str:
     lines = [f"# {plan.robot.name}: motions to identify it with", ""]
     lines += [f"- {one}" for one in sentences(plan, told)]
     lines += [f"\n![The motions]({PICTURE})"] if PICTURE in drawn else []

@@ -12,7 +12,7 @@ from bench.effects.select import ROBOT
 from bench.excitation.experiment.covariance import Determined, determined
 from bench.excitation.experiment.encoder import encoder_score
 from bench.excitation.experiment.nominal import Nominal, equations, pooled_variance, seen
-from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.planned_log import PlannedRows, planned_rows, row_evidence
 from bench.excitation.experiment.request import PAYLOAD
 from bench.export.prior import cad_prior
@@ -75,7 +75,7 @@ class Forecast:
     enough: Enough | None
 
 
-def covariance_of(plan: Plan, rows: Sequence[PlannedRows]) -> tuple[Determined, bool]:
+def covariance_of(plan: ExperimentPlan, rows: Sequence[PlannedRows]) -> tuple[Determined, bool]:
     """Covariance (P, P) by the noise of currents and the steps of encoders, and whether these matter."""
     search, nominal = plan.search, plan.nominal
     own = [row_evidence(nominal, one, load) for one, load in zip(rows, search.loads, strict=True)]
@@ -94,7 +94,7 @@ def covariance_of(plan: Plan, rows: Sequence[PlannedRows]) -> tuple[Determined, 
     return both, bool(stepped[~found.undetermined].any())
 
 
-def forecast(plan: Plan, gain_accuracy: float | None = None) -> Forecast:
+def forecast(plan: ExperimentPlan, gain_accuracy: float | None = None) -> Forecast:
     """Standard errors of all unknowns, in the drive's noise alone and with the encoders' steps.
 
     gain_accuracy: relative; then the payload mass and the time that are enough for it are looked for. They are standard
@@ -135,7 +135,7 @@ def described(nominal: Nominal) -> Iterator[Expected]:
 
 
 def _notes(
-    plan: Plan, unknowns: tuple[Expected, ...], together: tuple[tuple[str, ...], ...]
+    plan: ExperimentPlan, unknowns: tuple[Expected, ...], together: tuple[tuple[str, ...], ...]
 ) -> Iterator[str]:
     if not plan.nominal.gains_fitted:
         yield (
@@ -157,7 +157,7 @@ def _notes(
         )
 
 
-def gain_error(plan: Plan, rows: Sequence[PlannedRows], mass: float | None) -> float:
+def gain_error(plan: ExperimentPlan, rows: Sequence[PlannedRows], mass: float | None) -> float:
     """Worst relative standard error of the gains with the payload's mass changed to another one; infinite without.
 
     Of the planned motions the first goes unloaded and the last one loaded; where only one was planned, it goes twice.
@@ -176,7 +176,7 @@ def gain_error(plan: Plan, rows: Sequence[PlannedRows], mass: float | None) -> f
     return float((np.sqrt(np.diag(found.covariance))[first:] / nominal.gains).max())
 
 
-def enough_for(plan: Plan, rows: Sequence[PlannedRows], accuracy: float) -> Enough:
+def enough_for(plan: ExperimentPlan, rows: Sequence[PlannedRows], accuracy: float) -> Enough:
     """The time with the planned payload, and the lightest payload at the planned time, that give an accuracy."""
     robot = plan.robot
     if robot.tool_site is None:

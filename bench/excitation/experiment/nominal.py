@@ -66,14 +66,14 @@ class Nominal:
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenMotion:
     """What a motion shows: derivatives (N, n, P) of the currents by the unknowns, and the currents (N, n)."""
 
     jacobian: np.ndarray
     current: np.ndarray
 
 
-def seen(nominal: Nominal, motion: Motion, payload: str | None) -> Seen:
+def seen(nominal: Nominal, motion: Motion, payload: str | None) -> SeenMotion:
     """Currents along a motion, and how they change with every unknown."""
     model, layout = nominal.model, nominal.layout
     columns = model.base.columns
@@ -99,7 +99,7 @@ def seen(nominal: Nominal, motion: Motion, payload: str | None) -> Seen:
     jacobian[:, :, : layout.size] /= nominal.gains[:, None]
     if nominal.gains_fitted:
         jacobian[:, np.arange(n), layout.size + np.arange(n)] = -current / nominal.gains
-    return Seen(jacobian, current)
+    return SeenMotion(jacobian, current)
 
 
 def _effects(nominal: Nominal, motion: Motion, payload: str | None) -> np.ndarray:
@@ -142,7 +142,7 @@ class Equations:
     score: np.ndarray
 
 
-def evidence(nominal: Nominal, what: Seen, duration: float) -> Evidence:
+def evidence(nominal: Nominal, what: SeenMotion, duration: float) -> Evidence:
     """What a recording of this duration tells of all unknowns."""
     samples = nominal.noise.rate * duration
     by_motor = what.jacobian.transpose(1, 0, 2)
@@ -166,7 +166,7 @@ def pooled_variance(recordings: Sequence[Evidence]) -> np.ndarray:
     return np.asarray(share @ np.array([one.variance for one in recordings]) / share.sum())
 
 
-def reference_sizes(nominal: Nominal, recordings: Sequence[Seen]) -> np.ndarray:
+def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.ndarray:
     """The size (P,) against which the standard error of each unknown is held.
 
     A gain: its own. A base parameter: its own, but at least SMALLEST of the largest of its unit. A payload's: as a base

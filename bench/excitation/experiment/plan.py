@@ -69,7 +69,7 @@ WHOLE = Aim()
 
 
 @dataclass(frozen=True)
-class Plan:
+class ExperimentPlan:
     """An experiment. names, motions: of every recording its name and its motion; sizes (P,): against which standard
     errors are held; targets: the unknowns that it is for; value: the criterion, relative; random: the same of motions
     at random, `best` and `median` of `RANDOM`.
@@ -172,7 +172,7 @@ def plan_experiment(
     *,
     catalogue: Mapping[str, Effect] = CATALOGUE,
     progress: Progress = SILENT,
-) -> Plan:
+) -> ExperimentPlan:
     """Design motions, without and with the payload, that make the standard errors of what is wanted small.
 
     effects: what the model has beside, not aimed at. Raises BenchError for names that are unknown and limits that leave
@@ -186,7 +186,9 @@ def plan_experiment(
     return searched(robot, begun, NAMES[: len(loads)], aim, progress)
 
 
-def searched(robot: Robot, begun: Started, names: tuple[str, ...], aim: Aim, progress: Progress) -> Plan:
+def searched(
+    robot: Robot, begun: Started, names: tuple[str, ...], aim: Aim, progress: Progress
+) -> ExperimentPlan:
     """The best motions that a search finds, one for each name."""
     search = begun.search
     progress.phase("improving the best motions", aim.steps)
@@ -194,7 +196,7 @@ def searched(robot: Robot, begun: Started, names: tuple[str, ...], aim: Aim, pro
     progress.phase("proving that the limits are kept")
     kept = proven(search, best)
     motions = tuple(kept[number] for number in range(len(names)))
-    return Plan(
+    return ExperimentPlan(
         robot=robot,
         nominal=search.nominal,
         room=search.room,

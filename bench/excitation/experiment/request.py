@@ -31,7 +31,7 @@ class Box(UserTable):
     high: Vector3
 
 
-class Sensors(UserTable):
+class ExpectedSensors(UserTable):
     """[sensors]: what the controller's log is expected to be like."""
 
     current_noise: NotNegativePerJoint | None = None
@@ -62,7 +62,7 @@ class ExperimentTable(UserTable):
     """Largest passive speed for active speed; left out, three times that of the home pose."""
     workspace: tuple[Box, ...] = ()
     payload: DeclaredPayload | None = None
-    sensors: Sensors = Sensors()
+    sensors: ExpectedSensors = ExpectedSensors()
 
 
 def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[str]) -> np.ndarray:

@@ -1,13 +1,13 @@
 """A plan in sentences."""
 
 from bench.excitation.experiment.forecast import Enough, Expected, Forecast
-from bench.excitation.experiment.plan import Plan
+from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.search import RANDOM
 
 MOST_NAMED = 3
 
 
-def sentences(plan: Plan, told: Forecast) -> list[str]:
+def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
     """What is to be expected, the best first."""
     lines = [_gains(told), _parameters(plan, told)]
     if plan.random:
@@ -43,7 +43,7 @@ def sentences(plan: Plan, told: Forecast) -> list[str]:
     return [line for line in lines if line]
 
 
-def _looked_at(plan: Plan) -> str:
+def _looked_at(plan: ExperimentPlan) -> str:
     parts = []
     if plan.nominal.model.geometry.closed:
         parts.append("the distance from singular poses")
@@ -57,7 +57,7 @@ def _looked_at(plan: Plan) -> str:
     )
 
 
-def _noise(plan: Plan) -> str:
+def _noise(plan: ExperimentPlan) -> str:
     noise = plan.nominal.noise
     current = (
         f"the noise of each current is taken as {percent(noise.ratio)} of its RMS"
@@ -76,7 +76,7 @@ def _gains(told: Forecast) -> str:
     return f"Standard errors to be expected of the drive gains: {listed}."
 
 
-def _parameters(plan: Plan, told: Forecast) -> str:
+def _parameters(plan: ExperimentPlan, told: Forecast) -> str:
     parameters = [told.unknowns[i] for i in plan.targets if told.unknowns[i].kind != "gain"]
     known = sorted((one for one in parameters if one.std is not None), key=lambda one: -one.relative)
     if not known:

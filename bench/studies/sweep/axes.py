@@ -114,7 +114,7 @@ class Normal(UserTable):
         return float(self.mean + self.std * random.standard_normal())
 
 
-class Choice(UserTable):
+class ChoiceDraw(UserTable):
     """{ draw = "choice", values = [ … ] }: one of a list, each as likely."""
 
     draw: Literal["choice"]
@@ -125,7 +125,7 @@ class Choice(UserTable):
         return self.values[int(random.integers(len(self.values)))]
 
 
-Draw: TypeAlias = Even | Normal | Choice
+Draw: TypeAlias = Even | Normal | ChoiceDraw
 DRAW: TypeAdapter[Draw] = TypeAdapter(Annotated[Draw, Field(discriminator="draw")])
 KEYS = (
     "from",

@@ -22,7 +22,7 @@ from bench.studies.sweep.preflight import check_plan
 from bench.studies.sweep.print_summary import number
 from bench.studies.sweep.progress import duration_text
 from bench.studies.sweep.reference import (
-    Line,
+    ReferenceLine,
     chosen_plan,
     content_of,
     load_reference,
@@ -32,7 +32,7 @@ from bench.studies.sweep.reference import (
     save_reference,
     tolerances_of,
 )
-from bench.studies.sweep.regression import ALARMS, Comparison, compare_line, limits_of
+from bench.studies.sweep.regression import ALARMS, ReferenceComparison, compare_line, limits_of
 from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.run_sweep import run_sweep
 from bench.studies.sweep.sweep_file import Sweep
@@ -56,7 +56,7 @@ class CheckOptions:
 def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[[Sweep], Work]) -> int:
     """Run, compare, print; 1 if anything got worse, changed its scenario or has no reference."""
     start = time.monotonic()
-    comparisons: list[Comparison] = []
+    comparisons: list[ReferenceComparison] = []
     alarms = []
     for name, sweep, plan, lines in _measured(options, make_work):
         reference = load_reference(options.reference / f"{name}.json")
@@ -121,7 +121,7 @@ def _chosen(options: CheckOptions) -> dict[str, tuple[Sweep, Plan]]:
 
 def _measured(
     options: CheckOptions, make_work: Callable[[Sweep], Work]
-) -> Iterator[tuple[str, Sweep, Plan, dict[str, Line]]]:
+) -> Iterator[tuple[str, Sweep, Plan, dict[str, ReferenceLine]]]:
     """Name, sweep, runs and what they gave, one sweep after the other.
 
     All have the same workers, and trajectories that several of them need are designed once.
@@ -161,7 +161,7 @@ def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> Non
                 keep_design(folder, names[outcome.key], outcome.value)
 
 
-def _print(console: Console, comparisons: list[Comparison], *, verbose: bool) -> None:
+def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose: bool) -> None:
     """What changed; with `verbose` everything."""
     shown = [one for one in comparisons if verbose or one.verdict != "same"]
     if not shown:
@@ -174,7 +174,7 @@ def _print(console: Console, comparisons: list[Comparison], *, verbose: bool) ->
         table.add_column(header, justify="right", no_wrap=True)
     table.add_column("", no_wrap=True)
     order = {verdict: i for i, verdict in enumerate((*ALARMS, "new", "better", "same"))}
-    by_line: dict[str, list[Comparison]] = {}
+    by_line: dict[str, list[ReferenceComparison]] = {}
     for one in shown:
         by_line.setdefault(f"{one.sweep}, {one.line}" if one.line else one.sweep, []).append(one)
     for line, found in by_line.items():
@@ -185,7 +185,7 @@ def _print(console: Console, comparisons: list[Comparison], *, verbose: bool) ->
     console.print("[dim]Change for the worse, in units of the spread from seed to seed.[/]", highlight=False)
 
 
-def _cells(one: Comparison) -> list[str]:
+def _cells(one: ReferenceComparison) -> list[str]:
     return [
         _text(one.reference),
         _text(one.now),

@@ -16,7 +16,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from bench.files.atomic import atomic_path
 from bench.studies.sweep.measure import METRICS
-from bench.studies.sweep.summary import Part, Spread, Summary, is_share, rank, summarise_in_parts
+from bench.studies.sweep.summary import Spread, Summary, SummaryPart, is_share, rank, summarise_in_parts
 
 MANY_TICKS = 300.0  # ratio of largest to smallest value from which powers of ten are ticks enough
 WIDE = 20.0  # ratio of largest to smallest value from which an axis is logarithmic
@@ -90,7 +90,7 @@ def _by_line(summary: Summary, y: str) -> Found:
         x, *names = line.values
         if x is not None and line.spreads[y].count:
             values, spreads = found.setdefault(names[0] if names else None, ([], []))
-            values.append(x.middle if isinstance(x, Part) else x)
+            values.append(x.middle if isinstance(x, SummaryPart) else x)
             spreads.append(line.spreads[y])
     return [(name, *found[name]) for name in sorted(found, key=rank)]
 

@@ -32,7 +32,7 @@ class ReferenceTable(SweepTable):
 
 
 @dataclass(frozen=True)
-class Line:
+class ReferenceLine:
     """Values by metric of the runs that differ by their seed only, in the order of `seeds`."""
 
     seeds: tuple[int, ...]
@@ -40,14 +40,14 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Reference:
+class SweepReference:
     """What a sweep gave: a line for each combination of its axes, why it was taken, and by which program."""
 
     content: str
     """Tells whether the sweep and its scenarios are still the same."""
     reason: str
     program: Mapping[str, str]
-    lines: Mapping[str, Line]
+    lines: Mapping[str, ReferenceLine]
 
 
 def reference_sweeps(folder: Path | None = None) -> dict[str, Sweep]:
@@ -92,7 +92,7 @@ def content_of(sweep: Sweep) -> str:
     return digest([[run.content, run.identify, run.axes] for run in map(plan.run, range(plan.size))])
 
 
-def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str, Line]:
+def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str, ReferenceLine]:
     """What a finished sweep gave, by the label of its axes' values; None for a failed run."""
     axes = list(plan.axis_names)
     known = set(column_names(table))
@@ -102,7 +102,7 @@ def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str,
         rows.setdefault(", ".join(f"{axis} = {columns[axis][i]}" for axis in axes), []).append(i)
     nothing = [None] * len(columns["seed"])
     return {
-        label: Line(
+        label: ReferenceLine(
             tuple(columns["seed"][i] for i in found),
             {metric: tuple(columns.get(metric, nothing)[i] for i in found) for metric in metrics},
         )
@@ -110,7 +110,7 @@ def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str,
     }
 
 
-def save_reference(path: Path, reference: Reference) -> None:
+def save_reference(path: Path, reference: SweepReference) -> None:
     """Write a reference as text that shows line by line what a change of it changes."""
     lines = [
         f"  {json.dumps(label)}: {{\n"
@@ -134,24 +134,24 @@ def save_reference(path: Path, reference: Reference) -> None:
     write_text_atomically(path, text)
 
 
-def load_reference(path: Path) -> Reference | None:
+def load_reference(path: Path) -> SweepReference | None:
     """Read it again; None if there is none. Raises BenchError if it is no reference."""
     if not path.is_file():
         return None
     try:
         content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         lines = {
-            label: Line(tuple(line["seeds"]), {m: tuple(v) for m, v in line.items() if m != "seeds"})
+            label: ReferenceLine(tuple(line["seeds"]), {m: tuple(v) for m, v in line.items() if m != "seeds"})
             for label, line in content["lines"].items()
         }
-        return Reference(content["content"], content["reason"], content["program"], lines)
+        return SweepReference(content["content"], content["reason"], content["program"], lines)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise BenchError(f"{path}: is no reference ({type(error).__name__}: {error})") from error
 
 
-def new_reference(sweep: Sweep, lines: Mapping[str, Line], reason: str) -> Reference:
+def new_reference(sweep: Sweep, lines: Mapping[str, ReferenceLine], reason: str) -> SweepReference:
     """What a sweep gave just now."""
-    return Reference(content_of(sweep), reason, versions().columns(), lines)
+    return SweepReference(content_of(sweep), reason, versions().columns(), lines)
 
 
 def _rounded(values: Sequence[float | None]) -> list[float | None]:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.studies.sweep.reference import Line
+from bench.studies.sweep.reference import ReferenceLine
 from bench.studies.sweep.summary import is_share
 
 Verdict = Literal["same", "better", "worse", "over its limit", "new"]
@@ -24,7 +24,7 @@ LIMITS = {
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ReferenceComparison:
     """One metric of one reference scenario.
 
     reference, now: means over the same seeds; of a share of intervals that hold the truth, the coverage.
@@ -46,11 +46,11 @@ class Comparison:
 def compare_line(
     sweep: str,
     label: str,
-    reference: Line | None,
-    now: Line,
+    reference: ReferenceLine | None,
+    now: ReferenceLine,
     tolerances: Mapping[str, float],
     limits: Mapping[str, float],
-) -> list[Comparison]:
+) -> list[ReferenceComparison]:
     """Every metric that has a tolerance, seed by seed; `limits`: what no run may exceed."""
     found = []
     for metric, tolerance in tolerances.items():
@@ -68,7 +68,7 @@ def compare_line(
             verdict = _verdict(change, tolerance)
         if limit is not None and any(value is not None and value > limit for value in values.values()):
             verdict = "over its limit"
-        found.append(Comparison(sweep, label, metric, old, mean, change, tolerance, limit, verdict))
+        found.append(ReferenceComparison(sweep, label, metric, old, mean, change, tolerance, limit, verdict))
     return found
 
 
@@ -77,7 +77,7 @@ def limits_of(tolerances: Mapping[str, float]) -> dict[str, float]:
     return {LIMITS.get(name, name): value for name, value in tolerances.items()}
 
 
-def _by_seed(line: Line, metric: str) -> dict[int, float | None]:
+def _by_seed(line: ReferenceLine, metric: str) -> dict[int, float | None]:
     values = line.values.get(metric)
     return {} if values is None else dict(zip(line.seeds, values, strict=True))
 

@@ -34,7 +34,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Part:
+class SummaryPart:
     """Values of an axis that are too many to stand alone: the least, the median and the largest of them."""
 
     low: float
@@ -46,7 +46,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Line:
+class SummaryLine:
     """One combination of values of the axes, with the spread of every metric."""
 
     values: tuple[Any, ...]
@@ -61,7 +61,7 @@ class Summary:
 
     axes: tuple[str, ...]
     metrics: tuple[str, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[SummaryLine, ...]
 
 
 def summarise(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
@@ -92,16 +92,16 @@ def _in_parts(values: Sequence[Any]) -> list[Any]:
     many = distinct > MOST_VALUES or (distinct > PARTS and 2 * distinct > len(known))
     if not many or not all(isinstance(value, int | float) for value in known):
         return list(values)
-    place: dict[Any, Part] = {}
+    place: dict[Any, SummaryPart] = {}
     for part in np.array_split(np.sort(np.array(known, dtype=float)), PARTS):
-        one = Part(float(part[0]), float(np.median(part)), float(part[-1]))
+        one = SummaryPart(float(part[0]), float(np.median(part)), float(part[-1]))
         place |= {value: one for value in part.tolist() if value not in place}
     return [None if value is None else place.get(value) for value in values]
 
 
 def rank(value: Any) -> tuple[int, float]:
     """Numbers by size, everything else after them as it came."""
-    if isinstance(value, Part):
+    if isinstance(value, SummaryPart):
         return 0, value.middle
     return (0, float(value)) if isinstance(value, int | float) else (1, 0.0)
 
@@ -123,7 +123,7 @@ def _summary(
         rows = np.array(found)
         good = rows[ok[rows]]
         spreads = {metric: spread(metric, values[metric][good]) for metric in metrics}
-        lines.append(Line(key, len(rows), int((~ok[rows]).sum()), spreads))
+        lines.append(SummaryLine(key, len(rows), int((~ok[rows]).sum()), spreads))
     return Summary(tuple(axis for axis, _ in by), tuple(metrics), tuple(lines))
 
 

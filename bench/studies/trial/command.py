@@ -26,7 +26,7 @@ from bench.studies.trial.cases import KINDS, Kind, chosen_effects
 from bench.studies.trial.figures import write_figures
 from bench.studies.trial.markdown import parts, trial_markdown
 from bench.studies.trial.plan import TrialPlan
-from bench.studies.trial.run_trial import Request, run_trial
+from bench.studies.trial.run_trial import TrialRequest, run_trial
 from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
@@ -58,7 +58,7 @@ def run_command(
     setup = make_setup(robot, scenario, duration)
     asked = {"robot": robot, "scenario": scenario, "duration": duration}
     given = {name: value for name, value in asked.items() if value is not None}
-    request = Request(setup, _kinds(drawn.kinds), drawn.seeds, tuple(drawn.effects), given, drawn.first)
+    request = TrialRequest(setup, _kinds(drawn.kinds), drawn.seeds, tuple(drawn.effects), given, drawn.first)
     _check(setup, request)
     start = time.monotonic()
 
@@ -139,7 +139,7 @@ def _kinds(kinds: Sequence[str]) -> tuple[Kind, ...]:
     return tuple(kind for kind in KINDS if not kinds or kind in kinds)
 
 
-def _check(setup: Setup, request: Request) -> None:
+def _check(setup: Setup, request: TrialRequest) -> None:
     """Find out before anything runs what a case would trip over."""
     for kind in request.kinds:
         chosen_effects(setup, kind, request.effects)

@@ -9,7 +9,7 @@ from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.effects.display_names import spoken
 from bench.studies.trial.summary import FLOOR_FACTOR, GAIN_FACTOR, LARGE, NOTHING, Miss, TrialSummary
-from bench.studies.trial.target import NO, Figure, Share, Target
+from bench.studies.trial.target import NO, Share, Target, TargetFigure
 
 COUNTED = (
     f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
@@ -17,38 +17,38 @@ COUNTED = (
 )
 
 WORDS = {
-    Figure.ONE_FIRST: "one hidden effect: named first",
-    Figure.ONE_UNDECIDED: "or openly undecided",
-    Figure.TWO_EXACT: "two hidden effects: the set exactly",
-    Figure.TWO_UNDECIDED: "or openly undecided",
-    Figure.THREE_EXACT: "three: the set exactly",
-    Figure.THREE_UNDECIDED: "or openly undecided",
-    Figure.ALARM: "nothing hidden: any alarm",
-    Figure.ALARM_NAMED: "an effect named",
-    Figure.OUTSIDE_HONEST: "outside the catalogue: unexplained, no wrong name",
-    Figure.OUTSIDE_UNEXPLAINED: "unexplained",
-    Figure.OUTSIDE_NO_WRONG_NAME: "no wrong name with the verdict `missing`",
-    Figure.GAIN_ERROR_MEDIANS: "gains after the found effects, over those of a model that was told: medians",
-    Figure.GAIN_ERROR_RMS: "root mean squares",
-    Figure.GAIN_ERROR_WITHIN: f"within {GAIN_FACTOR} of it",
-    Figure.GAIN_ERROR_BEFORE: "largest gain error, root mean square: before",
-    Figure.GAIN_ERROR_AFTER: "after",
-    Figure.GAIN_ERROR_TOLD: "told",
-    Figure.FLOOR_MEDIAN: "error not fitted after the ladder, over the noise floor: median",
-    Figure.FLOOR_WITHIN: f"at most {FLOOR_FACTOR}",
-    Figure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
-    Figure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
+    TargetFigure.ONE_FIRST: "one hidden effect: named first",
+    TargetFigure.ONE_UNDECIDED: "or openly undecided",
+    TargetFigure.TWO_EXACT: "two hidden effects: the set exactly",
+    TargetFigure.TWO_UNDECIDED: "or openly undecided",
+    TargetFigure.THREE_EXACT: "three: the set exactly",
+    TargetFigure.THREE_UNDECIDED: "or openly undecided",
+    TargetFigure.ALARM: "nothing hidden: any alarm",
+    TargetFigure.ALARM_NAMED: "an effect named",
+    TargetFigure.OUTSIDE_HONEST: "outside the catalogue: unexplained, no wrong name",
+    TargetFigure.OUTSIDE_UNEXPLAINED: "unexplained",
+    TargetFigure.OUTSIDE_NO_WRONG_NAME: "no wrong name with the verdict `missing`",
+    TargetFigure.GAIN_ERROR_MEDIANS: "gains after the found effects, over those of a model that was told: medians",
+    TargetFigure.GAIN_ERROR_RMS: "root mean squares",
+    TargetFigure.GAIN_ERROR_WITHIN: f"within {GAIN_FACTOR} of it",
+    TargetFigure.GAIN_ERROR_BEFORE: "largest gain error, root mean square: before",
+    TargetFigure.GAIN_ERROR_AFTER: "after",
+    TargetFigure.GAIN_ERROR_TOLD: "told",
+    TargetFigure.FLOOR_MEDIAN: "error not fitted after the ladder, over the noise floor: median",
+    TargetFigure.FLOOR_WITHIN: f"at most {FLOOR_FACTOR}",
+    TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
+    TargetFigure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
 }
 MAIN = frozenset(
     {
-        Figure.ONE_FIRST,
-        Figure.TWO_EXACT,
-        Figure.THREE_EXACT,
-        Figure.ALARM,
-        Figure.OUTSIDE_HONEST,
-        Figure.GAIN_ERROR_MEDIANS,
-        Figure.FLOOR_MEDIAN,
-        Figure.INTERVALS,
+        TargetFigure.ONE_FIRST,
+        TargetFigure.TWO_EXACT,
+        TargetFigure.THREE_EXACT,
+        TargetFigure.ALARM,
+        TargetFigure.OUTSIDE_HONEST,
+        TargetFigure.GAIN_ERROR_MEDIANS,
+        TargetFigure.FLOOR_MEDIAN,
+        TargetFigure.INTERVALS,
     }
 )
 """The other figures stand below one of these, and say more of it."""
@@ -57,24 +57,24 @@ FOLDED = frozenset({"figure", "must be", "kept"})  # columns that may wrap
 
 
 @dataclass(frozen=True)
-class Part:
+class MarkdownPart:
     """A table under a title; none of its rows is without cases."""
 
     title: str
     table: Table
 
 
-def parts(summary: TrialSummary) -> list[Part]:
+def parts(summary: TrialSummary) -> list[MarkdownPart]:
     """What there are cases of, as tables; what was not tried is left out."""
     found = [
-        Part("Figures, and what they must reach", targets_table(summary)),
-        Part("What was named first, one effect hidden or none", confusion_table(summary)),
-        Part(
+        MarkdownPart("Figures, and what they must reach", targets_table(summary)),
+        MarkdownPart("What was named first, one effect hidden or none", confusion_table(summary)),
+        MarkdownPart(
             "Absorbed: no data of this robot can show it, and the diagnosis says so", absorbed_table(summary)
         ),
-        Part("Named first, by size of the effect", misses_table(summary)),
-        Part("Parameters of the found effects", coverage_table(summary)),
-        Part("Cases that came to nothing", failures_table(summary)),
+        MarkdownPart("Named first, by size of the effect", misses_table(summary)),
+        MarkdownPart("Parameters of the found effects", coverage_table(summary)),
+        MarkdownPart("Cases that came to nothing", failures_table(summary)),
     ]
     return [part for part in found if part.table.columns[0].cells]
 

@@ -22,7 +22,7 @@ DESIGNS = "designs"
 
 
 @dataclass(frozen=True)
-class Request:
+class TrialRequest:
     """What a trial goes through. seeds: see `datasets_a_seed`. effects: drawn from these; empty: from all.
 
     first: number of the first dataset of every kind.
@@ -44,7 +44,7 @@ class Request:
 
 
 def run_trial(
-    request: Request,
+    request: TrialRequest,
     folder: Path,
     make_pool: Callable[[], Pool],
     progress: Callable[[TrialPlan], Report],

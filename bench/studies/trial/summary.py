@@ -14,7 +14,7 @@ import numpy as np
 from bench.basics.chi_squared import WITHIN_95
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.compatible import COMPANIONS, optional
-from bench.studies.trial.target import Figure, Share, Target
+from bench.studies.trial.target import Share, Target, TargetFigure
 
 LARGE = 3.0
 """Of the noise floor: the error that each hidden effect must make for a case to count."""
@@ -112,39 +112,41 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         return [row for row in rows if row["kind"] == kind]
 
     def share(
-        figure: Figure, rows: Sequence[Row], test: Callable[[Row], bool], **bounds: float | None
+        figure: TargetFigure, rows: Sequence[Row], test: Callable[[Row], bool], **bounds: float | None
     ) -> Target:
         count = Share(sum(test(row) for row in rows), len(rows))
         return Target(figure, count.value, bounds.get("least"), bounds.get("most"), count)
 
     found = [
-        share(Figure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
-        share(Figure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
-        share(Figure.TWO_EXACT, of("two"), lambda r: r["exact"], least=0.85),
-        share(Figure.TWO_UNDECIDED, of("two"), lambda r: r["exact_undecided"]),
-        share(Figure.THREE_EXACT, of("three"), lambda r: r["exact"], least=0.70),
-        share(Figure.THREE_UNDECIDED, of("three"), lambda r: r["exact_undecided"]),
-        share(Figure.ALARM, of("nothing", done), _alarm, most=0.02),
-        share(Figure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
-        share(Figure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
-        share(Figure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
-        share(Figure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
+        share(TargetFigure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
+        share(TargetFigure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
+        share(TargetFigure.TWO_EXACT, of("two"), lambda r: r["exact"], least=0.85),
+        share(TargetFigure.TWO_UNDECIDED, of("two"), lambda r: r["exact_undecided"]),
+        share(TargetFigure.THREE_EXACT, of("three"), lambda r: r["exact"], least=0.70),
+        share(TargetFigure.THREE_UNDECIDED, of("three"), lambda r: r["exact_undecided"]),
+        share(TargetFigure.ALARM, of("nothing", done), _alarm, most=0.02),
+        share(TargetFigure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
+        share(TargetFigure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
+        share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
+        share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
     hiding = [row for row in large if row["kind"] != "outside"]
     found += _gain_targets(hiding)
     floors = [row["error_over_floor.after"] for row in hiding]
-    found.append(Target(Figure.FLOOR_MEDIAN, _median(floors), None, FLOOR_FACTOR))
-    found.append(share(Figure.FLOOR_WITHIN, hiding, lambda r: r["error_over_floor.after"] <= FLOOR_FACTOR))
+    found.append(Target(TargetFigure.FLOOR_MEDIAN, _median(floors), None, FLOOR_FACTOR))
+    found.append(
+        share(TargetFigure.FLOOR_WITHIN, hiding, lambda r: r["error_over_floor.after"] <= FLOOR_FACTOR)
+    )
     found.append(
         share(
-            Figure.FLOOR_WITHIN_TOLD,
+            TargetFigure.FLOOR_WITHIN_TOLD,
             hiding,
             lambda r: r["error_over_floor.told"] <= FLOOR_FACTOR,
         )
     )
     held = [one for row in hiding if row["exact"] for one in _held(row["intervals"])]
     within = Share(sum(held), len(held))
-    found.append(Target(Figure.INTERVALS, within.value, 0.88, 0.99, within))
+    found.append(Target(TargetFigure.INTERVALS, within.value, 0.88, 0.99, within))
     return tuple(found)
 
 
@@ -160,16 +162,16 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
     )
     return [
         Target(
-            Figure.GAIN_ERROR_MEDIANS,
+            TargetFigure.GAIN_ERROR_MEDIANS,
             median,
             None,
             GAIN_FACTOR,
         ),
-        Target(Figure.GAIN_ERROR_RMS, after / told if told else float("nan"), None, None),
-        Target(Figure.GAIN_ERROR_WITHIN, near.value, None, None, near),
-        Target(Figure.GAIN_ERROR_BEFORE, before, None, None),
-        Target(Figure.GAIN_ERROR_AFTER, after, None, None),
-        Target(Figure.GAIN_ERROR_TOLD, told, None, None),
+        Target(TargetFigure.GAIN_ERROR_RMS, after / told if told else float("nan"), None, None),
+        Target(TargetFigure.GAIN_ERROR_WITHIN, near.value, None, None, near),
+        Target(TargetFigure.GAIN_ERROR_BEFORE, before, None, None),
+        Target(TargetFigure.GAIN_ERROR_AFTER, after, None, None),
+        Target(TargetFigure.GAIN_ERROR_TOLD, told, None, None),
     ]
 
 

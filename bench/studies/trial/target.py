@@ -12,7 +12,7 @@ from bench.basics.chi_squared import WITHIN_95
 YES, NO, TOO_FEW = "yes", "no", "too few cases to say"
 
 
-class Figure(StrEnum):
+class TargetFigure(StrEnum):
     """What a trial measures; `bench.studies.trial.markdown` has the words."""
 
     ONE_FIRST = auto()
@@ -65,7 +65,7 @@ class Share:
 class Target:
     """A figure with what it must reach; `share` where it is one."""
 
-    figure: Figure
+    figure: TargetFigure
     value: float
     least: float | None
     most: float | None

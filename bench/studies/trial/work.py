@@ -42,7 +42,7 @@ UNNAMED = ("outside", "unknown")
 
 
 @dataclass(frozen=True)
-class DesignTask:
+class TrialDesignTask:
     """Find the trajectories of all cases."""
 
     setup: Setup
@@ -91,7 +91,7 @@ class TrialWork:
 
     def design(self, _run: Run) -> Task:
         """Finds trajectories."""
-        return DesignTask(self.plan.setup)
+        return TrialDesignTask(self.plan.setup)
 
     def motion(self, _run: Run, trajectories: Trajectories) -> Task:
         """Simulates the movements with nothing hidden."""
