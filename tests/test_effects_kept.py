@@ -10,6 +10,7 @@ from bench.effects import CATALOGUE, EffectInstance, RobotSignals
 from bench.effects.body_length import lengths, with_length
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
+from bench.effects.signals import Changed
 from bench.identification import effect_rows
 from bench.model.motion import motion_of
 from tests.effects_kit import moving_robot, rigid_torque
@@ -61,6 +62,6 @@ def test_another_gravity_or_length_gives_the_rows_of_that_robot(tmp_path: Path) 
     for _ in range(2):  # computed, then kept
         tree = motion_of(model.geometry, measured.time[step], *active)
         wanted = rigid_torque(model, present, replace(model.geometry, gravity=turned), tree)
-        np.testing.assert_allclose(robot.torque(gravity=turned, every=3), wanted, atol=1e-11)
+        np.testing.assert_allclose(robot.torque(Changed(gravity=turned), 3), wanted, atol=1e-11)
         wanted = rigid_torque(model, present, longer, motion_of(longer, measured.time[step], *active))
-        np.testing.assert_allclose(robot.torque(geometry=longer, every=3), wanted, atol=1e-9)
+        np.testing.assert_allclose(robot.torque(Changed(geometry=longer), 3), wanted, atol=1e-9)

@@ -67,24 +67,28 @@ class AskedWithinError(Exception):
     """An effect asked for the torque that the model needs while that was being added up from its effects."""
 
 
+@dataclass(frozen=True, eq=False)
+class Changed:
+    """What is otherwise than measured: active positions, velocities and accelerations (K, n) each, gravity (3,) m/s2,
+    or the geometry; None where nothing is.
+    """
+
+    motion: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    gravity: np.ndarray | None = None
+    geometry: Geometry | None = None
+
+
+UNCHANGED = Changed()
+
+
 class TorqueModel(Protocol):
     """The rigid-body torque of the present model, payload included, for every `every`-th sample.
 
-    At the measured motion where neither motion nor geometry is given; otherwise at active positions,
-    velocities and accelerations (K, n) each, K = ceil(N / every). gravity: another one (3,) m/s2. Returns
-    (K, n), N*m or N. Raises BenchError where the loops cannot be closed.
+    At the measured motion, or where it is changed, K = ceil(N / every). Returns (K, n), N*m or N. Raises BenchError
+    where the loops cannot be closed.
     """
 
-    def __call__(
-        self,
-        position: np.ndarray | None = None,
-        velocity: np.ndarray | None = None,
-        acceleration: np.ndarray | None = None,
-        *,
-        gravity: np.ndarray | None = None,
-        geometry: Geometry | None = None,
-        every: int = 1,
-    ) -> np.ndarray: ...
+    def __call__(self, changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -246,9 +250,7 @@ class RobotSignals:
     ) -> np.ndarray:
         """As `torque_change`, at the coarse samples (K, n)."""
         here = self.coarse
-        moved: tuple[np.ndarray | None, ...] = (None, None, None)
+        moved = None
         if shift is not None:
-            moved = tuple(
-                x + dx for x, dx in zip((here.position, here.velocity, here.acceleration), shift, strict=True)
-            )
-        return self.torque(*moved, gravity=gravity, geometry=geometry, every=self.every) - here.torque
+            moved = here.position + shift[0], here.velocity + shift[1], here.acceleration + shift[2]
+        return self.torque(Changed(moved, gravity, geometry), self.every) - here.torque

@@ -9,7 +9,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.effects import EffectInstance, JointSignals, RobotSignals, effect_columns
-from bench.effects.signals import AskedWithinError
+from bench.effects.signals import UNCHANGED, AskedWithinError, Changed
 from bench.identification.filtered import Measured
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbed_observation import perturbed_rows
@@ -73,23 +73,14 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
         for j, actuator in enumerate(model.geometry.robot.actuators)
     }
 
-    def torque(
-        position: np.ndarray | None = None,
-        velocity: np.ndarray | None = None,
-        acceleration: np.ndarray | None = None,
-        *,
-        gravity: np.ndarray | None = None,
-        geometry: Geometry | None = None,
-        every: int = 1,
-    ) -> np.ndarray:
+    def torque(changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray:
         columns, parameters = model.base.columns, present.base
-        tool = model.geometry.tool if geometry is None else geometry.tool
+        tool = (model.geometry if changed.geometry is None else changed.geometry).tool
         if payload is not None and tool is not None:
             columns = np.concatenate((columns, model.payload_columns))
             parameters = np.concatenate((parameters, payload_transform(tool) @ present.payloads[payload]))
-        active = (position, velocity, acceleration)
         columns = np.concatenate((columns, redundant_columns(model.geometry)))
-        rows = perturbed_rows(model, measured, columns, active, gravity, geometry, every)
+        rows = perturbed_rows(model, measured, columns, changed, every)
         beside = signals.redundant_torque[::every] if len(model.geometry.redundant) else None
         return combined_torque(rows, parameters, beside)
 

@@ -17,7 +17,7 @@ from bench.basics.interpolation import cubic_spline
 from bench.effects import RobotSignals
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows
-from bench.effects.signals import OVERSAMPLING, Sparse
+from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
@@ -238,17 +238,8 @@ class NearbySignals(RobotSignals):
         some = slice(None, None, every)
         gaps, shares = sparse_gaps(self.gaps, every, length)
 
-        def torque(
-            position: np.ndarray | None = None,
-            velocity: np.ndarray | None = None,
-            acceleration: np.ndarray | None = None,
-            *,
-            gravity: np.ndarray | None = None,
-            geometry: Geometry | None = None,
-            every: int = 1,
-        ) -> np.ndarray:
-            moved = (position, velocity, acceleration)
-            return self.torque(*moved, gravity=gravity, geometry=geometry, every=every * self.every)
+        def torque(changed: Changed = UNCHANGED, every: int = 1) -> np.ndarray:
+            return self.torque(changed, every * self.every)
 
         return replace(
             self,

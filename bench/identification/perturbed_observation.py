@@ -8,6 +8,7 @@ from hashlib import blake2b
 
 import numpy as np
 
+from bench.effects.signals import UNCHANGED, Changed
 from bench.identification.filtered import Measured
 from bench.model.geometry import Anchor, Geometry
 from bench.model.model import IdentificationModel
@@ -19,33 +20,31 @@ def perturbed_rows(
     model: IdentificationModel,
     measured: Measured,
     columns: np.ndarray,
-    active: Sequence[np.ndarray | None],
-    gravity: np.ndarray | None,
-    geometry: Geometry | None,
+    changed: Changed,
     every: int,
 ) -> np.ndarray:
     """Rows (K, n, p) of some columns of the projected regressor at every so many-th sample, N*m or N.
 
-    active: positions, velocities and accelerations (K, n) of the active joints, None where they are as measured;
-    gravity (3,) m/s2 and geometry likewise. Raises BenchError where the loops cannot be closed.
+    Raises BenchError where the loops cannot be closed.
     """
+    motion, gravity, geometry = changed.motion, changed.gravity, changed.geometry
     key = (
         every,
         columns.tobytes(),
-        *(None if one is None else _digest([one]) for one in active),
+        None if motion is None else _digest(motion),
         None if gravity is None else gravity.tobytes(),
         None if geometry is None else geometry_key(geometry),
     )
     rows = measured.perturbed.get(key)
     if rows is not None:
         return rows
-    if gravity is not None and geometry is None and all(one is None for one in active):
+    if gravity is not None and geometry is None and motion is None:
         rows = _turned(model, measured, columns, gravity, every)
     else:
-        changed = model.geometry if geometry is None else geometry
+        other = model.geometry if geometry is None else geometry
         if gravity is not None:
-            changed = replace(changed, gravity=gravity)
-        rows = projected_regressor(changed, _motion(model, measured, changed, active, every), columns)
+            other = replace(other, gravity=gravity)
+        rows = projected_regressor(other, _motion(model, measured, other, motion, every), columns)
         measured.perturbed.keep(key, rows)
     return rows
 
@@ -55,29 +54,29 @@ def _turned(
 ) -> np.ndarray:
     """Rows with another gravity, of which they are a linear function: from those with one m/s2 more each way."""
     own = model.geometry.gravity
-    here = perturbed_rows(model, measured, columns, (None,) * 3, None, None, every)
+    here = perturbed_rows(model, measured, columns, UNCHANGED, every)
     rows = here.copy()
     for axis, change in zip(np.eye(3), gravity - own, strict=True):
         if change:
-            more = replace(model.geometry, gravity=own + axis)
-            rows += change * (perturbed_rows(model, measured, columns, (None,) * 3, None, more, every) - here)
+            more = Changed(geometry=replace(model.geometry, gravity=own + axis))
+            rows += change * (perturbed_rows(model, measured, columns, more, every) - here)
     return rows
 
 
 def _motion(
     model: IdentificationModel,
     measured: Measured,
-    changed: Geometry,
-    active: Sequence[np.ndarray | None],
+    geometry: Geometry,
+    motion: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
     every: int,
 ) -> Motion:
     step = slice(None, None, every)
     tree = measured.tree.at(step)
-    if all(one is None for one in active) and _numbers(changed)[1:] == _numbers(model.geometry)[1:]:
-        return tree
-    logged = (measured.position, measured.velocity, measured.acceleration)
-    given = [x[step] if one is None else one for x, one in zip(logged, active, strict=True)]
-    return motion_of(changed, measured.time[step], *given, near=tree)
+    if motion is None:
+        if _numbers(geometry)[1:] == _numbers(model.geometry)[1:]:
+            return tree
+        motion = measured.position[step], measured.velocity[step], measured.acceleration[step]
+    return motion_of(geometry, measured.time[step], *motion, near=tree)
 
 
 def _numbers(geometry: Geometry) -> list[bytes]:
