@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from bench.basics.errors import BenchError
 from bench.cli.identify import identify as identify_command
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import with_held_out_parts
 from bench.document.terminal.identification import effects_table
 from bench.effects import CATALOGUE, select_effects
 from bench.effects.places import Places
@@ -78,7 +78,7 @@ def test_a_recording_that_was_not_fitted_has_the_mean(result: Identification) ->
 
 def test_parts_of_a_recording_share_its_value(dataset: Dataset) -> None:
     fitted = replace(dataset, recordings=dataset.recordings[:2])
-    parts, _ = with_judged_parts(fitted)
+    parts, _ = with_held_out_parts(fitted)
     result = identify(prepare(problem_of(parts, [REQUEST])))
     assert list(result.effect_parameters["constant_offset"]) == ["left@free.csv", "left@held.csv"]
     assert result.error.validate < 1.3 * result.error.identify

@@ -9,9 +9,9 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.document.colours import scale_colours
 from bench.identification.effect_torques import EffectTorques
-from bench.viewer.context import KnownTruth, LadderModel, Story
+from bench.viewer.context import KnownTruth, LadderModel, ViewContext
 from bench.viewer.phases import BACKWARDS, FORWARDS, REVERSAL, STILL, lanes, motion_states
-from bench.viewer.recording import Told, write_rrd, write_side_by_side
+from bench.viewer.recording import ViewedRun, write_rrd, write_side_by_side
 from bench.viewer.scene import error_share
 from tests.rrd_reader import batches, columns, numbers, origins, static_value, verified
 from tests.shown import dataset_of, identification_of
@@ -34,9 +34,9 @@ def told(request, tmp_path_factory):
             loop_gap=np.full((len(recording.time[::10]), 2), (1e-7, 3e-7)),
         )
     steps = (LadderModel("the model as it is", before),)
-    story = Story(steps, torques, known, {dataset.robot.joints[0]: 3.25}, "### Told", "+ friction")
+    story = ViewContext(steps, torques, known, {dataset.robot.joints[0]: 3.25}, "### Told", "+ friction")
     path = tmp_path_factory.mktemp(request.param) / "story.rrd"
-    write_rrd(path, result, dataset, story=story)
+    write_rrd(path, result, dataset, context=story)
     return path, result, dataset, story
 
 
@@ -191,7 +191,7 @@ def runs():
     worse = replace(
         result, recordings=tuple(replace(one, modelled=one.modelled - 0.1) for one in result.recordings)
     )
-    return [Told("run 1, seed 1", result, dataset), Told("run 2, seed 7", worse, dataset)]
+    return [ViewedRun("run 1, seed 1", result, dataset), ViewedRun("run 2, seed 7", worse, dataset)]
 
 
 def test_runs_stand_side_by_side(runs, tmp_path):
@@ -212,7 +212,7 @@ def test_runs_stand_side_by_side(runs, tmp_path):
 
 def test_other_robots_do_not_stand_side_by_side(runs, tmp_path):
     dataset = dataset_of(load_robot("delta"), duration=1.0)
-    other = Told("delta", identification_of(dataset), dataset)
+    other = ViewedRun("delta", identification_of(dataset), dataset)
     with pytest.raises(BenchError, match=r"five_bar and delta have other motors"):
         write_side_by_side(tmp_path / "runs.rrd", [runs[0], other])
     with pytest.raises(BenchError, match=r"nothing to show"):

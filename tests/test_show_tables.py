@@ -161,7 +161,7 @@ def test_what_has_no_known_truth_is_left_blank(result):
 def test_poorly_determined_parameters_are_marked(result):
     lines = printed(result).splitlines()
     assert [line.split()[0] for line in lines if "! 60.06 %" in line] == ["mz(left_rod)"]
-    assert "! 1 of 3 poorly determined: deviation above 30 % of the value" in lines
+    assert "! 1 of 3 poorly determined: standard error above 30 % of the value" in lines
 
 
 def test_groupings_are_shortened_by_whole_terms_and_full_when_asked(result):
@@ -229,7 +229,7 @@ def test_settings_say_rank_conditioning_and_rates(result):
     equations, still, condition, filters = settings_lines(result)
     rows = sum(one.measured.size for one in result.recordings if one.use == "identify") - 12
     assert equations == f"{rows} equations, 5 unknowns, rank 5"
-    assert still == "12 more equations left aside, of joints that stand still"
+    assert still == "12 more equations excluded, of joints that stand still"
     assert "312.4" in condition
     assert "41.5" in condition
     assert filters == "positions low-passed at 40 Hz, fit at 40 Hz (one sample in 25)"

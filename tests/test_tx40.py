@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from bench.dataset.dataset import load_dataset
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import with_held_out_parts
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -40,7 +40,7 @@ def test_the_coupling_is_understood(tx40: Path, settings: dict[str, float] | Non
 
 def test_a_part_of_the_log_is_filtered_as_the_whole_is(tx40: Path) -> None:
     """A diagnosis fits the first 70 % and judges on the rest; jitter at one motor was taken for motion there."""
-    parts, _ = with_judged_parts(load_dataset(tx40))
+    parts, _ = with_held_out_parts(load_dataset(tx40))
     found = identify(prepare(problem_of(parts, ["viscous_friction", "coulomb_friction", "constant_offset"])))
     assert found.settings.position_cutoff < 150.0  # Hz; motion ends at 12 Hz
     assert found.error.identify < 0.10

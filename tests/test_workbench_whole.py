@@ -6,7 +6,7 @@ import pytest
 
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import with_held_out_parts
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -51,7 +51,7 @@ def page(request, tmp_path_factory):
     def of(robot):
         if robot not in made:
             dataset = load_dataset(request.getfixturevalue(robot))
-            parts, _ = with_judged_parts(dataset)
+            parts, _ = with_held_out_parts(dataset)
             data = page_data(
                 problem_of(dataset), diagnosis_of(parts, FOUND if robot == "five_bar" else FRICTIONS, LAWS)
             )
@@ -123,7 +123,7 @@ def test_a_browser_shows_what_identify_shows(chromium, page, robot, requests):
 
 def test_filters_set_by_hand_hold_for_all_rows_too(five_bar):
     dataset = load_dataset(five_bar)
-    parts, _ = with_judged_parts(dataset)
+    parts, _ = with_held_out_parts(dataset)
     diagnosis = diagnosis_of(
         parts, FOUND, ("coulomb_friction", "viscous_friction"), filters={"decimation": 5}
     )

@@ -16,9 +16,9 @@ from bench.document.terminal.comparison import where_report
 from bench.document.terminal.diagnosis import diagnosis_report
 from bench.document.terminal.identification import comparison_report, identification_report
 from bench.identification.result import Identification
-from bench.page.folder import Kept
+from bench.page.folder import SavedRun
 from bench.page.section_run import CommandRun
-from bench.page.write import write_kept
+from bench.page.write import write_saved_run
 
 WIDTH = 110  # characters
 Result = Identification | Diagnosis | ModelErrors
@@ -33,14 +33,14 @@ class Report:
 
     def __str__(self) -> str:
         console = Console(file=io.StringIO(), width=WIDTH, record=True)
-        told(self.result, console, self.verbose)
+        print_result(self.result, console, self.verbose)
         return console.export_text()
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
         console = Console(file=io.StringIO(), width=WIDTH, record=True)
-        told(self.result, console, self.verbose)
+        print_result(self.result, console, self.verbose)
         return console.export_html(
             inline_styles=True, code_format="<pre style='line-height:1.2'>{code}</pre>"
         )
@@ -60,7 +60,7 @@ class Report:
             raise BenchError(f"no page is made of a {type(after).__name__}")
         verb = "diagnose" if diagnosis is not None else "identify"
         run = CommandRun(verb, str(dataset.folder), tuple(after.effects), (), {}, str(page.parent))
-        return write_kept(page, Kept(run, dataset, after, diagnosis, ""))
+        return write_saved_run(page, SavedRun(run, dataset, after, diagnosis, ""))
 
 
 def report(result: Result, *, verbose: bool = False) -> Report:
@@ -69,24 +69,24 @@ def report(result: Result, *, verbose: bool = False) -> Report:
 
 
 @singledispatch
-def told(result: Any, console: Console, verbose: bool) -> None:  # noqa: ARG001 - one signature for all
+def print_result(result: Any, console: Console, verbose: bool) -> None:  # noqa: ARG001 - one signature for all
     """Print a result to a console. Raises BenchError for what is none."""
     raise BenchError(
         f"no report is made of a {type(result).__name__}: give what identify, compare or diagnose return"
     )
 
 
-@told.register
+@print_result.register
 def _(result: Identification, console: Console, verbose: bool) -> None:
     identification_report(result, console, verbose=verbose)
 
 
-@told.register
+@print_result.register
 def _(result: Diagnosis, console: Console, verbose: bool) -> None:
     diagnosis_report(result, console, verbose=verbose)
 
 
-@told.register
+@print_result.register
 def _(result: ModelErrors, console: Console, verbose: bool) -> None:  # noqa: ARG001 - as above
     comparison_report(result.comparison, console)
     where_report(result.where, console)

@@ -115,6 +115,7 @@ def _next(
     given: dict[str, Any],
 ) -> str:
     """The command that makes sense after a comparison."""
+    from bench.page.section_run import CommandRun
     from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))

@@ -57,7 +57,7 @@ def figures(
     """
     from bench.api.figures import figures_named, figures_of
     from bench.basics.errors import BenchError
-    from bench.cli.named_sources import Asked, answer_of
+    from bench.cli.named_sources import ViewRequest, answer_of
     from bench.cli.next_steps import Source, after_figures, before_figures
     from bench.document.figures.paper import write_paper_figures
 
@@ -67,7 +67,7 @@ def figures(
     if output is None and (every or wanted):
         raise click.UsageError("name the folder of the figures with -o DIR")
     given = given_filters(**filters)
-    dataset, result, diagnosis = answer_of(source, Asked(effects, effect_files, given, data))
+    dataset, result, diagnosis = answer_of(source, ViewRequest(effects, effect_files, given, data))
     found = figures_of(dataset, result, diagnosis)
     there = Source(source, effects, effect_files, given, data)
     if output is None:

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     type=click.Choice(["autocorrelated", "independent"]),
     default="autocorrelated",
     show_default=True,
-    help="Standard deviations for errors that are alike from one sample to the next, or by the customary formula.",
+    help="Standard errors for residuals that are correlated from one sample to the next, or by the customary formula.",
 )
 @filter_options
 @json_option

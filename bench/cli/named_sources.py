@@ -19,15 +19,15 @@ from bench.identification.model_file import load_model, read_identification
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import Identification
-from bench.page.folder import RUN_FILE, Kept, read_run
+from bench.page.folder import RUN_FILE, SavedRun, read_run
 from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
 from bench.truth.dataset import as_dataset
-from bench.viewer.context import KnownTruth, LadderModel, Story
-from bench.viewer.recording import Told
+from bench.viewer.context import KnownTruth, LadderModel, ViewContext
+from bench.viewer.recording import ViewedRun
 
 
 @dataclass(frozen=True)
-class Asked:
+class ViewRequest:
     """What the command line says.
 
     data: the dataset beside which a model file is shown; runs: of a sweep, by number; truth: whether what a
@@ -46,7 +46,7 @@ class Asked:
         return problem_of(dataset, self.effects, self.filters, effect_files=self.effect_files)
 
 
-def told_of(source: Path, asked: Asked) -> list[Told]:
+def viewed_runs(source: Path, asked: ViewRequest) -> list[ViewedRun]:
     """One identification, or several of a sweep, with all that there is to tell of them.
 
     Raises BenchError that says what is missing.
@@ -66,7 +66,7 @@ def told_of(source: Path, asked: Asked) -> list[Told]:
     return [_of_result(_read(source), asked)]
 
 
-def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diagnosis | None]:
+def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification, Diagnosis | None]:
     """The dataset, the model and, of a diagnosis, all that it says; without what a simulation knows.
 
     Raises BenchError that says what is missing.
@@ -85,7 +85,7 @@ def answer_of(source: Path, asked: Asked) -> tuple[Dataset, Identification, Diag
     return problem.dataset, identify(prepare(problem)), None
 
 
-def _read(folder: Path) -> Kept:
+def _read(folder: Path) -> SavedRun:
     """A result folder; says on standard error what was not taken from it as it was."""
     kept = read_run(folder)
     if kept.said:
@@ -93,7 +93,7 @@ def _read(folder: Path) -> Kept:
     return kept
 
 
-def _of_dataset(folder: Path, asked: Asked) -> Told:
+def _of_dataset(folder: Path, asked: ViewRequest) -> ViewedRun:
     problem = asked.of(load_dataset(folder))
     dataset = problem.dataset
     rungs = [asked.effects[:count] for count in range(len(asked.effects) + 1)]
@@ -102,17 +102,17 @@ def _of_dataset(folder: Path, asked: Asked) -> Told:
         LadderModel(word, model.recordings)
         for word, model in zip(step_labels(rungs), models[:-1], strict=False)
     )
-    story = _story(dataset, models[-1], steps, "", truth=asked.truth)
-    story = replace(story, label=step_labels(rungs)[-1])
-    return Told(models[-1].robot, models[-1], dataset, story)
+    context = _context(dataset, models[-1], steps, "", truth=asked.truth)
+    context = replace(context, label=step_labels(rungs)[-1])
+    return ViewedRun(models[-1].robot, models[-1], dataset, context)
 
 
-def _of_model(path: Path, asked: Asked) -> Told:
+def _of_model(path: Path, asked: ViewRequest) -> ViewedRun:
     dataset, result = _applied(path, asked)
-    return Told(result.robot, result, dataset, _story(dataset, result, (), "", truth=asked.truth))
+    return ViewedRun(result.robot, result, dataset, _context(dataset, result, (), "", truth=asked.truth))
 
 
-def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification]:
+def _applied(path: Path, asked: ViewRequest) -> tuple[Dataset, Identification]:
     """A model file beside its dataset, or another one."""
     saved = load_model(path)
     folder = asked.data or saved.dataset
@@ -122,11 +122,11 @@ def _applied(path: Path, asked: Asked) -> tuple[Dataset, Identification]:
     return dataset, read_identification(path, asked.of(dataset))
 
 
-def _of_result(kept: Kept, asked: Asked) -> Told:
+def _of_result(kept: SavedRun, asked: ViewRequest) -> ViewedRun:
     """The model that was found, and the errors of the models that the ladder leads over."""
     dataset, after, diagnosis = kept.dataset, kept.after, kept.diagnosis
     if diagnosis is None:
-        return Told(after.robot, after, dataset, _story(dataset, after, (), "", truth=asked.truth))
+        return ViewedRun(after.robot, after, dataset, _context(dataset, after, (), "", truth=asked.truth))
     judged = kept.judged
     problem = replace(kept.problem, dataset=judged, filters=after.settings, fit_gains=after.gains_fitted)
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
@@ -138,8 +138,8 @@ def _of_result(kept: Kept, asked: Asked) -> Told:
             recordings = identify(prepare(replace(problem, effects=rung))).recordings
         steps.append(LadderModel(word, recordings))
     text = diagnosis_markdown(diagnosis)
-    story = _story(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)
-    return Told(after.robot, after, judged, replace(story, label=words[-1]))
+    context = _context(judged, after, tuple(steps), text, truth=asked.truth, logged=dataset)
+    return ViewedRun(after.robot, after, judged, replace(context, label=words[-1]))
 
 
 def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
@@ -149,7 +149,7 @@ def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
     return (*own, *(one for one in added if one.partition(":")[0] in rung.effects))
 
 
-def _of_sweep(folder: Path, asked: Asked) -> list[Told]:
+def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
     """Runs of a sweep, simulated and identified once more: its folder keeps no recordings."""
     plan = plan_of(folder)
     found = []
@@ -162,15 +162,15 @@ def _of_sweep(folder: Path, asked: Asked) -> list[Told]:
             problem_of(dataset, run.identify["effects"], filters, fit_gains=run.identify["fit_gains"])
         )
         result = fit(prepared, run.identify["method"], **options)
-        story = _story(dataset, result, (), f"**{again.title}**", truth=False)
+        context = _context(dataset, result, (), f"**{again.title}**", truth=False)
         if asked.truth:
             known, content = known_of(again.simulation), truth_of(again.simulation)
-            story = replace(story, known=known, truth=truth_values(dataset, content))
-        found.append(Told(again.title, result, dataset, story))
+            context = replace(context, known=known, truth=truth_values(dataset, content))
+        found.append(ViewedRun(again.title, result, dataset, context))
     return found
 
 
-def _story(
+def _context(
     dataset: Dataset,
     result: Identification,
     steps: tuple[LadderModel, ...],
@@ -178,7 +178,7 @@ def _story(
     *,
     truth: bool,
     logged: Dataset | None = None,
-) -> Story:
+) -> ViewContext:
     """All that is told beside an answer. logged: the dataset as it was written, where its recordings were parted."""
     torques = {one.name: one for one in effect_torques(result.recordings)} if result.effects else {}
     known: Mapping[str, KnownTruth] = {}
@@ -189,7 +189,7 @@ def _story(
         simulation = simulated_again(logged, content)
         if simulation is not None:
             known, values = _by_part(known_of(simulation), dataset), truth_values(dataset, content)
-    return Story(steps, torques, known, values, text)
+    return ViewContext(steps, torques, known, values, text)
 
 
 def _by_part(known: Mapping[str, KnownTruth], dataset: Dataset) -> dict[str, KnownTruth]:

@@ -76,7 +76,7 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_page, after_trial
     from bench.page.folder import RUN_FILE, read_run
-    from bench.page.write import write_kept, write_sweep_report
+    from bench.page.write import write_saved_run, write_sweep_report
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     said, source, data = "", given.path, given.data
@@ -93,7 +93,7 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
         _refuse(models, "a result")
         progress.phase("reading the result")
         kept = read_run(source)
-        write_kept(output, kept, source, progress)
+        write_saved_run(output, kept, source, progress)
         said = kept.said
     elif is_sweep_folder(source):
         _refuse(models, "a sweep")
@@ -139,9 +139,9 @@ def _of_trial(source: Path, output: Path) -> Path:
 def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis":
     from bench.api.diagnose import diagnose
     from bench.dataset.dataset import load_dataset
-    from bench.page.folder import Kept
+    from bench.page.folder import SavedRun
     from bench.page.section_run import CommandRun
-    from bench.page.write import write_kept
+    from bench.page.write import write_saved_run
 
     progress.phase("reading the recordings")
     dataset = load_dataset(given.path)
@@ -154,7 +154,7 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
     )
     files = tuple(map(str, given.effect_files))
     run = CommandRun("report", str(given.path), given.effects, files, given.filters, str(output))
-    write_kept(output, Kept(run, dataset, diagnosis.after, diagnosis, ""), progress=progress)
+    write_saved_run(output, SavedRun(run, dataset, diagnosis.after, diagnosis, ""), progress=progress)
     return diagnosis
 
 
@@ -165,9 +165,9 @@ def _of_model(
     from bench.dataset.dataset import load_dataset
     from bench.identification.model_file import load_model, read_identification
     from bench.identification.problem import problem_of
-    from bench.page.folder import Kept
+    from bench.page.folder import SavedRun
     from bench.page.section_run import CommandRun
-    from bench.page.write import write_kept
+    from bench.page.write import write_saved_run
 
     saved = load_model(source)
     data = data or saved.dataset
@@ -180,4 +180,4 @@ def _of_model(
     run = CommandRun(
         "report", str(source), effect_files=files, options={"data": str(data)}, output=str(output)
     )
-    write_kept(output, Kept(run, dataset, result, None, str(source)), progress=progress)
+    write_saved_run(output, SavedRun(run, dataset, result, None, str(source)), progress=progress)

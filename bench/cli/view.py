@@ -43,19 +43,19 @@ def view(
 
     The recording goes to SOURCE.rrd, beside SOURCE, and opens; with --save it is only written.
     """
-    from bench.cli.named_sources import Asked, told_of
+    from bench.cli.named_sources import ViewRequest, viewed_runs
     from bench.cli.next_steps import Source, after_looking
     from bench.viewer.recording import write_rrd, write_side_by_side
 
     given = given_filters(**filters)
-    asked = Asked(effects, effect_files, given, data, runs, not no_truth)
-    told = told_of(source, asked)
+    asked = ViewRequest(effects, effect_files, given, data, runs, not no_truth)
+    viewed = viewed_runs(source, asked)
     resolved = source.resolve()
     path = resolved.with_name(f"{resolved.name.removesuffix('.json')}.rrd") if save is None else save
-    if len(told) == 1:
-        write_rrd(path, told[0].result, told[0].dataset, story=told[0].story)
+    if len(viewed) == 1:
+        write_rrd(path, viewed[0].result, viewed[0].dataset, context=viewed[0].context)
     else:
-        write_side_by_side(path, told)
+        write_side_by_side(path, viewed)
     written = [wrote(path, "recording" if save is None else f"recording: open it with rerun {path}")]
     if save is None:
         from bench.cli.open_viewer import open_viewer

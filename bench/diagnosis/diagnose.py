@@ -24,7 +24,7 @@ from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Superfl
 from bench.diagnosis.rounds import Origin, Round, first_round, origin_of, searched
 from bench.diagnosis.search import Found
 from bench.diagnosis.showing import shows
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
 from bench.diagnosis.verdicts import checked_error, verdicts
@@ -85,7 +85,7 @@ def diagnose(problem: Problem, progress: Progress = SILENT) -> Diagnosis:
 def opened(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
     """Prepare a problem and fit the model as it is."""
     progress.phase("preparing the recordings")
-    dataset, split = with_judged_parts(problem.dataset)
+    dataset, split = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset)
     start = prepare(problem)
     progress.phase("fitting the model as it is")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.identification.column_errors import shaken
+from bench.identification.column_errors import perturbed
 from bench.identification.effect_columns import robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import measure
@@ -32,7 +32,7 @@ def encoder_error(model: Prepared) -> float:
         if recording.use != "validate":
             continue
         bands = signal_bands([recording.position], [recording.current], recording.rate)
-        moved = measure(model.model, shaken(recording, bands.position_noise, random), model.settings)
+        moved = measure(model.model, perturbed(recording, bands.position_noise, random), model.settings)
         signals = robot_signals(model.model, moved, model.present)
         effects = effect_rows(signals, model.settings.decimation, model.effects)
         before = modelled_series(model, rows, solution)

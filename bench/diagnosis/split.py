@@ -7,10 +7,10 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.identification.result import CurrentSeries
 
-JUDGED = 0.3  # of every recording, at its end
+HELD_OUT = 0.3  # of every recording, at its end
 
 
-def with_judged_parts(dataset: Dataset) -> tuple[Dataset, str]:
+def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, str]:
     """The dataset with something that is never fitted, and words for what that is.
 
     Without any recording for validation the last 30 % of every recording are kept apart.
@@ -19,18 +19,18 @@ def with_judged_parts(dataset: Dataset) -> tuple[Dataset, str]:
         return dataset, "recordings that were not fitted"
     parts = []
     for one in dataset.recordings:
-        cut = round((1.0 - JUDGED) * len(one.time))
+        cut = round((1.0 - HELD_OUT) * len(one.time))
         parts.append(_part(one, one.name, "identify", slice(0, cut)))
         parts.append(_part(one, f"{one.name} (end)", "validate", slice(cut, None)))
     return replace(
         dataset, recordings=tuple(parts)
-    ), f"the last {100.0 * JUDGED:.0f} % of every recording, not fitted"
+    ), f"the last {100.0 * HELD_OUT:.0f} % of every recording, not fitted"
 
 
 def dataset_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
     """The dataset whose recordings the series are of: with the ends kept apart where they were judged on."""
     names = {one.name for one in dataset.recordings}
-    return dataset if all(one.name in names for one in series) else with_judged_parts(dataset)[0]
+    return dataset if all(one.name in names for one in series) else with_held_out_parts(dataset)[0]
 
 
 def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:

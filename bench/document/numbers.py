@@ -171,9 +171,7 @@ def settings_lines(result: Identification) -> list[str]:
     if rate is not None:
         filters += f", fit at {rate:.4g} Hz (one sample in {result.settings.decimation})"
     still = (
-        [f"{all_rows - rows} more equations left aside, of joints that stand still"]
-        if rows < all_rows
-        else []
+        [f"{all_rows - rows} more equations excluded, of joints that stand still"] if rows < all_rows else []
     )
     spread = [] if result.std_from == "noise" else [f"± from {STD_FROM[result.std_from]}"]
     return [

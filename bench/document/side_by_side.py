@@ -69,7 +69,7 @@ def _changed(first: Beside, other: Beside) -> list[str]:
         rest = f" and {len(moved) - MANY} more" if len(moved) > MANY else ""
         count = f"{len(moved)} of {len(new.parameters)} base parameters"
         found.append(
-            f"{other.name}: {count} moved by more than 3 standard deviations: {', '.join(moved[:MANY])}{rest}"
+            f"{other.name}: {count} moved by more than 3 standard errors: {', '.join(moved[:MANY])}{rest}"
         )
     if old.settings != new.settings:
         found.append(

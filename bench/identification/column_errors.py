@@ -27,7 +27,7 @@ def column_errors(recordings: Sequence[Recording], settings: FilterSettings, col
         rate = recording.rate
         bands = signal_bands([recording.position], [recording.current], rate)
         phi, kappa = columns(recording)
-        phi_shaken, kappa_shaken = columns(shaken(recording, bands.position_noise, random))
+        phi_shaken, kappa_shaken = columns(perturbed(recording, bands.position_noise, random))
         change = np.concatenate((phi_shaken - phi, (kappa_shaken - kappa)[:, :, None]), axis=2)
         samples, n, size = change.shape
         errors = np.zeros((n, size + 1, size + 1))
@@ -38,7 +38,7 @@ def column_errors(recordings: Sequence[Recording], settings: FilterSettings, col
     return np.asarray(np.sum(parts, axis=0))
 
 
-def shaken(recording: Recording, density: np.ndarray, random: np.random.Generator) -> Recording:
+def perturbed(recording: Recording, density: np.ndarray, random: np.random.Generator) -> Recording:
     """The recording with white noise of this density (n,), rad2/Hz or m2/Hz, added to its positions."""
     noise = np.sqrt(density * recording.rate / 2) * random.normal(size=recording.position.shape)
     return replace(recording, position=recording.position + noise)

@@ -44,7 +44,7 @@ def _gain_came_out(one: Finding) -> str:
 
 def _without_deviation(one: Finding) -> str:
     return (
-        f"{one.of[0].name} came out at {one.numbers['value']:.3g} {one.unit} with no deviation that is known: the "
+        f"{one.of[0].name} came out at {one.numbers['value']:.3g} {one.unit} with no standard error that is known: the "
         "data do not tell it."
     )
 
@@ -169,9 +169,9 @@ def _far_worse(one: Finding) -> str:
 def _poorly(one: Finding) -> str:
     verb = "is" if one.numbers["count"] == 1 else "are"
     return (
-        f"{one.numbers['count']:.0f} of {one.numbers['of']:.0f} parameters {verb} poorly determined (deviation above "
-        f"{in_percent(one.numbers['limit'])} of the value); `bench identify --essential` leaves out what does not "
-        "matter."
+        f"{one.numbers['count']:.0f} of {one.numbers['of']:.0f} parameters {verb} poorly determined (standard error "
+        f"above {in_percent(one.numbers['limit'])} of the value); `bench identify --essential` leaves out what "
+        "does not matter."
     )
 
 
@@ -216,7 +216,7 @@ def _impossible_inertia(one: Finding) -> str:
 def _taken_as_point(one: Finding) -> str:
     return (
         f"{_impossible_inertia(one)} The payload is taken as a point there, with which the error is as small; the "
-        "gains' deviations hold the answer without that. Declare its inertia in dataset.toml."
+        "gains' standard errors hold the answer without that. Declare its inertia in dataset.toml."
     )
 
 

@@ -21,7 +21,7 @@ from bench.local.checks import Mapped, checked
 from bench.local.columns import look_at
 from bench.model.geometry import read_geometry
 from bench.page.folder import RUN_FILE, read_json
-from bench.page.model_errors import shown
+from bench.page.model_errors import model_beside
 from bench.page.section_errors import currents_section
 from bench.page.section_run import CommandRun
 
@@ -68,7 +68,7 @@ def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     for path, name, role in arguments["models"]:
         saved = load_model(path)
         found = apply_model(problem, saved)
-        models.append(shown(name, role, problem, found, saved.settings))
+        models.append(model_beside(name, role, problem, found, saved.settings))
     return dict(finite(asdict(currents_section(models).parts[0])))
 
 

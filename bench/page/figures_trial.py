@@ -111,7 +111,7 @@ def coverage_figure(summary: TrialSummary) -> Figure:
         "x": {"label": "intervals that hold the truth [%]", "percent": True, "domain": [-0.02, 1.02]},
         "panels": [{"y": {"scale": "band", "categories": names}, "series": [rule, one]}],
     }
-    aid = "In brackets: how many intervals. A whisker that misses the line: the deviations of this parameter are off."
+    aid = "In brackets: how many intervals. A whisker that misses the line: this parameter's standard errors are off."
     return one_figure("Share of the intervals that hold the truth", aid, spec)
 
 

@@ -26,7 +26,7 @@ from bench.diagnosis.result import (
     Superfluous,
     Unexplained,
 )
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import with_held_out_parts
 from bench.files.atomic import finite, write_json_atomically, write_text_atomically
 from bench.identification.model_file import load_model, read_identification, save_model
 from bench.identification.problem import Problem, problem_of
@@ -44,7 +44,7 @@ FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Kept:
+class SavedRun:
     """A result, of this process or read from its folder.
 
     model: name of the model that was applied, "" for one that was fitted there. workbench: data of a diagnosis's page,
@@ -64,7 +64,7 @@ class Kept:
     @property
     def judged(self) -> Dataset:
         """The dataset with the recordings that the currents are of: of a diagnosis, cut as it was judged."""
-        return self.dataset if self.diagnosis is None else with_judged_parts(self.dataset)[0]
+        return self.dataset if self.diagnosis is None else with_held_out_parts(self.dataset)[0]
 
     @cached_property
     def problem(self) -> Problem:
@@ -78,7 +78,7 @@ class Kept:
         return [Path(one) for one in self.run.effect_files]
 
 
-def keep_run(folder: Path, kept: Kept) -> None:
+def save_run(folder: Path, kept: SavedRun) -> None:
     """Write report.json and what belongs to it, each whole or not at all."""
     dataset, diagnosis = kept.dataset, kept.diagnosis
     joints = dataset.robot.joints
@@ -127,7 +127,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def read_run(folder: Path) -> Kept:
+def read_run(folder: Path) -> SavedRun:
     """Read a result folder; nothing is fitted or searched.
 
     If the dataset is not any more what it was, the models are applied to it anew. Raises BenchError naming what is
@@ -160,7 +160,7 @@ def read_run(folder: Path) -> Kept:
         said = (
             f"{folder}: its dataset, robot or effects have changed since: its models are applied to them anew"
         )
-    judged = with_judged_parts(dataset)[0] if told is not None else dataset
+    judged = with_held_out_parts(dataset)[0] if told is not None else dataset
     names = [MODEL_FILE] if told is None else [AFTER_FILE, BEFORE_FILE]
     paths = [folder / name for name in names]
     if said:
@@ -170,7 +170,7 @@ def read_run(folder: Path) -> Kept:
             raise _damaged(path, error) from None
         models = [read_identification(one, problem) for one in paths]
         diagnosis = None if told is None else _diagnosis(path, told, models, {})
-        return Kept(run, dataset, models[0], diagnosis, model, said=said)
+        return SavedRun(run, dataset, models[0], diagnosis, model, said=said)
     between = _between(path, told)
     saved = [load_model(one) for one in paths]
     effects = [tuple(one.model.effect_parameters) for one in saved]
@@ -184,7 +184,7 @@ def read_run(folder: Path) -> Kept:
             workbench = _read_object(folder / WORKBENCH_FILE)
         else:
             said = f"{folder}: written by another version: the workbench is worked out anew"
-    return Kept(run, dataset, models[0], diagnosis, model, workbench, by or versions(), said)
+    return SavedRun(run, dataset, models[0], diagnosis, model, workbench, by or versions(), said)
 
 
 def _problem(dataset: Dataset, run: CommandRun, laws: Sequence[Discovered]) -> Problem:

@@ -33,7 +33,7 @@ class ModelBeside:
         return found[0] if found else None
 
 
-def shown(
+def model_beside(
     name: str,
     role: str,
     problem: Problem,

@@ -12,7 +12,7 @@ from bench.files.atomic import finite
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.model_errors import shown
+from bench.page.model_errors import model_beside
 from bench.page.parts import Mechanism, Page, Section, Text
 from bench.page.section_effects import gains_section, not_ranked_section, ranking_section
 from bench.page.section_errors import currents_section, errors_section, errors_table, ladder_section
@@ -45,11 +45,11 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
     judged = dataset_of(dataset, after.recordings)
-    models = [shown(COMPLETED, "after", problem, after, after.settings)]
+    models = [model_beside(COMPLETED, "after", problem, after, after.settings)]
     if diagnosis.added:
-        models.insert(0, shown(AS_IT_IS, "before", problem, before, before.settings))
+        models.insert(0, model_beside(AS_IT_IS, "before", problem, before, before.settings))
     else:
-        models = [shown("", "error", problem, after, after.settings)]
+        models = [model_beside("", "error", problem, after, after.settings)]
     noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
     ladder = ladder_section(diagnosis)
     ladder = Section(
@@ -85,7 +85,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
 def identification_page(result: Identification, problem: Problem, made: Made) -> Page:
     """An identified model: its errors, its gains, its parameters."""
     dataset = problem.dataset
-    model = shown("", "error", problem, result, result.settings, result.effects)
+    model = model_beside("", "error", problem, result, result.settings, result.effects)
     noise = relative_noise_floor(dataset.recordings, result.recordings, result.settings)
     return Page(
         title=f"Drive gains and parameters of {result.robot}",
@@ -111,7 +111,7 @@ def identification_page(result: Identification, problem: Problem, made: Made) ->
 def comparison_page(comparison: Comparison, problem: Problem, saved: Identification, made: Made) -> Page:
     """A saved model beside recordings that it may never have seen: its errors, and where they are."""
     dataset, settings = problem.dataset, saved.settings
-    model = shown("", "error", problem, comparison, settings, saved.effects)
+    model = model_beside("", "error", problem, comparison, settings, saved.effects)
     noise = relative_noise_floor(dataset.recordings, comparison.recordings, settings)
     return Page(
         title=f"Where a model of {comparison.robot} fails",
@@ -136,8 +136,8 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
 def replay_page(result: Replay, problem: Problem, saved: Identification, made: Made) -> Page:
     """A saved model's twin, simulated along the recorded motions, and the model itself beside it."""
     dataset, settings = problem.dataset, saved.settings
-    model = shown(OF_MODEL, "before", problem, result.model, settings)
-    twin = shown(OF_TWIN, "after", problem, result.twin, settings)
+    model = model_beside(OF_MODEL, "before", problem, result.model, settings)
+    twin = model_beside(OF_TWIN, "after", problem, result.twin, settings)
     noise = relative_noise_floor(dataset.recordings, result.twin.recordings, settings)
     return Page(
         title=f"The twin of {result.twin.robot} along recorded motions",

@@ -113,7 +113,7 @@ def gains_section(after: Identification, before: Identification | None) -> Secti
     lead = "What a motor really gives for its current, fitted together with the dynamic parameters."
     if before is not None:
         lead += " A model that lacks an effect bends the gains to make up for it."
-    aid = "After ±: the standard deviation, under rel. std in percent. 95 % intervals are twice as wide."
+    aid = "After ±: the standard error, under rel. std in percent. 95 % intervals are twice as wide."
     values = gains_table(after) if before is None else gains_before_after(before, after)
     table = on_page(values, "The same in numbers", aid)
     return Section("gains", "Drive gains", lead, (_gains_figure(models), table))

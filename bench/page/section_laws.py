@@ -65,7 +65,7 @@ def _terms(found: Sequence[Discovered]) -> PageTable:
         PageColumn("at"),
         PageColumn("term or number"),
         PageColumn("value", "right"),
-        PageColumn("standard deviation", "right"),
+        PageColumn("standard error", "right"),
         PageColumn("unit"),
     )
     return PageTable("Terms", "The law is the sum of its terms.", columns, tuple(rows))

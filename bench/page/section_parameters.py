@@ -28,7 +28,7 @@ def parameters_section(after: Identification, before: Identification | None) -> 
     """Base, payload and effect parameters with their relative deviations and groupings."""
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
-        f"where the deviation is above {POOR:.0%} of the value: then it says little."
+        f"where the standard error is above {POOR:.0%} of the value: then it says little."
     ).replace("%", " %")
     parts: list[Part] = [_deviations_figure(after)] if len(after.parameters) > 1 else []
     table = parameters_table(after, before=before)
@@ -61,10 +61,10 @@ def _deviations_figure(result: Identification) -> Part:
         "dashed": True,
     }
     spec = {
-        "label": "Relative deviations",
+        "label": "Relative standard errors",
         "height": 66 + 18 * len(deviations),
         "x": {
-            "label": "standard deviation in percent of the value, logarithmic",
+            "label": "standard error in percent of the value, logarithmic",
             "scale": "log",
             "percent": True,
         },
@@ -170,7 +170,7 @@ def _not_excited(result: Identification) -> list[str]:
     poor = [one.name for one in result.parameters if is_poor(one)]
     if poor:
         said.append(
-            f"Poorly determined (deviation above {100 * POOR:.0f} % of the value): {', '.join(poor)}."
+            f"Poorly determined (standard error above {100 * POOR:.0f} % of the value): {', '.join(poor)}."
         )
     unknown = [
         f"{name} of {effect.replace('_', ' ')} at {joint}"

@@ -194,7 +194,7 @@ def _settings_table(settings: FilterSettings, result: Identification | None, dat
             ("estimator", result.method),
             ("effects in the model", ", ".join(result.effects) or "none: rigid bodies only"),
             ("drive gains", "fitted" if result.gains_fitted else "nominal"),
-            ("standard deviations", f"for {result.deviations} errors; from {STD_FROM[result.std_from]}"),
+            ("standard errors", f"for {result.deviations} errors; from {STD_FROM[result.std_from]}"),
         ]
         rate = fit_rate(result)
         rows.append(("rate of the fit", "–" if rate is None else f"{rate:.4g} Hz"))

@@ -11,7 +11,7 @@ from bench.files.atomic import write_text_atomically
 from bench.identification.model_file import Comparison, model_json
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.page.folder import Kept, keep_run
+from bench.page.folder import SavedRun, save_run
 from bench.page.pages import comparison_page, diagnosis_page, identification_page, replay_page
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
@@ -37,19 +37,19 @@ def write_diagnosis_report(
 ) -> Path:
     """Write report.html of a diagnosis into its folder, and what is needed to write it again."""
     progress.phase("preparing the workbench of the page")
-    kept = Kept(run, dataset, diagnosis.after, diagnosis, "")
+    kept = SavedRun(run, dataset, diagnosis.after, diagnosis, "")
     kept = replace(kept, workbench=page_data(kept.problem, diagnosis))
-    keep_run(folder, kept)
-    return write_kept(folder / REPORT_FILE, kept, folder, progress)
+    save_run(folder, kept)
+    return write_saved_run(folder / REPORT_FILE, kept, folder, progress)
 
 
 def write_identification_report(
     folder: Path, result: Identification, dataset: Dataset, run: CommandRun, model: str = ""
 ) -> Path:
     """Write report.html of an identification, or of a saved model that was applied (named `model`)."""
-    kept = Kept(run, dataset, result, None, model)
-    keep_run(folder, kept)
-    return write_kept(folder / REPORT_FILE, kept, folder)
+    kept = SavedRun(run, dataset, result, None, model)
+    save_run(folder, kept)
+    return write_saved_run(folder / REPORT_FILE, kept, folder)
 
 
 def write_replay_report(
@@ -59,7 +59,9 @@ def write_replay_report(
     return write_page(folder / REPORT_FILE, replay_page(result, problem, saved, Made((run.line(),))))
 
 
-def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Progress = SILENT) -> Path:
+def write_saved_run(
+    path: Path, kept: SavedRun, folder: Path | None = None, progress: Progress = SILENT
+) -> Path:
     """Write the page of a run, made just now or read from its folder."""
     again = [kept.run.line()]
     if folder is not None:
@@ -83,7 +85,7 @@ def write_kept(path: Path, kept: Kept, folder: Path | None = None, progress: Pro
     return write_page(path, page, workbench)
 
 
-def _identify_line(kept: Kept) -> str:
+def _identify_line(kept: SavedRun) -> str:
     """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
     each = tuple(one for one in kept.after.effects if one.endswith(TAG))
     return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, kept.run.options).line()

@@ -16,7 +16,7 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.page.folder import read_run
 from bench.page.section_run import CommandRun
-from bench.page.write import write_diagnosis_report, write_kept
+from bench.page.write import write_diagnosis_report, write_saved_run
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.speed.hexapod import write_hexapod
 from bench.truth.dataset import write_simulation
@@ -104,5 +104,5 @@ def measure() -> tuple[float, float]:
         start = perf_counter()
         write_diagnosis_report(folder / "out", diagnosis, dataset, CommandRun("diagnose", "data"))
         written = perf_counter()
-        write_kept(folder / "again.html", read_run(folder / "out"), folder / "out")
+        write_saved_run(folder / "again.html", read_run(folder / "out"), folder / "out")
         return written - start, perf_counter() - written

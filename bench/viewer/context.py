@@ -44,7 +44,7 @@ class LadderModel:
 
 
 @dataclass(frozen=True, eq=False)
-class Story:
+class ViewContext:
     """Everything that is shown beside an identification.
 
     steps: the models before it, the first one first. torques: of the model's effects, and known, by recording

@@ -24,7 +24,7 @@ from bench.model.geometry import Geometry, read_geometry
 from bench.viewer.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
 from bench.viewer.body_motion import BodyMotion, body_motion, tool_path
 from bench.viewer.content import Motor, ShownContent
-from bench.viewer.context import KnownTruth, Story
+from bench.viewer.context import KnownTruth, ViewContext
 from bench.viewer.scene import TOP, error_share, send_payload, send_robot
 from bench.viewer.tracks import (
     send_currents,
@@ -39,20 +39,20 @@ REFERENCE_COLUMN = "reference."  # column of a log: what the controller asked of
 
 
 @dataclass(frozen=True)
-class Told:
+class ViewedRun:
     """One identification among several that are shown beside each other; title: in a few words, what sets it apart."""
 
     title: str
     result: Identification
     dataset: Dataset
-    story: Story = field(default_factory=Story)
+    context: ViewContext = field(default_factory=ViewContext)
 
 
 @dataclass(frozen=True, eq=False)
 class _Run:
     """One identification with all that is drawn of it. prefix: of its entities."""
 
-    told: Told
+    viewed: ViewedRun
     prefix: str
     model: mujoco.MjModel
     motors: list[Motor]
@@ -65,22 +65,22 @@ def write_rrd(
     dataset: Dataset,
     *,
     truth: Truth | None = None,
-    story: Story | None = None,
+    context: ViewContext | None = None,
 ) -> None:
     """Write the identification of a dataset as an .rrd file, whole or not at all.
 
     Below the name of each recording lie robot (moving at 50 Hz, loops closed), current/JOINT (logged at the
     log's rate; measured and modelled at the fit's), error/JOINT with the deviation of the fitted errors,
-    position/JOINT, phases, tool and loop_gap; with a story steps/JOINT (the errors of earlier models) and
+    position/JOINT, phases, tool and loop_gap; with a context steps/JOINT (the errors of earlier models) and
     torque/JOINT (of effects); /summary and /parameters hold the answer as text. Every recording starts at time 0.
     truth: true values to compare with, by joint, parameter name or EFFECT:JOINT.PARAMETER.
 
     Raises BenchError for another suffix than .rrd, and for a result that is not of this dataset.
     """
-    story = story or Story()
-    truth = truth if truth is not None else story.truth
+    context = context or ViewContext()
+    truth = truth if truth is not None else context.truth
     _check_suffix(path)
-    run = _run(Told(result.robot, result, dataset, story), "")
+    run = _run(ViewedRun(result.robot, result, dataset, context), "")
     largest = _largest_error([run])
     views = blueprint(_scenes(run, largest), run.motors)
     with _stream(path, f"{result.robot}, {result.method}", [run], views) as stream:
@@ -88,24 +88,24 @@ def write_rrd(
         _send(stream, run, largest)
 
 
-def write_side_by_side(path: str | Path, told: Sequence[Told]) -> None:
+def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
     """Write several identifications as one .rrd file, recordings of the same name beside each other.
 
     Entities lie below the title of each, otherwise as those of `write_rrd`. Raises BenchError for another suffix
     than .rrd, for none to show, and for robots whose motors differ.
     """
     _check_suffix(path)
-    if not told:
+    if not viewed:
         raise BenchError(f"{path}: nothing to show")
-    runs = [_run(one, rr.new_entity_path([f"{k} {one.title}"])) for k, one in enumerate(told)]
+    runs = [_run(one, rr.new_entity_path([f"{k} {one.title}"])) for k, one in enumerate(viewed)]
     for run in runs:
         if [motor.name for motor in run.motors] != [motor.name for motor in runs[0].motors]:
-            names = f"{runs[0].told.result.robot} and {run.told.result.robot}"
+            names = f"{runs[0].viewed.result.robot} and {run.viewed.result.robot}"
             raise BenchError(f"{path}: {names} have other motors: they cannot stand beside each other")
     largest = _largest_error(runs)
     by_name: dict[str, list[Scene]] = {}
     for run in runs:
-        for one, scene in zip(run.shown, _scenes(run, largest, run.told.title), strict=True):
+        for one, scene in zip(run.shown, _scenes(run, largest, run.viewed.title), strict=True):
             by_name.setdefault(PurePath(one.series.name).stem, []).append(scene)
     errors = [np.concatenate([judged_error(one.series) for one in run.shown]) for run in runs]
     reach = 1.05 * np.nanmax(np.abs(np.concatenate(errors)), axis=0, initial=1e-12)
@@ -113,7 +113,7 @@ def write_side_by_side(path: str | Path, told: Sequence[Told]) -> None:
     with _stream(path, f"{len(runs)} identifications", runs, views) as stream:
         for run in runs:
             summary, parameters = _texts_of(run)
-            _send_text(stream, run, run.told.story.truth, summary, parameters)
+            _send_text(stream, run, run.viewed.context.truth, summary, parameters)
             _send(stream, run, largest)
 
 
@@ -151,29 +151,31 @@ def _application(runs: Sequence[_Run]) -> str:
         for run in runs
         for one in run.shown
     ]
-    robot = re.sub(r"[^A-Za-z0-9]", "_", runs[0].told.result.robot)
+    robot = re.sub(r"[^A-Za-z0-9]", "_", runs[0].viewed.result.robot)
     return f"parabench_{robot}_{zlib.crc32(chr(10).join(parts).encode()):08x}"
 
 
-def _run(told: Told, prefix: str) -> _Run:
-    geometry = read_geometry(told.dataset.robot)
-    model = told.dataset.robot.mjcf_model()
-    return _Run(told, prefix, model, _motors(told.result, geometry), _shown(told, prefix, model, geometry))
+def _run(viewed: ViewedRun, prefix: str) -> _Run:
+    geometry = read_geometry(viewed.dataset.robot)
+    model = viewed.dataset.robot.mjcf_model()
+    return _Run(
+        viewed, prefix, model, _motors(viewed.result, geometry), _shown(viewed, prefix, model, geometry)
+    )
 
 
-def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -> list[ShownContent]:
-    result, dataset, story = told.result, told.dataset, told.story
+def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geometry) -> list[ShownContent]:
+    result, dataset, context = viewed.result, viewed.dataset, viewed.context
     by_name = {recording.name: recording for recording in dataset.recordings}
     roots = entity_roots([series.name for series in result.recordings])
     deviation = error_deviation(result)
-    steps = [(step.label, step.recordings) for step in story.steps]
+    steps = [(step.label, step.recordings) for step in context.steps]
     shown = []
     for series in result.recordings:
         recording = by_name.get(series.name)
         if recording is None or recording.current.shape[1] != series.measured.shape[1]:
             raise BenchError(f"{dataset.folder}: has no recording {series.name!r} as the result does")
         motion = body_motion(model, geometry, recording, result.settings)
-        known = story.known.get(series.name) or _logged_reference(recording, dataset.robot.joints)
+        known = context.known.get(series.name) or _logged_reference(recording, dataset.robot.joints)
         shown.append(
             ShownContent(
                 root=f"{prefix}{roots[series.name]}",
@@ -183,8 +185,8 @@ def _shown(told: Told, prefix: str, model: mujoco.MjModel, geometry: Geometry) -
                 deviation=deviation,
                 payload=dataset.payloads[recording.payload] if recording.payload else None,
                 steps=steps_of(series.name, steps),
-                label=story.label,
-                torques=story.torques.get(series.name),
+                label=context.label,
+                torques=context.torques.get(series.name),
                 known=known,
                 reference_path=_reference_path(model, geometry, motion, known),
             )
@@ -274,10 +276,10 @@ def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
 def _send_text(
     stream: rr.RecordingStream, run: _Run, truth: Truth | None, summary: str, parameters: str
 ) -> None:
-    above = f"{run.told.story.text.rstrip()}\n\n" if run.told.story.text else ""
+    above = f"{run.viewed.context.text.rstrip()}\n\n" if run.viewed.context.text else ""
     for entity, text in (
-        (summary, above + summary_markdown(run.told.result, truth)),
-        (parameters, parameters_markdown(run.told.result, truth)),
+        (summary, above + summary_markdown(run.viewed.result, truth)),
+        (parameters, parameters_markdown(run.viewed.result, truth)),
     ):
         stream.log(entity, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.split import with_judged_parts
+from bench.diagnosis.split import with_held_out_parts
 from bench.effects import EffectInstance, places_in, select_effects
 from bench.effects.select import TAG
 from bench.identification.effect_columns import PresentModel
@@ -57,7 +57,7 @@ def found_models(problem: Problem, diagnosis: Diagnosis) -> tuple[FoundModel, Fo
     to all rows, with the filters that `bench identify` takes.
     """
     dataset = problem.dataset
-    parts, split = with_judged_parts(dataset)
+    parts, split = with_held_out_parts(dataset)
     settings = diagnosis.before.settings
     found = _found_model(replace(problem, dataset=parts, filters=settings), diagnosis, split)
     if parts is dataset:

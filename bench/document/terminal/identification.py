@@ -113,6 +113,6 @@ def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: S
 def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
     poor = sum(is_poor(one) for one in quantities)
     if poor:
-        share = f"deviation above {100 * POOR:.0f} % of the value"
+        share = f"standard error above {100 * POOR:.0f} % of the value"
         text = f"! {poor} of {len(quantities)} poorly determined: {share}"
         console.print(Text(text, POOR_STYLE))

@@ -36,7 +36,7 @@ class Backlash(Effect):
     )
     shown_by = "go where the motor's torque changes its sign"
     seen = ("acceleration",)
-    in_key = ("is short blows where the torque of the motor changes its sign",)
+    in_key = ("is short impacts where the torque of the motor changes its sign",)
     parameters = (EffectParameter("b", "{angle}", positive=True),)
     shape = (ShapeParameter("r", "1", (0.0, 0.3, 0.6, 0.9), discrete=True),)
     depends_on_model = True

@@ -12,12 +12,12 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
 from bench.diagnosis.search import NEEDED
-from bench.diagnosis.split import JUDGED
+from bench.diagnosis.split import HELD_OUT
 from bench.effects.display_names import begun
 from bench.excitation.discrimination.evidence import error_over_noise, own_estimate, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
 from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
-from bench.excitation.discrimination.predicted_currents import foretold, planned, times_of
+from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
 from bench.excitation.discrimination.result import Discrimination
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
 from bench.excitation.discrimination.search import DesignedMotion, band_of, best_motion, judged, starts
@@ -110,7 +110,7 @@ def _judged_rows(dataset: Dataset, rival: Rival) -> int:
     kept = {one.name for one in dataset.recordings if one.use == "validate"}
     rows = {one.name: int(one.moving.sum()) for one in rival.prepared.observations}
     if not kept:
-        return round(JUDGED * sum(rows.values()))
+        return round(HELD_OUT * sum(rows.values()))
     return sum(count for name, count in rows.items() if name in kept)
 
 
@@ -154,7 +154,7 @@ def _imitated(
             continue
         plan = planned(rival, trajectory, time, tree, loads[i % len(loads)])
         for one in asked:
-            current = foretold(one.truth, plan)
+            current = predicted(one.truth, plan)
             share = share_left(one, plan, current, separation(one, plan, current))
             left[one.truth.request] = max(left[one.truth.request], share)
     return tuple(name for name, share in left.items() if share < ALIKE)

@@ -55,7 +55,7 @@ def planned(
     return PlannedMotion(measured, observe(rival.prepared.model, measured))
 
 
-def foretold(rival: Rival, plan: PlannedMotion) -> np.ndarray:
+def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
     """Currents (N, n) that the model with its own effect foretells, drive unit, without noise.
 
     Where an effect depends on the current itself, such as a delay, both are found in turn.

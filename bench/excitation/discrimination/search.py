@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.design import Movement, changed, drawn, feasible
 from bench.excitation.discrimination.limits import Envelope
-from bench.excitation.discrimination.predicted_currents import foretold, planned, times_of
+from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
 from bench.excitation.discrimination.rival_models import Rival
 from bench.excitation.discrimination.separation import Question, Separation, separation
 from bench.excitation.limits import feasible_motion
@@ -185,7 +185,7 @@ def judged(
     best: DesignedMotion | None = None
     for payload in loads:
         plan = planned(first, trajectory, time, tree, payload)
-        currents = {one.truth.request: foretold(one.truth, plan) for one in questions}
+        currents = {one.truth.request: predicted(one.truth, plan) for one in questions}
         if any(np.any(np.abs(i) > envelope.current) for i in currents.values()):
             continue
         answers = tuple(separation(one, plan, currents[one.truth.request]) for one in questions)

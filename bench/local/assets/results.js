@@ -96,7 +96,7 @@ const Results = (() => {
       el(
         "div",
         {class: "part"},
-        el("h3", {}, "Drive gains ± standard deviation, 95 % interval"),
+        el("h3", {}, "Drive gains ± standard error, 95 % interval"),
         Dom.table(["", ...names], gains, kinds),
       ),
       el(

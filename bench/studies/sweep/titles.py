@@ -9,7 +9,7 @@ METRIC_TITLES = {
     "error": "error of the current",
     "gain_error": "largest gain error",
     "gain_rms": "RMS gain error",
-    "gain_std": "stated standard deviation of a gain",
+    "gain_std": "stated standard error of a gain",
     "gain_within": "gains inside their 95 % intervals",
     "identify_error_over_noise_floor": "error over the noise floor, fitted",
     "loop_gap": "largest opening of a loop",

@@ -59,17 +59,17 @@ const WorkbenchSkeleton = (() => {
     const judge = data.whole ? ` Judged on ${data.judged_on.replace(/, not fitted$/, "")}; fitted to the rest.` : "";
     const ladder = part("Error, effect by effect", steps + judge);
     const plainly =
-      "Deviation: standard deviation of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.";
+      "Standard error: of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.";
     const motors = part(
       "Drive gains and errors",
       data.whole
-        ? `${plainly} Gains and fitted error: a fit to all rows; deviations: of the fit to the first part of each recording. Not fitted: judged as the ladder.`
+        ? `${plainly} Gains and fitted error: a fit to all rows; standard errors: of the fit to the first part of each recording. Not fitted: judged as the ladder.`
         : plainly,
     );
     const curves = part("Currents", "");
     const choices = make("div", "choices", curves);
     const aid = make("p", "aid", curves);
-    const line = part("The same on the command line", "With its shapes fitted anew, and all deviations.");
+    const line = part("The same on the command line", "With its shapes fitted anew, and all standard errors.");
     const holder = make("div", "bench-command", line);
     const shown = make("pre", "", holder);
     shown.tabIndex = 0;

@@ -143,7 +143,7 @@
         [
           "motor",
           "drive gain",
-          "deviation",
+          "standard error",
           "off nominal",
           "fitted",
           "not fitted",
