@@ -20,3 +20,19 @@ def test_no_two_classes_have_the_same_name(project_root: Path) -> None:
     )
     found = Counter(name for path in files for name in CLASS.findall(path.read_text(encoding="utf-8")))
     assert {name for name, count in found.items() if count > 1} == TWICE
+
+
+def test_the_map_of_the_rooms_has_each_of_them_in_the_order_of_imports(project_root: Path) -> None:
+    """A room stands below what it imports, in CONTRIBUTING.md as in the tree."""
+    text = (project_root / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = text.partition("| room |")[2].partition("\n\n")[0]
+    rows = [re.findall(r"`(\w+)`", line.split("|")[1]) for line in table.splitlines()[2:]]
+    row_of = {room: i for i, rooms in enumerate(rows) for room in rooms}
+    bench = project_root / "bench"
+    assert set(row_of) == {path.name for path in bench.iterdir() if (path / "__init__.py").is_file()}
+    for room, row in row_of.items():
+        sources = (path.read_text(encoding="utf-8") for path in (bench / room).rglob("*.py"))
+        used = {
+            name for source in sources for name in re.findall(r"^ *from bench\.(\w+)", source, re.MULTILINE)
+        }
+        assert all(row_of[name] <= row for name in used & row_of.keys()), room
