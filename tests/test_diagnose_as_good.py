@@ -62,17 +62,18 @@ def test_an_effect_left_out_at_a_cost_goes_with_its_reason(result):
     assert impossible_but_needed(likely, without(2.0), [stribeck]) == {}
 
 
-def test_models_that_are_as_good_have_one_effect_more_or_another_by_turns(monkeypatch):
+def test_models_that_are_as_good_have_one_effect_more_or_another_for_each_found_one(monkeypatch):
     """One effect more keeps what a found one does to the gains: where all had one more, their spread said nothing."""
-    totals = {(0,): 100.0, (0, 1): 130.0, (0, 2): 120.0, (0, 3): 110.0, (1,): 50.0, (2,): 95.0, (3,): 99.0}
+    totals = {(0, 4): 100.0, (0, 4, 1): 130.0, (0, 4, 2): 120.0, (0, 4, 3): 110.0}
+    totals |= {(4, 1): 50.0, (4, 2): 95.0, (4, 3): 99.0, (0, 1): 97.0, (0, 2): 92.0, (0, 3): 10.0}
     monkeypatch.setattr(as_good, "solve_set", lambda _, chosen: SimpleNamespace(chosen=tuple(chosen)))
     monkeypatch.setattr(as_good, "score", lambda _, fit, __: Scored(fit, 0.0, 0.0, totals[fit.chosen]))
     monkeypatch.setattr(as_good, "close", lambda one, other: one.total - other.total < 10.0)
-    best = Scored(SimpleNamespace(chosen=(0,)), 0.0, 0.0, 100.0)
+    best = Scored(SimpleNamespace(chosen=(0, 4)), 0.0, 0.0, 100.0)
     last = SimpleNamespace(
         system=None,
         found=SimpleNamespace(best=best, empty=None),
-        proposals=[SimpleNamespace(absorbed=False)] * 4,
-        chosen=(0,),
+        proposals=[SimpleNamespace(absorbed=False)] * 5,
+        chosen=(0, 4),
     )
-    assert list(as_good._as_good(last)) == [(0, 1), (3,), (0, 2), (2,)]
+    assert list(as_good._as_good(last)) == [(0, 4, 1), (0, 4, 2), (4, 3), (0, 1)]

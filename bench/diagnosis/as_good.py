@@ -1,7 +1,6 @@
 """Models that explain the data as well as the one that was found, and what they do to its drive gains."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice, zip_longest
 
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import solve_set
@@ -13,7 +12,7 @@ from bench.identification.identify import fit
 from bench.identification.result import Identification
 from bench.identification.widened import gains_widened
 
-MOST = 4  # models that are fitted, the best supported first
+MOST_MORE = 2  # models with one effect more that are fitted, the best supported first
 
 
 def with_spread_over_models(
@@ -35,9 +34,10 @@ def with_spread_over_models(
 
 
 def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
-    """Sets one effect away from the found one that the data support as well, the best first.
+    """Sets one effect away from the found one that the data support as well.
 
-    By turns with one more, which keeps what the found ones do to the gains, and with another in the place of one.
+    The best with one more keep what the found ones do to the gains; for each found one, the best with another in its
+    place does not.
     """
     system, best = last.system, last.found.best
     usable = [i for i, one in enumerate(last.proposals) if not one.absorbed and i not in last.chosen]
@@ -45,12 +45,12 @@ def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
     def scored(chosen: Sequence[int]) -> Scored:
         return score(system, solve_set(system, chosen), last.found.empty)
 
-    more = [scored((*last.chosen, i)) for i in usable]
-    instead = [scored((*(c for c in last.chosen if c != k), i)) for k in last.chosen for i in usable]
-    wider = _best_first(one for one in more if one.total > best.total)
-    others = _best_first(one for one in instead if close(best, one))
-    by_turns = (one for pair in zip_longest(wider, others) for one in pair if one is not None)
-    for one in islice(by_turns, MOST):
+    more = _best_first(scored((*last.chosen, i)) for i in usable)
+    found = [one for one in more if one.total > best.total][:MOST_MORE]
+    for k in last.chosen:
+        instead = _best_first(scored((*(c for c in last.chosen if c != k), i)) for i in usable)
+        found += [one for one in instead if close(best, one)][:1]
+    for one in found:
         yield one.fit.chosen
 
 
