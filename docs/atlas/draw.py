@@ -34,8 +34,8 @@ from bench.identification.identify import fit
 from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
+from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
-from bench.residuals.periods import position_spectrum, time_spectrum
 from bench.residuals.profile import Variable, profile, values_of
 from bench.residuals.residuals import errors_by_motor
 from bench.residuals.words import finding_sentences
@@ -135,7 +135,7 @@ def _gains_off(simulation: Simulation, result: Identification) -> dict[str, floa
 
 def _figure(what: Compared, joint: str) -> Figure:
     """Eight panels of the page that `bench compare` draws."""
-    series = what.of(joint)
+    errors = error_breakdown(what, joint)
     current, unit = what.units[joint]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(12.0, 5.2), dpi=100, layout="constrained")
@@ -148,13 +148,13 @@ def _figure(what: Compared, joint: str) -> Figure:
             "time": "time [s]",
         }
         for place, (variable, label) in zip(axes, against.items(), strict=False):
-            draw_against(place, series, variable)
+            draw_against(place, errors, variable)
             place.set(xlabel=label, ylabel=f"error [{current}]")
-        draw_around_reversals(axes[5], series)
+        draw_around_reversals(axes[5], errors)
         axes[5].set(xlabel="time from the nearest reversal [s]", ylabel=f"error [{current}]")
-        draw_position_spectrum(axes[6], position_spectrum(series))
+        draw_position_spectrum(axes[6], errors.over_position)
         axes[6].set(xlabel=f"cycles per {unit}", ylabel=f"amplitude of the error [{current}]")
-        draw_time_spectrum(axes[7], time_spectrum(series))
+        draw_time_spectrum(axes[7], errors.spectrum)
         small_title(axes[7], "grey: noise of the current")
         axes[7].set(xlabel="frequency [Hz]", ylabel=f"density [{current}²/Hz]")
         handles, labels = axes[0].get_legend_handles_labels()
