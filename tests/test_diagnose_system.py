@@ -38,6 +38,18 @@ def rows_of(seed, noise):
     return columns, kappa, current + noise * current.std() * random.standard_normal(current.shape)
 
 
+def system_of(columns, kappa, current, start):
+    """The system of a model's columns and of those that it lacks, about a solution of the model."""
+    torque = columns[:, :, :OWN] @ start.theta + kappa
+    rows = np.concatenate((columns, torque[:, :, None], (current - torque / start.gains)[:, :, None]), axis=2)
+    change, sizes = _orthonormal(_triangle([rows[:200], rows[200:]], start), OWN)
+    seen = SimpleNamespace(use="identify", current=current, moving=np.ones(current.shape, dtype=bool))
+    prepared = SimpleNamespace(present=SimpleNamespace(gains=start.gains), observations=[seen])
+    products = _products(prepared, [rows[:100], rows[100:]], change, "identify")
+    listed = tuple(Candidate((), np.array([OWN + i]), sizes[[i]]) for i in range(ADDED))
+    return System(listed, OWN, start, products, products, 1.0)
+
+
 @pytest.fixture(params=[1e-2, 1e-4, 1e-6])
 def known(request):
     """A system of two motors, and the factors of its rows."""
@@ -46,15 +58,7 @@ def known(request):
     weights = np.array([2.0, 0.5])
     own = factors[:, :, [*range(OWN), -2, -1]]
     theta, gains = minimised(own, np.zeros(OWN), np.array([3.0, 3.0]), weights, True)
-    start = Solution(theta, gains, weights, "current", True)
-    torque = columns[:, :, :OWN] @ theta + kappa
-    rows = np.concatenate((columns, torque[:, :, None], (current - torque / gains)[:, :, None]), axis=2)
-    change, sizes = _orthonormal(_triangle([rows[:200], rows[200:]], start), OWN)
-    seen = SimpleNamespace(use="identify", current=current, moving=np.ones(current.shape, dtype=bool))
-    prepared = SimpleNamespace(present=SimpleNamespace(gains=gains), observations=[seen])
-    products = _products(prepared, [rows[:100], rows[100:]], change, "identify")
-    listed = tuple(Candidate((), np.array([OWN + i]), sizes[[i]]) for i in range(ADDED))
-    return System(listed, OWN, start, products, products, 1.0), factors
+    return system_of(columns, kappa, current, Solution(theta, gains, weights, "current", True)), factors
 
 
 @pytest.mark.parametrize("chosen", [(), (0,), (1,), (0, 1), (1, 2), (0, 1, 2, 3), (0, 4, 5)])
@@ -93,3 +97,17 @@ def test_sets_solved_side_by_side_are_those_solved_alone(known):
         squares = [wanted.fitted, wanted.checked]
         np.testing.assert_allclose([found.fitted, found.checked], squares, rtol=1e-5, atol=rounding)
         np.testing.assert_allclose(found.gains, wanted.gains, rtol=1e-4)
+
+
+@pytest.mark.parametrize("side_by_side", [False, True])
+def test_a_gain_that_ran_away_comes_back_with_what_was_lacking(side_by_side):
+    columns, kappa, current = rows_of(3, 1e-4)
+    columns[:, 0, OWN] -= 2e2 * kappa[:, 0]  # a torque larger than the load, and against it
+    current[:, 0] -= 1e-2 * 2e2 * kappa[:, 0] / TRUE[0]
+    start = Solution(np.zeros(OWN), np.array([3.0, 3.0]), np.array([2.0, 0.5]), "current", True)
+    system = system_of(columns, kappa, current, start)
+    assert solve_set(system, ()).gains[0] > 10.0 * TRUE[0]
+    sets = [(0, 1), (0, 1, 2)]
+    found = solve_sets(system, sets) if side_by_side else [_solved(system, one) for one in sets]
+    for one in found:
+        np.testing.assert_allclose(one.gains, TRUE, rtol=1e-3)

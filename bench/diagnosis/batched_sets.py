@@ -1,25 +1,32 @@
 """Many sets of effects solved side by side, where they are small: what Python adds to each is then shared."""
 
-from collections.abc import Iterable, Sequence
-from itertools import groupby
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from bench.diagnosis.normal_equations import (
-    CONVERGED,
     MOST_STEPS,
     SetFit,
     System,
     fit_of,
-    inner_of,
+    is_settled,
     solve_set,
     start_of,
 )
-from bench.identification.bilinear import COLLINEAR, errors_by, normal_equations, squares_of
+from bench.identification.bilinear import (
+    COLLINEAR,
+    errors_by,
+    moved_gains,
+    normal_equations,
+    share_within_reach,
+    squares_of,
+)
 from bench.identification.solution import Solution
 
 TOGETHER = 4_000_000  # bytes of inner products
-FEWEST = 4  # sets: fewer are solved one by one
+FEWEST = 2  # sets: fewer are solved one by one
+WIDER = 1.2  # times the unknowns of the smallest set: as many have the largest that is solved beside it
+HALVINGS = 8  # of a step: a set that is worse then is solved alone
 ROUNDING = 1e-13  # added to a unit diagonal, so that dependent unknowns do not end the work of all
 
 
@@ -27,24 +34,43 @@ def solve_sets(system: System, sets: Iterable[Sequence[int]]) -> list[SetFit]:
     """As `solve_set` for each, in their order."""
     keys = [tuple(sorted(one)) for one in sets]
     unknown = dict.fromkeys(key for key in keys if key not in system.solved)
-    new = sorted((len(system.independent(key)), key) for key in unknown)
-    for size, group in groupby(new, key=lambda one: one[0]):
-        same = [key for _, key in group]
-        most = max(1, TOGETHER // (8 * len(system.start.gains) * (size + 2) ** 2))
-        for at in range(0, len(same), most):
-            chunk = same[at : at + most]
-            if len(chunk) >= FEWEST:
-                system.solved.update(_together(system, chunk))
+    for chunk in _alike(system, sorted((len(system.independent(key)), key) for key in unknown)):
+        if len(chunk) >= FEWEST:
+            system.solved.update(_together(system, chunk))
     return [solve_set(system, key) for key in keys]
 
 
+def swapped(chosen: Sequence[int], others: Sequence[int]) -> list[tuple[int, ...]]:
+    """The chosen with each of the others in the place of each."""
+    return [(*(c for c in chosen if c != k), i) for i in others for k in chosen]
+
+
+def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iterator[list[tuple[int, ...]]]:
+    """Sets with about as many unknowns each, the fewest first, and no more than fit into the cache."""
+    chunk: list[tuple[int, ...]] = []
+    fewest = 0
+    for size, key in sized:
+        room = TOGETHER // (8 * len(system.start.gains) * (size + 2) ** 2)
+        if chunk and (size > WIDER * fewest or len(chunk) >= room):
+            yield chunk
+            chunk = []
+        if not chunk:
+            fewest = size
+        chunk.append(key)
+    if chunk:
+        yield chunk
+
+
 def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int, ...], SetFit]:
-    """Sets of as many independent columns each by steps of Gauss and Newton; those that need care are left out."""
+    """Sets by steps of Gauss and Newton, the smaller ones with columns of zeros; those that need care are left out."""
     start, squares = system.start, system.start.weights**2
     begun = [start_of(system, key) for key in keys]
     columns = [one[0] for one in begun]
-    values, gains = (np.array([one[i] for one in begun]) for i in (1, 2))
-    inner = np.stack([inner_of(system.fitted, one) for one in columns])
+    gains = np.array([one[2] for one in begun])
+    values = np.zeros((len(keys), max(map(len, columns))))
+    for own, (_, found_before, _) in zip(values, begun, strict=True):
+        own[: len(found_before)] = found_before
+    inner = np.stack([system.fitted.padded(one, values.shape[1]) for one in columns])
     cost = squares_of(inner, errors_by(values, gains, start.gains)) @ squares
     found: dict[tuple[int, ...], SetFit] = {}
     left = np.arange(len(keys))  # which of them are not settled yet
@@ -53,22 +79,44 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
             step, by_gain, sound = _steps(inner, values, gains, start)
         except np.linalg.LinAlgError:  # one of them is beyond what rounding allows: each alone is told which
             break
-        share = 1.0 / np.maximum(1.0, 2.0 * np.abs(by_gain / gains).max(axis=1))
-        values, gains = values + share[:, None] * step, gains + share[:, None] * by_gain
-        new = squares_of(inner, errors_by(values, gains, start.gains)) @ squares
-        regular = sound & (new <= cost * (1.0 + 1e-12))
-        settled = regular & (cost - new <= CONVERGED * cost) & (share == 1.0)
+        share = share_within_reach(gains, by_gain)
+        new_values, new_gains, new = _moved(inner, values, gains, cost, (step, by_gain, share), start)
+        lower = sound & (new <= cost * (1.0 + 1e-12))
+        settled = lower & is_settled(cost, new, share, new_gains / start.gains)
         for i in np.flatnonzero(settled):
             which = int(left[i])
-            key = keys[which]
-            found[key] = fit_of(system, key, columns[which], values[i], gains[i], float(new[i]))
-        on = regular & ~settled
+            key, own = keys[which], columns[which]
+            found[key] = fit_of(system, key, own, new_values[i, : len(own)], new_gains[i], float(new[i]))
+        on = lower & ~settled
         if not on.any():
             break
-        if not on.all():
-            inner, values, gains, new, left = inner[on], values[on], gains[on], new[on], left[on]
-        cost = new
+        inner, values, gains = (one if on.all() else one[on] for one in (inner, new_values, new_gains))
+        cost, left = new[on], left[on]
     return found
+
+
+def _moved(
+    inner: np.ndarray,
+    values: np.ndarray,
+    gains: np.ndarray,
+    cost: np.ndarray,
+    steps: tuple[np.ndarray, np.ndarray, np.ndarray],
+    start: Solution,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values, gains and cost (B,) after steps of values, of gains, and the shares (B,) of them that are taken: halved
+    in place until no set is worse for it.
+    """
+    step, by_gain, share = steps
+    squares = start.weights**2
+    for _ in range(HALVINGS):
+        new_values = values + share[:, None] * step
+        new_gains = moved_gains(gains, share[:, None] * by_gain)
+        new = squares_of(inner, errors_by(new_values, new_gains, start.gains)) @ squares
+        worse = new > cost * (1.0 + 1e-12)
+        if not worse.any():
+            break
+        share[worse] /= 2.0
+    return new_values, new_gains, new
 
 
 def _steps(
@@ -78,9 +126,10 @@ def _steps(
     k = values.shape[1]
     normal, right = normal_equations(inner, values, gains, start.weights, start.gains, start.gains_fitted)
     diagonal = np.einsum("brr->br", normal)
-    lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    there = diagonal > 0.0
+    lengths = np.sqrt(np.where(there, diagonal, 1.0))
     scaled = normal / (lengths[:, :, None] * lengths[:, None, :])
-    scaled += ROUNDING * np.eye(scaled.shape[1])
+    scaled += np.where(there, ROUNDING, 1.0)[:, :, None] * np.eye(scaled.shape[1])
     sound = np.einsum("brr->br", np.linalg.cholesky(scaled)).min(axis=1) > COLLINEAR
     step = np.linalg.solve(scaled, (right / lengths)[..., None])[..., 0] / lengths
     return step[:, :k], step[:, k:] if start.gains_fitted else np.zeros_like(gains), sound

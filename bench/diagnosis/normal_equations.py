@@ -13,7 +13,15 @@ from functools import cached_property
 import numpy as np
 
 from bench.effects import EffectInstance, RobotSignals
-from bench.identification.bilinear import errors_by, independent_of, least, normal_equations, squares_of
+from bench.identification.bilinear import (
+    errors_by,
+    independent_of,
+    least,
+    moved_gains,
+    normal_equations,
+    share_within_reach,
+    squares_of,
+)
 from bench.identification.effect_rows import effect_rows
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import Observation
@@ -22,6 +30,8 @@ from bench.identification.solution import Solution
 
 LONGEST_MEMORY = 60  # rows over which errors may be alike
 CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
+NEARLY = 1e-4  # the same where a gain has run away, so that the set is of no use
+AWAY = 30.0  # times the gain that it is counted from, or that part of it
 MOST_STEPS = 50
 DEPENDENT = 1e-13  # share of the largest singular value below which the model's own columns are dependent
 NOTHING = 1e-10  # share of a candidate's column that the model's own must leave
@@ -50,6 +60,17 @@ class MotorProducts:
     inner: np.ndarray
     rows: int
     measured: float
+
+    def padded(self, columns: np.ndarray, count: int) -> np.ndarray:
+        """Inner products (n, count + 2, count + 2) of some columns (k,), zeros to fill up, torque and error."""
+        size = self.inner.shape[1]
+        filled = np.concatenate((columns, np.full(count - len(columns), size), [size - 2, size - 1]))
+        return self._with_zeros[:, filled[:, None], filled]
+
+    @cached_property
+    def _with_zeros(self) -> np.ndarray:
+        """The inner products with those of one more column, of zeros."""
+        return np.pad(self.inner, ((0, 0), (0, 1), (0, 1)))
 
 
 @dataclass(frozen=True)
@@ -167,20 +188,30 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
     for _ in range(MOST_STEPS):
         both = least(*normal_equations(inner, values, gains, start.weights, start.gains, fit_gains))
         step, by_gain = both[: len(values)], both[len(values) :] if fit_gains else np.zeros(len(gains))
-        share = 1.0 / max(1.0, 2.0 * float(np.abs(by_gain / gains).max()))
+        share = float(share_within_reach(gains, by_gain))
         while share > 1e-6:
-            new_values, new_gains = values + share * step, gains + share * by_gain
+            new_values, new_gains = values + share * step, moved_gains(gains, share * by_gain)
             new = float(squares_of(inner, errors_by(new_values, new_gains, start.gains)) @ squares)
             if new <= cost * (1 + 1e-12):
                 break
             share /= 2.0
         else:
             break
-        settled = cost - new <= CONVERGED * cost and share == 1.0
+        settled = bool(is_settled(cost, new, share, new_gains / start.gains))
         values, gains, cost = new_values, new_gains, new
         if settled:
             break
     return fit_of(system, chosen, columns, values, gains, cost)
+
+
+def is_settled(
+    cost: np.ndarray | float, new: np.ndarray | float, share: np.ndarray | float, ratio: np.ndarray
+) -> np.ndarray:
+    """Whether a share of a step lowers the cost too little to be followed by another; ratio (..., n): of the gains."""
+    away = (ratio > AWAY).any(axis=-1) | (ratio < 1.0 / AWAY).any(axis=-1)
+    fall = np.subtract(cost, new)
+    whole = np.equal(share, 1.0) & (fall <= np.multiply(CONVERGED, cost))
+    return np.asarray(whole | (away & (fall <= np.multiply(NEARLY, cost))))
 
 
 def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

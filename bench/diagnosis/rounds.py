@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, context_of, propose, shaped
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.restart import restarted
@@ -198,14 +199,15 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     added = model.effects[own:]
     contexts: dict[int | None, Context] = {None: origin.context(model)}
     result = []
+    asked = [i for i, one in enumerate(here.proposals) if i not in here.chosen and _has_shape(one)]
+    solve_sets(here.system, swapped(here.chosen, asked))  # together, and kept: each is asked for below
     for i, proposal in enumerate(here.proposals):
         progress.advance()
         if i in here.chosen:
             instances = tuple(one for one in added if one.effect.name == proposal.name)
             result.append(replace(proposal, instances=instances))
             continue
-        effect = proposal.instances[0].effect
-        if proposal.absorbed or not (effect.shape or effect.depends_on_model):
+        if not _has_shape(proposal):
             result.append(proposal)
             continue
         rival = _rival(here.system, here.found, i)
@@ -217,10 +219,17 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     return result
 
 
+def _has_shape(proposal: Proposal) -> bool:
+    """Whether the columns of an effect depend on the model beside which it is looked at."""
+    effect = proposal.instances[0].effect
+    return not proposal.absorbed and bool(effect.shape or effect.depends_on_model)
+
+
 def _rival(system: System, found: Found, i: int) -> int | None:
     """The found effect in whose place effect i does best, where that is better than most of what it explains."""
     best = found.best.fit
-    swaps = {k: solve_set(system, (*(c for c in best.chosen if c != k), i)).fitted for k in best.chosen}
+    sets = zip(best.chosen, swapped(best.chosen, [i]), strict=True)
+    swaps = {k: solve_set(system, one).fitted for k, one in sets}
     rival = min(swaps, key=lambda k: swaps[k])
     without = solve_set(system, tuple(c for c in best.chosen if c != rival)).fitted
     return rival if swaps[rival] < 0.5 * (without + best.fitted) else None

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import SetFit, System, solve_set, squared_errors
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
@@ -33,6 +34,11 @@ def verdicts(
     """
     best = found.best
     chosen = set(best.fit.chosen)
+    others = [i for i in found.singles if i not in chosen]
+    more = [(*best.fit.chosen, i) for i in others]
+    solve_sets(
+        system, [*more, *swapped(best.fit.chosen, others)]
+    )  # together, and kept: each is asked for below
     sure = (DOMINANT_BESIDE if left.much else DOMINANT) if left.significant else 0.0
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(proposals):

@@ -11,6 +11,8 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.linalg.lapack import dpstrf
 
 COLLINEAR = 1e-6  # least pivot of the scaled unknowns that Cholesky's factors are trusted with
+MOST = 4.0  # times which a gain may change in one step
+SLOWLY = 0.1  # of the last step's, what the next one makes of the cost where steps lead along a valley
 TINY = float(np.finfo(float).tiny)
 
 
@@ -31,7 +33,8 @@ def normal_equations(
     share = weights**2 / gains  # of torque in the weighted squares, with another of the gains to come
     by_error = (inner @ errors_by(values, gains, start)[..., None])[..., 0]
     right = (share[..., None, :] @ by_error[..., :k])[..., 0, :]
-    normal = np.einsum("...j,...jrc->...rc", share / gains, inner[..., :k, :k])
+    flat = (share / gains)[..., None, :] @ inner.reshape(*inner.shape[:-2], -1)
+    normal = flat.reshape(*gains.shape[:-1], k + 2, k + 2)[..., :k, :k]
     if not fit_gains:
         return normal, right
     torque = np.zeros((*gains.shape, k + 2))
@@ -70,6 +73,23 @@ def independent_of(inner: np.ndarray) -> np.ndarray:
         return np.arange(0)
     _, pivots, rank, _ = dpstrf(inner, tol=COLLINEAR**2, lower=1)
     return np.sort(pivots[:rank] - 1)
+
+
+def creeps(fall: float, last: float, unseen: float) -> bool:
+    """Whether steps lower the cost by less than `unseen` each and yet go on: along what the errors hardly tell."""
+    return SLOWLY * last < fall <= unseen
+
+
+def share_within_reach(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
+    """Share (...) of a step of gains (..., n), and of all else with it, that changes none by more than MOST times."""
+    change = by_gain / gains
+    up, down = change.max(axis=-1) / (1.0 - 1.0 / MOST), -change.min(axis=-1) / (MOST - 1.0)
+    return np.asarray(1.0 / np.maximum(1.0, np.maximum(up, down)))
+
+
+def moved_gains(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
+    """Gains after a step: the errors follow their inverses in a line, so that these are what is moved."""
+    return gains / (1.0 - by_gain / gains)
 
 
 def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
