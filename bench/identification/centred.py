@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from bench.identification.bilinear import errors_by, least, normal_equations, squares_of
+from bench.identification.bilinear import creeps, errors_by, least, normal_equations, squares_of
 
 INDEPENDENT = 1e-9  # least diagonal of the triangular factor of unit columns that it is divided by
 DEPENDENT = 1e-13  # share of the largest singular value below which columns are dependent
@@ -43,13 +43,15 @@ class Centred:
         fit_gains: bool,
         converged: float,
         most_steps: int,
+        unseen: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray] | None:
         """Steps of Gauss and Newton with step halving, until the weighted cost falls by less than a share.
 
+        unseen: the same, from which on it is enough that steps creep; see `creeps`.
         None where that is not so after so many steps, or gains are far from those that they are counted from.
         """
         squares, n = weights**2, len(gains)
-        cost = float(self.squares(values, gains) @ squares)
+        cost, last = float(self.squares(values, gains) @ squares), np.inf
         for _ in range(most_steps):
             both = least(*normal_equations(self.inner, values, gains, weights, self.gains, fit_gains))
             step, by_gain = both[: len(values)], both[len(values) :] if fit_gains else np.zeros(n)
@@ -62,8 +64,10 @@ class Centred:
                 share /= 2.0
                 if share < LEAST_SHARE:
                     return None
-            settled = cost - new <= converged * cost and share == 1.0
-            values, gains, cost = new_values, new_gains, new
+            settled = share == 1.0 and (
+                cost - new <= converged * cost or creeps(cost - new, last, unseen * cost)
+            )
+            values, gains, cost, last = new_values, new_gains, new, cost - new
             ratio = gains / self.gains
             if ratio.max() > FAR or ratio.min() < 1.0 / FAR:
                 return None

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.identification.bilinear import creeps
 from bench.identification.centred import centred
 from bench.identification.compressed import Stack
 from bench.identification.solution import Solution, scaled_lstsq
@@ -17,6 +18,7 @@ from bench.identification.solution import Solution, scaled_lstsq
 REWEIGHTINGS = 3
 MOST_STEPS = 50
 CONVERGED = 1e-12
+CHANCE = 1e-3  # nats
 NEARLY = 1e-9  # as long as the weights are not the last ones
 
 
@@ -25,24 +27,25 @@ def current_error(stack: Stack, start: Solution, *, to_the_last_digit: bool = Tr
 
     The weights are one over each motor's current error. Without a known payload (start.gains_fitted is
     False) the gains stay as they are and the problem is linear. to_the_last_digit: or as far as inner products lead,
-    which is nearer than any deviation.
+    which is nearer than any deviation, and only until steps creep where chance makes more of the errors than they do.
     """
     theta, gains, passes = start.theta, start.gains, [NEARLY] * (REWEIGHTINGS - 1) + [CONVERGED]
     weights = _weights(stack, squared_errors(stack.factors, theta, gains))
-    nearly = _from_products(stack, start, weights, passes)
+    unseen = 0.0 if to_the_last_digit else 2.0 * CHANCE / max(int(stack.moving.sum()), 1)
+    nearly = _from_products(stack, start, weights, passes, unseen)
     if nearly is not None:
         theta, gains, weights = nearly.theta, nearly.gains, nearly.weights
         if not to_the_last_digit:
             return replace(nearly, weights=_weights(stack, squared_errors(stack.factors, theta, gains)))
         passes = [CONVERGED]
     for converged in passes:
-        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged)
+        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged, unseen)
         weights = _weights(stack, squared_errors(stack.factors, theta, gains))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 
 
 def _from_products(
-    stack: Stack, start: Solution, weights: np.ndarray, passes: Sequence[float]
+    stack: Stack, start: Solution, weights: np.ndarray, passes: Sequence[float], unseen: float
 ) -> Solution | None:
     """The solution with the weights (n,) of the last pass, from inner products about the start; None where that is too
     far away, and steps on the equations themselves go their own way.
@@ -52,7 +55,7 @@ def _from_products(
     for i, converged in enumerate(passes):
         if i:
             weights = _weights(stack, near.squares(values, gains))
-        found = near.minimised(values, gains, weights, start.gains_fitted, converged, MOST_STEPS)
+        found = near.minimised(values, gains, weights, start.gains_fitted, converged, MOST_STEPS, unseen)
         if found is None:
             return None
         values, gains = found
@@ -78,11 +81,15 @@ def minimised(
     weights: np.ndarray,
     fit_gains: bool,
     converged: float = CONVERGED,
+    unseen: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share."""
+    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share.
+
+    unseen: the same, from which on it is enough that steps creep; see `creeps`.
+    """
     n, r, p = factors.shape[0], factors.shape[1], len(theta)
     squares = weights**2
-    cost = float(squared_errors(factors, theta, gains) @ squares)
+    cost, last = float(squared_errors(factors, theta, gains) @ squares), np.inf
     for _ in range(MOST_STEPS):
         scaled = factors * (weights / gains)[:, None, None]
         phi = scaled[:, :, :p]
@@ -104,8 +111,9 @@ def minimised(
             share /= 2.0
         else:
             return theta, gains
-        settled = cost - new_cost <= converged * cost and share == 1.0
-        theta, gains, cost = new_theta, new_gains, new_cost
+        fall = cost - new_cost
+        settled = share == 1.0 and (fall <= converged * cost or creeps(fall, last, unseen * cost))
+        theta, gains, cost, last = new_theta, new_gains, new_cost, fall
         if settled:
             break
     return theta, gains

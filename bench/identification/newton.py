@@ -25,13 +25,14 @@ from bench.identification.solve_only import (
 NO_WORSE = 1e-9  # relative: squared errors that are the same but for rounding
 NEARBY = 0.02  # relative: how far around its present value a shape parameter may go, beside all else
 STRIDE = 0.5  # relative: the most that a parameter may change at once, with all others
+SHARES = (1.0, 0.3, 0.1)  # of a step that are tried, until one makes the errors no larger
 SHAPE_STEP = 1e-3  # relative, for the derivative by a shape parameter
 
 
 def stepped(prepared: Prepared) -> tuple[Prepared, Stack, Solution] | None:
     """All that is not linear moved by a step of Gauss and Newton, with all linear unknowns, and solved.
 
-    None where there is nothing to move, or the errors become larger.
+    None where there is nothing to move, or the errors become larger even by a small share of the step.
     """
     stack, solution = solved_quickly(prepared)
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
@@ -43,16 +44,29 @@ def stepped(prepared: Prepared) -> tuple[Prepared, Stack, Solution] | None:
     whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
     system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
     added = np.arange(len(shapes)) + prepared.layout.size
-    nominal = prepared.dataset.robot.nominal_gains
-    theta = solved_with(system, np.append(kept, added), nominal, prepared.fit_gains).theta
     left = partial_regression(stack, solution)
     reaches = [_reach(prepared, left, i, name) for i, name in shapes]
+    free, nominal = added, prepared.dataset.robot.nominal_gains
+    while True:  # the others stay where they are searched no further
+        theta = solved_with(system, np.append(kept, free), nominal, prepared.fit_gains, solution.gains).theta
+        inside = [
+            not _leaves(prepared, *one, *reach, step)
+            for one, reach, step in zip(shapes, reaches, theta[added], strict=True)
+        ]
+        if np.all(inside):
+            break
+        free = np.intersect1d(free, added[inside])
+    if not len(free) and not about.any():
+        return prepared, stack, solution
     values = theta[linear : prepared.layout.size]
-    instances = _moved(prepared, shapes, theta[added], reaches, values)
-    moved = with_effects(prepared, instances, fitted_only=True)
-    after = solved_quickly(moved)
-    gone = spread(*after) / spread(stack, solution)
-    return (moved, *after) if (gone**2).mean() <= 1.0 + NO_WORSE else None
+    before = spread(stack, solution)
+    for share in SHARES:
+        instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
+        moved = with_effects(prepared, instances, fitted_only=True)
+        after = solved_quickly(moved)
+        if ((spread(*after) / before) ** 2).mean() <= 1.0 + NO_WORSE:
+            return moved, *after
+    return None
 
 
 def _moved(
@@ -71,6 +85,12 @@ def _moved(
         stepped_to = value + float(np.clip(step, -most, most))
         instances[i] = reshaped(instances[i], {name: min(max(stepped_to, low), high)})
     return instances
+
+
+def _leaves(prepared: Prepared, i: int, name: str, low: float, high: float, step: float) -> bool:
+    """Whether a shape parameter would leave its reach, at an end of which it is."""
+    value = prepared.effects[i].effect.shape_values()[name]
+    return (step < 0.0 and value <= low) or (step > 0.0 and value >= high)
 
 
 def _reach(prepared: Prepared, left: PartialRegression, i: int, name: str) -> tuple[float, float]:

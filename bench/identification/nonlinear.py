@@ -17,6 +17,7 @@ from bench.identification.solve_only import linearised, solved_quickly, spread
 
 MOST_ROUNDS = 6
 SETTLED = 1e-4  # relative change of gains and shape parameters between rounds
+CHANCE = 5e-3  # nats, of all errors together: what changes them by less is not told by the data
 AS_GOOD = 1e-6  # relative change of the RMS errors between rounds: far less than chance makes of them
 
 
@@ -84,7 +85,7 @@ def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
         else:
             instances = tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
         now = _state(replace(prepared, effects=instances), stack, solution)
-        if before is not None and _alike(now, before):
+        if before is not None and _alike(now, before, int(stack.moving.sum())):
             break
         before = now
     return replace(with_effects(prepared, instances, present), settled=True)
@@ -102,13 +103,18 @@ def _curved_values(instance: EffectInstance) -> tuple[float, ...]:
     return (*effect.shape_values().values(), *about)
 
 
-def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...]) -> bool:
-    """Whether gains, and either shape parameters or what they do to the errors, are as they were a round before."""
-    gains, shapes, errors = (
+def _alike(now: tuple[np.ndarray, ...], before: tuple[np.ndarray, ...], rows: int) -> bool:
+    """Whether gains, and either shape parameters or what they do to the errors, are as they were a round before.
+
+    Where the errors of all so many rows together are, whatever has changed is what the data do not tell.
+    """
+    gains, shapes, errors, chance = (
         bool(np.all(np.abs(x - y) <= share * np.abs(x)))
-        for x, y, share in zip(now, before, (SETTLED, SETTLED, AS_GOOD), strict=True)
+        for x, y, share in zip(
+            (*now, now[-1]), (*before, before[-1]), (SETTLED, SETTLED, AS_GOOD, CHANCE / rows), strict=True
+        )
     )
-    return gains and (shapes or errors)
+    return chance or (gains and (shapes or errors))
 
 
 def _eased(

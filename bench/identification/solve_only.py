@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.effects import EffectInstance
 from bench.identification.compressed import Stack, stack_observations
-from bench.identification.current_error import current_error
+from bench.identification.current_error import current_error, squared_errors
 from bench.identification.effect_rows import effect_rows
 from bench.identification.essential_parameters import reduced, with_zeros
 from bench.identification.fixed_columns import fits, fixed_columns, stacked_beside
@@ -23,7 +23,8 @@ def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
     stack = _stacked(prepared)
     kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
-    return stack, solved_with(stack, kept, prepared.dataset.robot.nominal_gains, prepared.fit_gains)
+    nominal, present = prepared.dataset.robot.nominal_gains, prepared.present.gains
+    return stack, solved_with(stack, kept, nominal, prepared.fit_gains, present)
 
 
 def _stacked(prepared: Prepared) -> Stack:
@@ -37,13 +38,27 @@ def _stacked(prepared: Prepared) -> Stack:
     return stack_observations(*parts) if fixed is None else stacked_beside(fixed, prepared.fitted)
 
 
-def solved_with(stack: Stack, kept: np.ndarray, nominal: np.ndarray, fit_gains: bool) -> Solution:
-    """The current-domain solution with some columns of phi only, kept (k,); zero for the others."""
+def solved_with(
+    stack: Stack, kept: np.ndarray, nominal: np.ndarray, fit_gains: bool, near: np.ndarray
+) -> Solution:
+    """The current-domain solution with some columns of phi only, kept (k,); zero for the others.
+
+    near (n,): gains to start from, of a model much like this one.
+    """
     size = stack.phi.shape[2]
     smaller = stack if len(kept) == size else reduced(stack, kept)
     start = weighted_least_squares(smaller, nominal, fit_gains)
+    if fit_gains and not np.array_equal(near, nominal):
+        held = replace(weighted_least_squares(smaller, near, False), gains_fitted=True)
+        start = min(start, held, key=lambda one: _missed(smaller, one))
     solution = current_error(smaller, start, to_the_last_digit=False)
     return replace(solution, theta=with_zeros(solution.theta, kept, size))
+
+
+def _missed(stack: Stack, start: Solution) -> float:
+    """How large the motors' current errors are, as a likelihood sees them: the sum of their logarithms."""
+    squares = squared_errors(stack.factors, start.theta, start.gains)
+    return float(np.log(np.maximum(squares, np.finfo(float).tiny)).sum())
 
 
 def spread(stack: Stack, solution: Solution) -> np.ndarray:
