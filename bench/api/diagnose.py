@@ -10,7 +10,6 @@ from bench.diagnosis.result import Diagnosis
 from bench.discovery.find import find_missing_effects
 from bench.identification.problem import Filters, problem_of
 from bench.identification.shortness import short_recordings
-from bench.identification.swapped_columns import swapped_columns
 
 
 def diagnose(
@@ -34,8 +33,6 @@ def diagnose(
     dataset = as_dataset(data)
     problem = problem_of(dataset, effects, filters, effect_files=effect_files)
     diagnosis = find_missing_effects(problem, discover=discover, progress=progress)
-    progress.phase("looking for swapped columns")
     after = diagnosis.after
     short = short_recordings(dataset.recordings, after.settings)
-    swapped = swapped_columns(problem, diagnosis.before)
-    return replace(diagnosis, after=replace(after, findings=(*swapped, *after.findings, *short)))
+    return replace(diagnosis, after=replace(after, findings=(*after.findings, *short)))

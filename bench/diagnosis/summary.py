@@ -20,7 +20,12 @@ from bench.identification.wording import in_percent
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
-CAUSES = {Code.COLUMNS_SWAPPED, Code.CLOSURE_CONTRADICTED, Code.MOUNTED_OTHERWISE}  # of false names
+CAUSES = {
+    Code.COLUMNS_SWAPPED,
+    Code.OTHER_LOAD,
+    Code.CLOSURE_CONTRADICTED,
+    Code.MOUNTED_OTHERWISE,
+}  # of false names
 REAL = 0.01  # of the current: what the best models leave of real machines, however little noise there is
 
 
@@ -82,6 +87,12 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
             f"{what} is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
             f"error clearly smaller than {in_percent(before)} of the current."
         )
+        causes = [one for one in diagnosis.after.findings if one.code in CAUSES]
+        if causes:
+            nothing = (
+                f"{sentence(causes[0])} As it is declared, no effect makes the error on {diagnosis.split} clearly "
+                f"smaller than {in_percent(before)} of the current."
+            )
         strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
         return DiagnosisSummary(nothing, tuple(strange), "", (), "", needless, differs, left, laws)
     sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]

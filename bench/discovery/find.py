@@ -9,7 +9,8 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.diagnose import SearchResult, SplitProblem, answered, found, found_from, opened
+from bench.diagnosis.diagnose import SearchResult, SplitProblem, answered, found_from, opened
+from bench.diagnosis.diagnose import found as search
 from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
 from bench.diagnosis.rounds import judged
@@ -27,11 +28,14 @@ from bench.discovery.smooth import tabled_laws
 from bench.discovery.term import Term
 from bench.discovery.variables import Place
 from bench.identification.identify import fit
+from bench.identification.other_load import other_load
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
+from bench.identification.swapped_columns import swapped_columns
 
 LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
 TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
+UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
 HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
 
 
@@ -43,12 +47,27 @@ def find_missing_effects(
 
     discover: whether to look for laws, by default where the effects leave something. progress: told how far the search
     is. Raises BenchError naming what in dataset or robot cannot be used.
+
+    Columns that are probably swapped and loads that are probably others are told. Unless that is asked for, no law is
+    looked for beside them, nor beside a drive gain that is ten times off.
     """
     case = opened(problem, progress)
-    finding = found(case, progress)
+    progress.phase("looking for swapped columns and loads")
+    causes = (*swapped_columns(problem, case.before), *other_load(problem, case.before))
+    found = _found(case, discover, not causes, progress)
+    return replace(found, after=replace(found.after, findings=(*causes, *found.after.findings)))
+
+
+def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
+    """What is found; believed: whether nothing speaks against how the data are declared."""
+    finding = search(case, progress)
     plain = answered(case, finding, progress)
+    gains = plain.after.drive_gains.values()
+    believed = believed and all(1.0 / UNIT <= one.value / one.nominal <= UNIT for one in gains)
     wanted = something_left(plain.unexplained)
     answer = _Answer(finding, (), plain)
+    if discover is None and not believed:
+        return plain
     if discover is not False and not wanted:
         answer = _with_one_for_several(case, answer, progress)
     if answer.laws or not (wanted if discover is None else discover):

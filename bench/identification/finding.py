@@ -15,6 +15,7 @@ class Code(StrEnum):
     ROUNDING_DECIDES = auto()
     NOISE_DECIDES = auto()
     COLUMNS_SWAPPED = auto()
+    OTHER_LOAD = auto()
     NOT_REAL = auto()
     # what the data cannot tell
     NOT_FROM_GAIN = auto()

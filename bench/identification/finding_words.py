@@ -73,6 +73,17 @@ def _swapped(one: Finding) -> str:
     )
 
 
+def _other_load(one: Finding) -> str:
+    name, joint, declared, other = one.names
+    was = f"the payload {declared}" if declared else "no payload"
+    load = f"the payload {other}" if other else "no payload"
+    before, after = (in_percent(one.numbers[key]) for key in ("before", "after"))
+    return (
+        f"{name} is declared to carry {was}, and probably carries {load}: with that, the error of {joint} over all "
+        f"recordings falls from {before} to {after}. Correct its `payload` in dataset.toml."
+    )
+
+
 def _physical(one: Finding) -> str:
     if not one.numbers["distance"]:
         return "Real bodies can have these parameters as the data say them."
@@ -235,6 +246,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
     Code.ROUNDING_DECIDES: _rounding,
     Code.COLUMNS_SWAPPED: _swapped,
+    Code.OTHER_LOAD: _other_load,
     Code.NOT_REAL: lambda one: (
         f"Real bodies cannot have what the data say: the nearest, which stand here, are {one.numbers['distance']:.1f} "
         f"standard errors away, where noise explains {one.numbers['expected']:.1f}; {one.names[0]} would need a "

@@ -12,8 +12,9 @@ from bench.basics.threads import on_one_thread
 from bench.identification.compressed import triangular_factors
 from bench.identification.current_error import minimised, squared_errors
 from bench.identification.finding import Code, Finding
+from bench.identification.friction_columns import friction_columns
 from bench.identification.layout import known_rows, regressor_rows
-from bench.identification.observation import Observation, all_currents
+from bench.identification.observation import all_currents
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
@@ -79,7 +80,7 @@ class _Trial:
             if one.use != "identify":
                 continue
             rows = np.empty((len(one.time), n, self.size + 1 + n))
-            rows[:, :, : self.size] = regressor_rows(replace(one, effects=_friction(one)), layout)
+            rows[:, :, : self.size] = regressor_rows(replace(one, effects=friction_columns(one)), layout)
             rows[:, :, self.size] = known_rows(one, prepared.dataset.payloads)
             rows[:, :, self.size + 1 :] = all_currents(measured)
             rows *= one.moving[:, :, None]
@@ -111,12 +112,3 @@ class _Trial:
         if least:
             theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.fit_gains)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))
-
-
-def _friction(observation: Observation) -> np.ndarray:
-    """Dry and viscous friction of every motor at the fit's rate, (M, n, 2 n): nearly every machine has them."""
-    motors = np.arange(observation.velocity.shape[1])
-    columns = np.zeros((*observation.velocity.shape, 2 * len(motors)))
-    columns[:, motors, 2 * motors] = np.sign(observation.velocity)
-    columns[:, motors, 2 * motors + 1] = observation.velocity
-    return columns

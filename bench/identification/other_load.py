@@ -1,0 +1,109 @@
+"""Whether a recording carries another load than it is declared to: tried where the model explains little."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.basics.threads import on_one_thread
+from bench.identification.compressed import triangular_factors
+from bench.identification.current_error import minimised, squared_errors
+from bench.identification.filtered import Measured
+from bench.identification.finding import Code, Finding
+from bench.identification.friction_columns import friction_columns
+from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.observation import observe
+from bench.identification.prepare import Prepared, prepare
+from bench.identification.problem import Problem
+from bench.identification.result import Identification
+from bench.identification.solution import scaled_lstsq, torque_system
+
+LARGE = 0.05  # relative error of a motor in one recording, from which it is worth a try
+BETTER = 0.5  # of a motor's error over all recordings: what another load must bring it down to
+NO_WORSE = 1.05  # times the error of every other motor
+
+
+@on_one_thread
+def other_load(problem: Problem, result: Identification, prepared: Prepared | None = None) -> list[Finding]:
+    """The recording that carries another load than declared, if with that load some motor's error falls far, and no
+    other's rises; none where nothing does.
+
+    All recordings are fitted together, also those for validation, with dry and viscous friction beside the rigid
+    bodies; in one after the other the load is left out, or another that the fitted recordings carry is put in. Judged
+    motor by motor, since an effect that is missing at one hides what the load does there and not at the others. Where
+    no motor's error is large in any recording, nothing is tried. prepared: the problem's equations with the filters of
+    the result.
+    """
+    if not _large(result) or not result.gains_fitted:
+        return []
+    if prepared is None:
+        prepared = prepare(replace(problem, effects=(), filters=result.settings, fit_gains=True))
+    trial = _Trial(prepared)
+    declared = {one.recording.name: one.recording.payload for one in prepared.measured}
+    before = trial.errors(declared)
+    best: tuple[float, str, str | None, np.ndarray] | None = None
+    for name, load in declared.items():
+        for other in (None, *prepared.layout.payloads):
+            loads = {**declared, name: other}
+            if other == load or None not in loads.values() or set(loads.values()) == {None}:
+                continue
+            ratios = trial.errors(loads) / before
+            score = float(np.log(ratios).sum())
+            if ratios.min() < BETTER and ratios.max() < NO_WORSE and (best is None or score < best[0]):
+                best = score, name, other, ratios
+    if best is None:
+        return []
+    _, name, other, ratios = best
+    j = int(ratios.argmin())
+    numbers = {"before": float(before[j]), "after": float(before[j] * ratios[j])}
+    names = (name, result.joints[j], declared[name] or "", other or "")
+    return [Finding(Code.OTHER_LOAD, names, numbers=numbers)]
+
+
+def _large(result: Identification) -> bool:
+    """Whether some motor's error is large in some recording."""
+    for one in result.recordings:
+        squares = np.where(one.moving, (one.measured - one.modelled) ** 2, 0.0).sum(axis=0)
+        measured = np.where(one.moving, one.measured**2, 0.0).sum(axis=0)
+        if np.any(squares > LARGE**2 * measured):
+            return True
+    return False
+
+
+class _Trial:
+    """The equations of every recording with each load, formed once each, as triangular factors (n, p + 2, p + 2) of
+    [phi, kappa, current].
+    """
+
+    def __init__(self, prepared: Prepared) -> None:
+        self.prepared = prepared
+        n = len(prepared.dataset.robot.nominal_gains)
+        self.layout = replace(prepared.layout, effects=2 * n)
+        self.of = {one.recording.name: one for one in prepared.measured}
+        self.parts: dict[tuple[str, str | None], np.ndarray] = {}
+
+    def errors(self, loads: dict[str, str | None]) -> np.ndarray:
+        """Relative error (n,) of every motor's current over all recordings, each with its load."""
+        parts = [self._part(name, load) for name, load in loads.items()]
+        factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
+        found = scaled_lstsq(*torque_system(factors, None))
+        theta, gains = found[: self.layout.size], found[self.layout.size :]
+        theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), True)
+        return np.asarray(
+            np.sqrt(squared_errors(factors, theta, gains) / (factors[:, :, -1] ** 2).sum(axis=1))
+        )
+
+    def _part(self, name: str, load: str | None) -> np.ndarray:
+        if (name, load) not in self.parts:
+            self.parts[name, load] = self._factors(self.of[name], load)
+        return self.parts[name, load]
+
+    def _factors(self, measured: Measured, load: str | None) -> np.ndarray:
+        loaded = replace(measured, recording=replace(measured.recording, payload=load))
+        seen = observe(self.prepared.model, loaded)
+        rows = np.empty((*seen.current.shape, self.layout.size + 2))
+        rows[:, :, :-2] = regressor_rows(replace(seen, effects=friction_columns(seen)), self.layout)
+        rows[:, :, -2] = known_rows(seen, self.prepared.dataset.payloads)
+        rows[:, :, -1] = seen.current
+        return triangular_factors(rows * seen.moving[:, :, None])
