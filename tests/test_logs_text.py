@@ -58,6 +58,22 @@ LOGS: dict[str, tuple[Callable[[], str], str, LogMap, list[str]]] = {
         BY_NAME,
         ["a preamble on top, up to line 2, is left out"],
     ),
+    "a preamble with separators up to the width of the table": (
+        lambda: (
+            "Axis logger v2.1;;;;;;\nstarted 2026-11-20 09:14\nCell;3;;;;;\n"
+            + HEAD.replace(",", ";")
+            + text(rows(), ";")
+        ),
+        "log.csv",
+        BY_NAME,
+        ["a preamble on top, up to line 3, is left out"],
+    ),
+    "such a preamble above samples without names": (
+        lambda: "Axis logger v2.1,,,,,,\n" + text(rows()),
+        "log.csv",
+        BY_NUMBER,
+        ["a preamble on top, up to line 1, is left out", NUMBERED],
+    ),
     "a header in a comment": (
         lambda: "# made by np.savetxt\n# " + HEAD.replace(",", " ") + text(rows(), " "),
         "log.txt",
@@ -155,6 +171,28 @@ def test_what_cannot_be_told_is_refused(name: str, tmp_path: Path, robot: str) -
     assert expected in str(caught.value)
     assert str(caught.value).startswith(str(tmp_path / "log.csv"))
     assert not (tmp_path / "out").exists()
+
+
+def test_where_no_column_fits_it_says_how_a_preamble_is_left_out(tmp_path: Path, robot: str) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text("Axis,logger,of,cell,3,on,Monday\n" + HEAD + text(rows()), encoding="utf-8")
+    with pytest.raises(BenchError, match="leave that out with --skip-rows N"):
+        told(log, robot, BY_NAME, tmp_path / "out")
+    told(log, robot, BY_NAME, tmp_path / "out", reading=Reading(skip_rows=1))
+    with pytest.raises(BenchError, match="there is no 'qx'") as caught:
+        told(
+            log,
+            robot,
+            LogMap({**BY_NAME.columns, "position.arm": "qx"}),
+            tmp_path / "other",
+            reading=Reading(1),
+        )
+    assert "--skip-rows" not in str(caught.value)
+
+
+def test_names_of_few_columns_above_samples_are_no_preamble(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("t;q;;;\n0;1;;;\n1;1;2;2;3\n2;2;2;2;3\n", encoding="utf-8")
+    assert set(read_log(tmp_path / "log.csv").vectors) == {"t", "q"}
 
 
 def test_a_faulty_cell_is_named_by_its_line_below_a_preamble_and_units(tmp_path: Path, robot: str) -> None:

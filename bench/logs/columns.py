@@ -127,10 +127,12 @@ def _sources(
     sources = {target: target for target in kept if target in there} | dict(log_map.columns)
     missing = [target for target in needed if target not in sources]
     if missing:
-        raise BenchError(f"{file}: nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})")
+        what = f"nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})"
+        raise BenchError(f"{file}: {what}{_skipping(log, sources)}")
     for target, source in sources.items():
         if source not in there:
-            raise BenchError(f"{file}: there is no {source!r} for {target} (the log has {_inventory(log)})")
+            has = f"the log has {_inventory(log)}"
+            raise BenchError(f"{file}: there is no {source!r} for {target} ({has}){_skipping(log, sources)}")
     return sources
 
 
@@ -144,6 +146,14 @@ def _check_targets(
     for target in given:
         if target not in needed and target not in log_map.columns:
             raise BenchError(f"{file}: {target!r} has a scale but nothing is mapped to it")
+
+
+def _skipping(log: LogFile, sources: Mapping[str, str]) -> str:
+    """What helps where a text has none of the columns: its names may stand further down than they were looked for."""
+    there = [*log.vectors, *log.texts]
+    if log.lines is None or any(source in there for source in sources.values()):
+        return ""
+    return ": if the names of its columns stand below a preamble, leave that out with --skip-rows N"
 
 
 def _inventory(log: LogFile, most: int = 30) -> str:

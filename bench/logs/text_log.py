@@ -1,10 +1,11 @@
 """A log that is text: a table of numbers, perhaps below a preamble, without header, or with a line of units.
 
 The table's lines are those with as many values as most lines have. Lines before the first of them are a preamble, and
-so are comments (#, %, //) on top. The first line of the table names the columns, unless all of its values are numbers
-(and not just 0, 1, 2 ... or 1, 2, 3 ...): then the comment just above does if it has as many words, else columns are
-called 1, 2, 3 ... in their order. A second line of which no value is a number and most are units (deg, ms, mA ...)
-holds the units. Values are separated by comma, semicolon, tab or blanks.
+so are comments (#, %, //) on top, and lines of text that separators without values behind them fill up to the width of
+the table, as spreadsheets write them. The first line of the table names the columns, unless all of its values are
+numbers (and not just 0, 1, 2 ... or 1, 2, 3 ...): then the comment just above does if it has as many words, else
+columns are called 1, 2, 3 ... in their order. A second line of which no value is a number and most are units (deg, ms,
+mA ...) holds the units. Values are separated by comma, semicolon, tab or blanks.
 """
 
 from __future__ import annotations
@@ -60,6 +61,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     delimiter = _delimiter(rows)
     count = Counter(len(_cells(line.text, delimiter)) for line in rows).most_common(1)[0][0]
     table = [line for line in rows if len(_cells(line.text, delimiter)) == count]
+    table = table[_padded([_cells(line.text, delimiter) for line in table]) :]
     notes = _preamble_notes(lines, table[0], skip_rows)
     names, used = _names(lines, table, delimiter, header)
     if names is None:
@@ -86,6 +88,21 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
 
 def _comment(line: _Line) -> bool:
     return line.text.lstrip().startswith(COMMENTS)
+
+
+def _padded(table: Sequence[Sequence[str]]) -> int:
+    """How many lines on top are text with empty cells behind it, above names, or above samples without names."""
+    filled = [sum(map(bool, cells)) for cells in table]
+    first = next((i for i, cells in enumerate(table) if 2 * filled[i] > len(cells)), 0)
+    numbers = any(is_number(cell.replace(",", ".")) for cell in table[first])
+    named = not numbers and not _is_units(table[first])
+    above = 0
+    for cells, count in zip(table[:first], filled, strict=False):
+        text = bool(cells[0]) and not is_number(cells[0].replace(",", ".")) and not cells[-1]
+        if not text or (not named and (count > 1 or len(cells) == 2)):
+            break
+        above += 1
+    return above
 
 
 def _preamble_notes(lines: Sequence[_Line], first: _Line, skip_rows: int) -> list[str]:
@@ -128,7 +145,9 @@ def _refuse_other_header(path: Path, lines: Sequence[_Line], table: Sequence[_Li
     if not above or _comment(above[-1]):
         return
     names, count = _cells(above[-1].text, delimiter), len(_cells(table[0].text, delimiter))
-    if 2 * len(names) > count and not any(is_number(name.replace(",", ".")) for name in names):
+    if 2 * len([name for name in names if name]) > count and not any(
+        is_number(name.replace(",", ".")) for name in names
+    ):
         raise BenchError(
             f"{path}: line {above[-1].number}: names {len(names)} columns, the lines below have {count} values:"
             " mend it, or add --no-header and map columns by number"
