@@ -8,6 +8,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
 from bench.local.folder import LOGS, Folder
+from bench.local.steps import command_of
 from bench.logs.log_file import read_log
 
 
@@ -74,3 +75,17 @@ def test_every_kind_of_log_that_an_import_reads_is_offered(tmp_path):
     kinds = re.search(r"a log is one of (.*), or the folder", str(refused.value))
     assert kinds is not None
     assert set(LOGS) == set(kinds.group(1).split(", "))
+
+
+def test_a_new_dataset_gets_a_name_that_nothing_has(tmp_path):
+    folder = Folder(tmp_path)
+    assert folder.free("my_data") == "my_data"
+    (tmp_path / "my_data").mkdir()
+    (tmp_path / "my_data_2.results").mkdir()
+    assert folder.free("my_data") == "my_data_3"
+    (tmp_path / "log.csv").write_text("t\n0\n")
+    asked = {"step": "import", "log": "log.csv", "robot": "five_bar", "columns": {}, "fresh": True}
+    with pytest.raises(BenchError, match="my_data: is there already"):
+        command_of(folder, {**asked, "dataset": "my_data"})
+    assert command_of(folder, {**asked, "dataset": "my_data_3"}).line.endswith("my_data_3")
+    assert command_of(folder, {**asked, "dataset": "my_data", "fresh": False}).line.endswith("my_data")

@@ -29,6 +29,7 @@ from bench.local.worker import CancelledError, DiedError, Worker
 
 LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
 LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip", ".xml", ".urdf", ".yaml", ".c"}
+NEW_DATASET = "my_data"  # what a new dataset is called, where that name is free
 Handler = Callable[[Request], Awaitable[Response]]
 
 
@@ -86,6 +87,7 @@ class Pages:
         answer["runs"] = [{"path": run, "time": said_time(root / run / "report.json")} for run in found.runs]
         answer["runs"] += [{"path": model, "time": said_time(root / model)} for model in found.models]
         answer |= {"root": str(self.folder.root), "name": self.folder.root.name, "start": self.start}
+        answer["free"] = self.folder.free(NEW_DATASET)
         return JSONResponse(answer | {"command": self.command, "largest": LARGEST})
 
     async def look(self, request: Request) -> Response:

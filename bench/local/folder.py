@@ -5,6 +5,7 @@ import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import count
 from pathlib import Path
 
 from bench.basics.errors import BenchError
@@ -72,6 +73,13 @@ class Folder:
             raise BenchError(f"{text!r}: give a name of letters, digits, spaces, and ( ) + = , . - _")
         return text
 
+    def free(self, stem: str) -> str:
+        """A name that neither a folder nor the results of one has: the stem, or the stem with a number."""
+        names = (stem if number == 1 else f"{stem}_{number}" for number in count(1))
+        return next(
+            one for one in names if not any((self.root / f"{one}{end}").exists() for end in ("", RESULTS))
+        )
+
     def word(self, path: Path) -> str:
         """A path as a command is given it: from where the server was started, or in full."""
         try:
@@ -97,10 +105,10 @@ class Folder:
         found = FolderEntry(robots={name: name for name in built_in_robots()})
         found.robots.update({str(path): f"{path.name} ({path})" for path in self.robots})
         runs: list[tuple[float, str]] = []
-        count = 0
+        seen = 0
         for folder, files in self._folders():
-            count += len(files) + 1
-            if count > MANY:
+            seen += len(files) + 1
+            if seen > MANY:
                 return replace(found, runs=_by_time(runs), cut=True)
             place = folder.relative_to(self.root).as_posix()
             if ROBOT_FILE in files and place != ".":

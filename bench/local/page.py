@@ -13,6 +13,7 @@ SCRIPTS = (
     "figure.js",
     "columns.js",
     "payload.js",
+    "dataset.js",
     "recordings.js",
     "errors.js",
     "effects.js",

@@ -26,12 +26,16 @@ _EFFECT = re.compile(r"[a-z][a-z0-9_]*(:[\w .-]+)?(@[\w .-]+)?")
 
 
 class ImportLog(UserTable):
-    """A log becomes a recording. scale: unit or factor by column; rate: of a log without a time, Hz."""
+    """A log becomes a recording. scale: unit or factor by column; rate: of a log without a time, Hz.
+
+    fresh: of a dataset that is not there yet.
+    """
 
     step: Literal["import"]
     log: Name
     robot: Name
     dataset: Name
+    fresh: bool = False
     columns: dict[str, str]
     scale: dict[str, str | Positive] = Field(default_factory=dict)
     rate: Positive | None = None
@@ -182,6 +186,8 @@ def _import(folder: Folder, step: ImportLog) -> Command:
     for part in step.dataset.split("/"):
         if part != ".":
             folder.name(part)
+    if step.fresh and target.exists():
+        raise BenchError(f"{step.dataset}: is there already: give the new dataset a name that is free")
     words = ["import", folder.word(log), "--robot", robot]
     for column, source in step.columns.items():
         words += ["--map", f"{_plain(column)}={_plain(source)}"]

@@ -7,7 +7,7 @@ const Recordings = (() => {
     log: "",
     robot: "",
     dataset: NEW,
-    name: "my_data",
+    name: null, // of a new dataset, once somebody has typed one
     use: "identify",
     load: null,
     payload: "load",
@@ -78,8 +78,8 @@ const Recordings = (() => {
   }
 
   function render() {
-    document.getElementById("dataset-choice").replaceChildren(datasetChoice());
-    document.getElementById("recordings-table").replaceChildren(table());
+    document.getElementById("dataset-choice").replaceChildren(Dataset.choice(app));
+    document.getElementById("recordings-table").replaceChildren(Dataset.table(app));
     const imported = new Set(
       (app.described ? app.described.recordings : []).map((one) => one.name.replace(/\.\w+$/, "")),
     );
@@ -105,64 +105,6 @@ const Recordings = (() => {
       ),
       ...faults.map((text) => el("p", {class: "fault", role: "alert"}, text)),
     );
-  }
-
-  function datasetChoice() {
-    const known = app.folder.datasets;
-    if (!known.length) return el("p", {class: "aid"}, "No dataset in this folder yet: drop the first log.");
-    const options = known.map((one) => [one, one === "." ? app.folder.name : one]);
-    return el(
-      "div",
-      {class: "row"},
-      field(
-        "Dataset",
-        select(options, app.dataset, (value) => app.choose(value), {id: "dataset"}),
-      ),
-      el("a", {href: `zip/${Server.address(app.dataset)}`, download: true}, "Download this dataset"),
-    );
-  }
-
-  function table() {
-    if (app.fault) return el("p", {class: "fault"}, app.fault);
-    if (!app.described) return el("div");
-    const data = app.described;
-    const rows = data.recordings.map((one) => [
-      one.name,
-      one.use === "identify" ? "fitted" : "only compared",
-      load(one.payload),
-      `${ChartBasics.formatNumber(one.seconds, 3)} s`,
-      `${ChartBasics.formatNumber(one.rate, 4)} Hz`,
-      one.accepted.length ? `✓ passed; accepted: ${one.accepted.join(", ")}` : "✓ all checks passed",
-    ]);
-    const weighed =
-      data.recordings.some((one) => one.use === "identify" && one.payload && data.payloads[one.payload]) &&
-      data.recordings.some((one) => one.use === "identify" && !one.payload);
-    const advice = weighed
-      ? null
-      : el(
-          "p",
-          {class: "aid"},
-          "For drive gains, one recording without a payload and one with a payload that was weighed are needed; until then gains stay nominal.",
-        );
-    return el(
-      "div",
-      {},
-      Dom.table(["recording", "use", "payload", "length", "rate", "checks"], rows, [
-        "",
-        "",
-        "",
-        "right",
-        "right",
-        "keep",
-      ]),
-      advice,
-    );
-  }
-
-  function load(name) {
-    if (!name) return "none";
-    const mass = app.described.payloads[name];
-    return mass === null || mass === undefined ? name : `${name}, ${mass} kg`;
   }
 
   /* Show a log, with its robot if one is chosen. */
@@ -305,7 +247,9 @@ const Recordings = (() => {
         changed();
       },
     );
-    const name = field("called", text("name", {type: "text", id: "name"}));
+    const called = text("name", {type: "text", id: "name"});
+    called.value = nameOfNew();
+    const name = field("called", called);
     const into = field(
       "Into",
       select(
@@ -327,6 +271,8 @@ const Recordings = (() => {
     ];
   }
 
+  const nameOfNew = () => form.name ?? app.folder.free;
+
   function asked() {
     const {ready, ...mapped} = form.mapped;
     const fresh = form.load === NEW;
@@ -334,7 +280,8 @@ const Recordings = (() => {
       step: "import",
       log: form.log,
       robot: form.robot,
-      dataset: form.dataset === NEW ? form.name : form.dataset,
+      dataset: form.dataset === NEW ? nameOfNew() : form.dataset,
+      fresh: form.dataset === NEW,
       ...mapped,
       use: form.use,
       payload: fresh ? form.payload : form.load,
@@ -381,7 +328,7 @@ const Recordings = (() => {
             setup.replaceChildren(
               el("p", {class: "done", role: "status"}, `${form.log} is a recording of ${dataset} now.`),
             );
-            form.log = "";
+            [form.log, form.name] = ["", null];
             render();
           } else {
             button.disabled = false;

@@ -1,0 +1,67 @@
+"use strict";
+/* The dataset that is shown, and its recordings. */
+const Dataset = (() => {
+  const {el, field, select} = Dom;
+
+  /* Which dataset of the folder is shown. */
+  function choice(app) {
+    const known = app.folder.datasets;
+    if (!known.length) return el("p", {class: "aid"}, "No dataset in this folder yet: drop the first log.");
+    const options = known.map((one) => [one, one === "." ? app.folder.name : one]);
+    return el(
+      "div",
+      {class: "row"},
+      field(
+        "Dataset",
+        select(options, app.dataset, (value) => app.choose(value), {id: "dataset"}),
+      ),
+      el("a", {href: `zip/${Server.address(app.dataset)}`, download: true}, "Download this dataset"),
+    );
+  }
+
+  /* Its recordings. */
+  function table(app) {
+    if (app.fault) return el("p", {class: "fault"}, app.fault);
+    if (!app.described) return el("div");
+    const data = app.described;
+    const rows = data.recordings.map((one) => [
+      one.name,
+      one.use === "identify" ? "fitted" : "only compared",
+      load(app, one.payload),
+      `${ChartBasics.formatNumber(one.seconds, 3)} s`,
+      `${ChartBasics.formatNumber(one.rate, 4)} Hz`,
+      one.accepted.length ? `✓ passed; accepted: ${one.accepted.join(", ")}` : "✓ all checks passed",
+    ]);
+    const weighed =
+      data.recordings.some((one) => one.use === "identify" && one.payload && data.payloads[one.payload]) &&
+      data.recordings.some((one) => one.use === "identify" && !one.payload);
+    const advice = weighed
+      ? null
+      : el(
+          "p",
+          {class: "aid"},
+          "For drive gains, one recording without a payload and one with a payload that was weighed are needed; until then gains stay nominal.",
+        );
+    return el(
+      "div",
+      {},
+      Dom.table(["recording", "use", "payload", "length", "rate", "checks"], rows, [
+        "",
+        "",
+        "",
+        "right",
+        "right",
+        "keep",
+      ]),
+      advice,
+    );
+  }
+
+  function load(app, name) {
+    if (!name) return "none";
+    const mass = app.described.payloads[name];
+    return mass === null || mass === undefined ? name : `${name}, ${mass} kg`;
+  }
+
+  return {choice, table};
+})();
