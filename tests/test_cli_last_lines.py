@@ -1,6 +1,8 @@
 """What every command says at its end, what `--quiet` and `--json -` leave of it, and what a misspelt word is told."""
 
 import json
+import re
+import shutil
 
 import pytest
 
@@ -48,6 +50,22 @@ def test_the_last_line_is_the_next_command_with_all_that_was_given(data, tmp_pat
     assert last_line(capsys).startswith(f"next: bench export {model} --to mjcf -o {tmp_path / 'model.xml'} ")
     assert main(["compare", str(data)]) == 0
     assert last_line(capsys).startswith(f"next: bench diagnose {data}    ")
+
+
+def test_what_is_declared_wrongly_is_to_be_mended_first(data, tmp_path, capsys):
+    wrong = tmp_path / "grams"
+    shutil.copytree(data, wrong)
+    told = (wrong / "dataset.toml").read_text(encoding="utf-8")
+    mass = re.search(r"^mass = ([\d.]+)$", told, flags=re.MULTILINE)
+    told = told.replace(mass[0], f"mass = {1000.0 * float(mass[1])}")
+    (wrong / "dataset.toml").write_text(told, encoding="utf-8")
+    assert main(["identify", str(wrong), "--with", "viscous_friction:left"]) == 0
+    out = capsys.readouterr().out
+    assert "is the payload's mass in grams?" in " ".join(out.split())
+    again = (
+        f"next: bench identify {wrong} --with viscous_friction:left    again, once what the first note says"
+    )
+    assert out.splitlines()[-1].startswith(again)
 
 
 def test_after_a_diagnosis_comes_what_it_calls_for(tmp_path):

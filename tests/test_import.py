@@ -14,6 +14,7 @@ from bench.dataset.dataset import load_dataset
 from bench.dataset.payload import Payload
 from bench.dataset.recording import write_table
 from bench.logs.columns import LogMap
+from bench.logs.importing import LogRequest, import_log
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_robot
 from tests.logs_kit import imported
 
@@ -358,3 +359,13 @@ def test_the_measured_log_of_an_axis_is_imported(measured_data: Path, tmp_path: 
     assert first.rate == pytest.approx(1000.0)
     assert first.time.size + last.time.size == 24841
     assert np.abs(first.position - first.extra["reference"][:, None]).max() < 0.01
+
+
+def test_a_unit_in_a_name_is_told_where_nobody_gave_one(tmp_path: Path, robot: str) -> None:
+    columns = {name.replace("ia", "ia_mA").replace("qa", "qa_deg"): values for name, values in log().items()}
+    save_npz(tmp_path / "log.npz", columns)
+    names = {**MAP.columns, "current.arm": "ia_mA", "position.arm": "qa_deg"}
+    request = LogRequest(tmp_path / "log.npz", LogMap(names, {"position.arm": "rad"}))
+    notes = [note for _, note in import_log(robot, request, tmp_path / "data").notes]
+    assert "ia_mA for current.arm: taken as A; if it is in mA, add --scale current.arm=mA" in notes
+    assert not any("qa_deg" in note for note in notes)

@@ -82,6 +82,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     from bench.api.identify import identify as identified
     from bench.dataset.dataset import load_dataset
     from bench.document.terminal.identification import identification_report
+    from bench.identification.finding_words import MEND_FIRST
     from bench.identification.model_file import model_json
     from bench.residuals.motor import compared
     from bench.residuals.next_step import left_over
@@ -126,7 +127,10 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         written.append(wrote(write_identification_report(output, result, data, command), "report"))
     identification_report(result, Console(), verbose=verbose)
     what = compared(data.robot, data.recordings, result.recordings, result.settings)
-    say([*left_over(what), *written, _next(what, dataset, effects, effect_files, given, json_file)])
+    mend = any(one.code in MEND_FIRST for one in result.findings)
+    say(
+        [*left_over(what), *written, _next(what, dataset, effects, effect_files, given, json_file, mend=mend)]
+    )
 
 
 def _next(
@@ -136,12 +140,17 @@ def _next(
     effect_files: tuple[Path, ...],
     given: dict[str, Any],
     json_file: Path | None,
+    *,
+    mend: bool,
 ) -> str:
-    """The command that makes sense after an identification."""
+    """The command that makes sense after an identification; mend: what the first note says comes before it."""
     from bench.page.section_run import CommandRun
     from bench.residuals.next_step import DIAGNOSE, KEEP, beyond_noise
 
     files = tuple(map(str, effect_files))
+    if mend:
+        again = CommandRun("identify", str(dataset), effects, files, given).line()
+        return f"next: {again}    again, once what the first note says is mended"
     if beyond_noise(what):
         return f"next: {CommandRun('diagnose', str(dataset), effects, files, given).line()}    {DIAGNOSE}"
     if json_file is None or json_file == STANDARD_OUTPUT:

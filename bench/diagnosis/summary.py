@@ -15,7 +15,7 @@ from bench.identification.finding_words import sentence
 from bench.identification.findings import LOOSE, runaway, unlike
 from bench.identification.result import Identification
 from bench.identification.summary import ROBOT
-from bench.identification.wording import in_percent
+from bench.identification.wording import in_percent, with_error
 
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
@@ -255,9 +255,9 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
     them = "it" if len(diagnosis.missing) == 1 else "them"
     gain = after[joint]
     return (
-        f"With {them} the drive gain of {joint} is {gain.value:.4f} ± {gain.std:.2g} {gain.unit.replace('*', '·')}, "
+        f"With {them} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
         f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
-        f"came out at {before[joint].value:.4g}."
+        f"came out at {with_error(before[joint].value, before[joint].std)}."
     )
 
 

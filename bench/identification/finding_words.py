@@ -12,6 +12,21 @@ UNBELIEVABLE = frozenset(
 )
 
 
+MEND_FIRST = UNBELIEVABLE | {
+    Code.COLUMNS_SWAPPED,
+    Code.OTHER_LOAD,
+    Code.CLOSURE_CONTRADICTED,
+    Code.MOUNTED_OTHERWISE,
+    Code.GAINS_A_THOUSAND,
+    Code.GAINS_A_THOUSANDTH,
+    Code.GAINS_NEGATIVE,
+    Code.GAIN_NEGATIVE,
+    Code.SIGN_REVERSED,
+    Code.NO_MODEL_IS_BETTER,
+}
+"""What is to be mended before anything else is asked of the data."""
+
+
 def note(one: Finding) -> str:
     """A finding as it stands among the notes on an answer."""
     said = sentence(one)
@@ -256,8 +271,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.NOISE_DECIDES: _noise_through,
     Code.NOISE_LET_THROUGH: _noise_through,
     Code.PAYLOAD_NOT_DECLARED: lambda one: (
-        f"Left aside: {', '.join(one.names)}. Their payload is not declared in full, and no fitted recording carries "
-        "it."
+        f"Left aside: {', '.join(one.names)}. What {'they carry' if len(one.names) > 1 else 'it carries'} is not "
+        "declared in full, and no fitted recording carries it."
     ),
     Code.REDUNDANT: lambda one: (
         f"The robot has more motors than degrees of freedom: the currents of {', '.join(one.names)} are taken as they "

@@ -1,6 +1,18 @@
 """Numbers in a sentence."""
 
+import math
+
 
 def in_percent(share: float | None) -> str:
     """A share as a percentage of three digits; "–" where there is none."""
     return "–" if share is None else f"{100.0 * share:.3g} %"
+
+
+def with_error(value: float, std: float) -> str:
+    """A value with its standard error, to two digits of that: 3.3012 ± 0.0015."""
+    if not 0.0 < std < math.inf:
+        return f"{value:.4g}"
+    digits = 1 - math.floor(math.log10(std))
+    std = round(std, digits)
+    digits = max(0, 1 - math.floor(math.log10(std)))  # 0.0996 is 0.10
+    return f"{value:.{digits}f} ± {std:.{digits}f}"

@@ -11,7 +11,7 @@ from bench.dataset.robot import Robot
 from bench.logs.columns import GROUPS
 from bench.logs.log_file import LogFile, Reading, read_log
 from bench.logs.ros_bag import is_bag, joint_topics
-from bench.logs.units import UNITS, measured_by, unit_named
+from bench.logs.unit_names import LAST, name_of, unit_in, units_of
 
 POINTS = 160  # of a column's small picture
 
@@ -22,7 +22,6 @@ POSITION = frozenset(
 CURRENT = frozenset(
     {"current", "currents", "cur", "curr", "i", "iq", "amp", "amps", "effort", "torque", "tau", "vir", "u"}
 )
-_LAST = re.compile(r"^(.*?)[\s_.\[(]+([^\s_.\[\]()]+)[\])]?$")
 
 
 def look_at(path: str, robot: Robot, topic: str | None = None) -> dict[str, Any]:
@@ -48,17 +47,11 @@ def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
         "robot": robot.name,
         "needs": needs,
         "columns": columns,
-        "stated": {name: unit for name, text in log.units.items() if (unit := _name_of(text))},
+        "stated": {name: unit for name, text in log.units.items() if (unit := name_of(text))},
         "guesses": guesses(names, robot),
         "units": {column: units_of(column, robot) for column in needs},
         "notes": list(log.notes),
     }
-
-
-def units_of(column: str, robot: Robot) -> list[str]:
-    """The units that a recording's column may be in, SI first."""
-    found = [name for name, unit in UNITS.items() if unit.of == measured_by(column, robot)]
-    return sorted(found, key=lambda name: UNITS[name].factor != 1.0) or ["1"]
 
 
 def guesses(names: Sequence[str], robot: Robot) -> dict[str, dict[str, str]]:
@@ -84,13 +77,6 @@ def guesses(names: Sequence[str], robot: Robot) -> dict[str, dict[str, str]]:
     }
 
 
-def unit_in(name: str, possible: Sequence[str]) -> str:
-    """The unit that a name ends in, if it is one of these; "" for none: q_left[deg] -> deg."""
-    match = _LAST.match(name)
-    unit = _name_of(match.group(2)) if match else None
-    return unit if unit is not None and unit in possible else ""
-
-
 def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
     """Joint -> the one name that holds all words and numbers of the joint's."""
     found = {}
@@ -102,15 +88,10 @@ def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
     return found if len(set(found.values())) == len(found) else {}
 
 
-def _name_of(text: str) -> str | None:
-    unit = unit_named(text)
-    return next((name for name, one in UNITS.items() if one == unit), None)
-
-
 def _stem(name: str) -> str:
     """A name without the unit that it ends in: t_ms -> t; a lone letter, as in motor.m, is more than a unit."""
-    match = _LAST.match(name)
-    return match.group(1) if match and _name_of(match.group(2)) else name
+    match = LAST.match(name)
+    return match.group(1) if match and name_of(match.group(2)) else name
 
 
 def _parts(name: str) -> list[str]:

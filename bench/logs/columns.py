@@ -12,6 +12,7 @@ import numpy.typing as npt
 from bench.basics.errors import BenchError, meant
 from bench.dataset.robot import Robot
 from bench.logs.log_file import LogFile
+from bench.logs.unit_names import unit_in, units_of
 from bench.logs.units import UNITS, factor_of, measured_by
 
 Array = npt.NDArray[np.float64]
@@ -64,7 +65,8 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
             source = sources[column]
             raise BenchError(f"{file}: {source!r} for {column} has {found.size} samples, time has {count}")
     ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
-    return Columns(ordered, sources, _unit_notes({c: unit for c, (f, unit) in stated.items() if f != 1.0}))
+    taken = _unit_notes({c: unit for c, (f, unit) in stated.items() if f != 1.0})
+    return Columns(ordered, sources, (*taken, *_name_notes(sources, factors, robot)))
 
 
 def _unit_notes(units: Mapping[str, str]) -> tuple[str, ...]:
@@ -72,6 +74,21 @@ def _unit_notes(units: Mapping[str, str]) -> tuple[str, ...]:
     for column, unit in units.items():
         by_unit.setdefault(unit, []).append(column)
     return tuple(f"{', '.join(columns)}: in {unit}, as the log says" for unit, columns in by_unit.items())
+
+
+def _name_notes(sources: Mapping[str, str], factors: Mapping[str, float], robot: Robot) -> tuple[str, ...]:
+    """What names say of units that neither the log states nor anybody gave."""
+    notes = []
+    for column, source in sources.items():
+        if column in factors or measured_by(column, robot) is None:
+            continue
+        units = units_of(column, robot)
+        unit = unit_in(source, units)
+        if unit and UNITS[unit].factor != 1.0:
+            notes.append(
+                f"{source} for {column}: taken as {units[0]}; if it is in {unit}, add --scale {column}={unit}"
+            )
+    return tuple(notes)
 
 
 def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -> dict[str, float]:
