@@ -51,7 +51,7 @@ def test_parameters_without_a_deviation_are_doubted(found):
     bad = replace(
         found, after=replace(found.after, parameters=(replace(first, value=-1.5e8, std=0.0), *others))
     )
-    assert "no deviation that is known" in " ".join(doubts(bad))
+    assert "no standard error that is known" in " ".join(doubts(bad))
     decided = replace(found, after=replace(found.after, scaled_condition=2.7e8))
     assert "rounding decides" in " ".join(doubts(decided))
 
