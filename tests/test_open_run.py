@@ -104,9 +104,21 @@ def test_a_model_is_exported_beside_the_results(site, root):
     assert job["state"] == "done"
     assert job["files"]["exported"] == model.replace(".json", ".csv")
     assert b"drive gain,left," in site.get(f"files/{job['files']['exported']}").body
+    mjcf = site.run({"step": "export", "dataset": "data", "model": model, "form": "mjcf"})
+    assert "the identified base parameters" in mjcf["output"]
+    assert json.loads((root / mjcf["files"]["twin"]).read_text())["robot"] == "five_bar"
     loops = site.run({"step": "export", "dataset": "data", "model": model, "form": "urdf"})
     assert loops["state"] == "refused"
     assert "no loops" in loops["error"]
+
+
+def test_results_are_told_in_order_of_time(site, root):
+    asked = {"step": "identify", "dataset": "data", "effects": []}
+    models = [site.run(asked)["files"]["model"] for _ in range(2)]
+    for path, time_written in zip(models, (2e9, 1e9), strict=True):
+        os.utime(root / path, (time_written, time_written))
+    told = [one["path"] for one in site.get("api/folder").json["runs"]]
+    assert (told[0], told[-1]) == (models[1], models[0])
 
 
 def test_what_is_known_of_a_payload_is_told_to_the_import(tmp_path):

@@ -26,6 +26,7 @@ from bench.local.page import asset, page_html
 from bench.local.steps import command_of
 from bench.local.upload import LARGEST, take, zip_dataset
 from bench.local.worker import CancelledError, DiedError, Worker
+from bench.page.folder import RUN_FILE
 
 LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
 LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip", ".xml", ".urdf", ".yaml", ".c"}
@@ -84,8 +85,10 @@ class Pages:
         found = await asyncio.to_thread(self.folder.look)
         answer = asdict(found)
         root = self.folder.root
-        answer["runs"] = [{"path": run, "time": said_time(root / run / "report.json")} for run in found.runs]
-        answer["runs"] += [{"path": model, "time": said_time(root / model)} for model in found.models]
+        written = {run: root / run / RUN_FILE for run in found.runs}
+        written |= {model: root / model for model in found.models}
+        in_time = sorted(written, key=lambda path: (written[path].stat().st_mtime, path))
+        answer["runs"] = [{"path": path, "time": said_time(written[path])} for path in in_time]
         answer |= {"root": str(self.folder.root), "name": self.folder.root.name, "start": self.start}
         answer["free"] = self.folder.free(NEW_DATASET)
         return JSONResponse(answer | {"command": self.command, "largest": LARGEST})

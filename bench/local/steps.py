@@ -15,6 +15,7 @@ from bench.dataset.recording_checks import Check
 from bench.files.toml_input import UserTable, first_mistake
 from bench.local.folder import RESULTS, Folder
 from bench.page.section_run import quoted
+from bench.twin.file import sidecar_path
 
 Name = Annotated[str, Field(min_length=1, max_length=400)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -169,7 +170,8 @@ def _export(folder: Folder, results: Path, step: Export) -> Command:
     )  # a model inside a result is called as the result is
     target = results / f"{named.name.removesuffix('.json')}{SUFFIXES[step.form]}"
     words = ["export", folder.word(model), "--to", step.form, "-o", folder.word(target)]
-    return Command(step.step, step.dataset, words, _files(folder, exported=target))
+    beside = {"twin": sidecar_path(target)} if step.form == "mjcf" else {}
+    return Command(step.step, step.dataset, words, _files(folder, exported=target, **beside))
 
 
 def _models(folder: Folder, names: Sequence[str]) -> list[Path]:
