@@ -73,6 +73,16 @@ def import_by_mouse(page, log, payload):
     expect(page.locator("#add-log .done")).to_be_visible()
 
 
+def export_by_mouse(page):
+    """A model as MJCF, what the command says of it, and the file beside it."""
+    page.locator("#effects .export").click()
+    expect(page.locator("#effects .exported")).to_contain_text("the identified base parameters")
+    for name, content in ((".xml", b"<mujoco"), (".twin.json", b'"five_bar"')):
+        with page.expect_download() as kept:
+            page.locator("#effects").get_by_role("link", name=name).click()
+        assert content in kept.value.path().read_bytes()
+
+
 @pytest.mark.slow
 def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -87,21 +97,22 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         assert ["400 (Bad Request)" in one for one in page.heard] == [True]
         page.heard.clear()
         import_by_mouse(page, logs / "held.csv", "disc")
+        expect(page.locator("#add-log .done")).to_be_in_viewport()
+        expect(page.locator("nav [aria-current]")).to_have_text("1 Recordings")
         expect(page.locator("#recordings-table")).to_contain_text("disc, 0.5 kg")
         page.locator("#compare").click()
         expect(page.locator("#errors .said").first).to_contain_text("motor left: error")
         expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
         page.locator("#diagnose").click()
         expect(page.locator("#job progress")).to_be_visible()
-        expect(page.locator("#missing .verdict")).to_contain_text("Viscous friction is missing")
+        expect(page.locator("#missing .verdict")).to_contain_text("Viscous friction at left is missing")
+        expect(page.locator("#missing .verdict")).to_contain_text("the drive gain of right is")
+        expect(page.locator("#missing .gains tbody tr")).to_have_count(2)
         expect(page.locator("#job")).to_be_hidden()
         expect(page.locator("#effects input:checked")).to_have_count(1)
         expect(page.locator("#apply-found")).to_be_enabled()
         page.locator("#identify").click()
-        page.locator("#effects .export").click()
-        with page.expect_download() as kept:
-            page.locator("#effects").get_by_role("link", name=".xml").click()
-        assert b"<mujoco" in kept.value.path().read_bytes()
+        export_by_mouse(page)
         page.locator("#apply").click()
         expect(page.locator("#applied .charts svg[role=img]")).to_have_count(1)
         page.locator("#applied").get_by_role("button", name="Show the robot in motion").click()
@@ -163,12 +174,18 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
         press_until(page, "Tab", "#compare")
         page.keyboard.press("Enter")
         expect(page.locator("#errors .charts svg[role=img]")).to_have_count(1)
+        model = json.loads((tmp_path / "my_data.results" / "1-compare" / "model.json").read_text())
+        gain = model["drive_gains"]["left"]
+        row = page.locator("#errors .gains tr", has_text="left")
+        expect(row).to_contain_text(f"{gain['value']:.4f}"[:4])
+        expect(row).to_contain_text("±")
         press_until(page, "Tab", "#effects [id='viscous_friction:left']")
         page.keyboard.press("Space")
         expect(page.locator("#apply")).to_be_visible()
         press_until(page, "Tab", "#apply")
         page.keyboard.press("Enter")
         expect(page.locator("#applied .charts svg[role=img]")).to_have_count(1)
+        expect(page.locator("#applied h3").first).to_be_in_viewport()
         assert page.evaluate(WIDER, PHONE) == []
         assert page.heard == []
     models = sorted((tmp_path / "my_data.results").glob("model-*.json"))

@@ -14,6 +14,7 @@ SCRIPTS = (
     "columns.js",
     "payload.js",
     "dataset.js",
+    "gains.js",
     "recordings.js",
     "errors.js",
     "effects.js",

@@ -80,15 +80,7 @@ const Effects = (() => {
     });
     steps.push(["noise of the currents", diagnosis.unexplained.noise_floor, "noise"]);
     const most = Math.max(...steps.map(([, share]) => share || 0));
-    const discovered = diagnosis.discovered.length;
-    const told = diagnosis.missing.length
-      ? `${words(diagnosis.missing).replace(/^./, (c) => c.toUpperCase())} ${diagnosis.missing.length > 1 ? "are" : "is"} missing.`
-      : discovered
-        ? "No effect of the catalogue explains what is left; a law that is in none does."
-        : "No effect of the catalogue helps beyond chance.";
-    const left = diagnosis.unexplained.significant
-      ? `Something is left that no known effect accounts for: ${diagnosis.unexplained.why}.`
-      : null;
+    const changed = diagnosis.ladder.length > 1 || diagnosis.discovered.length > 0;
     const shown = diagnosis.ranking.filter((one) => one.verdict !== "not supported" && one.verdict !== "absorbed");
     const table = (list) =>
       Dom.table(
@@ -102,11 +94,12 @@ const Effects = (() => {
         ["keep", "keep", "", "words"],
       );
     return [
-      el("div", {class: "verdict"}, el("p", {}, told), left ? el("p", {}, left) : null),
+      el("div", {class: "verdict"}, ...diagnosis.summary.map((text) => el("p", {}, text))),
       el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
       bars(steps, most),
       shown.length ? table(shown) : null,
       ...(diagnosis.discovered.length ? laws() : []),
+      Gains.part(diagnosis.after, changed ? diagnosis.before : null),
       diagnosis.missing.length || diagnosis.discovered.length ? applying(run) : null,
       el("details", {}, el("summary", {}, `All ${diagnosis.ranking.length} verdicts`), table(diagnosis.ranking)),
       Errors.links(run),
@@ -156,19 +149,23 @@ const Effects = (() => {
         "fieldset",
         {},
         legend,
-        ...places.map(([name, words]) => {
-          const input = el("input", {
-            type: "checkbox",
-            id: name,
-            checked: chosen.has(name),
-            change: () => {
-              if (input.checked) chosen.add(name);
-              else chosen.delete(name);
-              drawAnswer(answer, true);
-            },
-          });
-          return el("label", {}, input, words);
-        }),
+        el(
+          "div",
+          {class: "places"},
+          ...places.map(([name, words]) => {
+            const input = el("input", {
+              type: "checkbox",
+              id: name,
+              checked: chosen.has(name),
+              change: () => {
+                if (input.checked) chosen.add(name);
+                else chosen.delete(name);
+                drawAnswer(answer, true);
+              },
+            });
+            return el("label", {}, input, words);
+          }),
+        ),
       );
     });
     body.replaceChildren(
@@ -241,12 +238,6 @@ const Effects = (() => {
       ...(base ? [[`${words}, before`, base.error[use], "before"]] : []),
       [base ? `${words}, now` : words, found.error[use], ""],
     ]);
-    const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
-      joint,
-      base ? quantity(base.drive_gains[joint]) : "–",
-      quantity(gain),
-      unit(gain.unit),
-    ]);
     const values = Object.entries(found.effect_parameters).flatMap(([effect, joints]) =>
       Object.entries(joints).flatMap(([joint, list]) =>
         Object.entries(list).map(([name, one]) => [
@@ -259,10 +250,21 @@ const Effects = (() => {
     );
     return [
       bars(steps, most),
-      el("h4", {}, found.gains_fitted ? "Drive gains" : "Drive gains, nominal: no weighed payload"),
-      Dom.table(["motor", "before", "now", "unit"], rows, ["", "right", "right", "keep"]),
+      Gains.part(found, base),
       values.length ? Dom.table(["effect", "", "value", "unit"], values, ["", "", "right", "keep"]) : null,
     ].filter((one) => one !== null);
+  }
+
+  /* Compare a model, and go to what came of it once everything above it is drawn. */
+  async function applyModel(button, model) {
+    button.disabled = true;
+    const job = await Server.run({step: "compare", dataset: app.dataset, models: [model]});
+    button.disabled = false;
+    if (job.state !== "done") return button.after(Dom.outcome(job));
+    applied = job.files.run;
+    await app.refresh();
+    await app.drawn;
+    return document.getElementById("applied").scrollIntoView({block: "start"});
   }
 
   function apply() {
@@ -272,15 +274,7 @@ const Effects = (() => {
         type: "button",
         class: "main",
         id: "apply",
-        click: async () => {
-          button.disabled = true;
-          const job = await Server.run({step: "compare", dataset: app.dataset, models: [tried.model]});
-          button.disabled = false;
-          if (job.state !== "done") return button.after(Dom.outcome(job));
-          applied = job.files.run;
-          await app.refresh();
-          return document.getElementById("applied").scrollIntoView({block: "start"});
-        },
+        click: () => applyModel(button, tried.model),
       },
       "Apply and compare",
     );
@@ -316,15 +310,7 @@ const Effects = (() => {
         type: "button",
         class: "main",
         id: "apply-found",
-        click: async () => {
-          button.disabled = true;
-          const job = await Server.run({step: "compare", dataset: app.dataset, models: [model]});
-          button.disabled = false;
-          if (job.state !== "done") return button.after(Dom.outcome(job));
-          applied = job.files.run;
-          await app.refresh();
-          return document.getElementById("applied").scrollIntoView({block: "start"});
-        },
+        click: () => applyModel(button, model),
       },
       "Apply what was found",
     );

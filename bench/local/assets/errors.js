@@ -43,9 +43,10 @@ const Errors = (() => {
 
   /* Shows a run of `compare`: sentences, errors by motor, curves, files. before: another model, for the curves. */
   async function show(holder, run, before = null) {
-    let found;
+    let found, gains;
     try {
-      found = await Server.file(`${run.path}.json`);
+      const models = before ? [run, before] : [run];
+      [found, ...gains] = await Promise.all([`${run.path}.json`, ...models.map((one) => one.model)].map(Server.file));
     } catch {
       return holder.replaceChildren(links(run)); // made in a shell, without --json
     }
@@ -65,6 +66,7 @@ const Errors = (() => {
     holder.replaceChildren(
       el("ul", {class: "said"}, ...sentences.map((text) => el("li", {}, text))),
       el("div", {class: "part"}, Dom.table(["motor", "error", "noise of the current"], rows, ["", "right", "right"])),
+      Gains.part(...gains),
       figure,
       links(run),
     );
@@ -120,6 +122,8 @@ const Errors = (() => {
       ["yaml", "a table (YAML)"],
       ["c", "a feed-forward in C"],
     ];
+    const download = (file) =>
+      el("a", {href: `files/${Server.address(file)}`, download: true}, `Download ${file.split("/").pop()}`);
     let form = "mjcf";
     const said = el("div");
     const button = el(
@@ -131,11 +135,11 @@ const Errors = (() => {
           button.disabled = true;
           const job = await Server.run({step: "export", dataset: app.dataset, model, form});
           button.disabled = false;
-          const file = job.files.exported;
           said.replaceChildren(
             job.state === "done"
-              ? el("a", {href: `files/${Server.address(file)}`, download: true}, `Download ${file.split("/").pop()}`)
+              ? el("p", {class: "row"}, ...Object.values(job.files).map(download))
               : Dom.outcome(job),
+            job.state === "done" ? el("pre", {tabindex: "0", class: "exported"}, job.output.trim()) : "",
             Dom.command(job.line),
           );
         },

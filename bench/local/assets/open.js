@@ -3,7 +3,17 @@
 (() => {
   const {el} = Dom;
   const THEMES = ["auto", "light", "dark"];
-  const app = {folder: null, dataset: null, described: null, fault: null, runs: [], refresh, choose, latest};
+  const app = {
+    folder: null,
+    dataset: null,
+    described: null,
+    fault: null,
+    runs: [],
+    drawn: null,
+    refresh,
+    choose,
+    latest,
+  };
   let numbers = null; // of the commands of other pages that are done
 
   /* Read the folder again; dataset: the one to show. */
@@ -58,7 +68,19 @@
         el("span", {}, command),
         ...(app.folder.cut ? [" ", el("span", {}, "too many files: only the first were looked at")] : []),
       );
-    for (const part of [Recordings, Errors, Effects, Results]) part.render();
+    draw();
+  }
+
+  /* Draw every step anew; a section keeps its height meanwhile, so that what is read does not move. */
+  function draw() {
+    const sections = [...document.querySelectorAll("main > section:not(#recordings)")];
+    for (const one of sections) one.style.minHeight = `${one.offsetHeight}px`;
+    const drawing = Promise.all([Recordings, Errors, Effects, Results].map((part) => part.render()));
+    const drawn = drawing.finally(() => {
+      if (app.drawn !== drawn) return; // a later one holds
+      for (const one of sections) one.style.minHeight = "";
+    });
+    app.drawn = drawn;
   }
 
   function showJobs(jobs) {
@@ -133,6 +155,7 @@
       }
     };
     addEventListener("scroll", mark, {passive: true});
+    new ResizeObserver(mark).observe(document.querySelector("main"));
     mark();
   }
 

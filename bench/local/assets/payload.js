@@ -15,7 +15,7 @@ const Payload = (() => {
   function more(text) {
     return el(
       "details",
-      {},
+      {class: "known"},
       el("summary", {}, "More is known of it"),
       el("p", {class: "aid"}, "What is left empty is estimated."),
       field("centre of mass in the tool frame, m: x, y, z", text("center", {type: "text", id: "center"})),

@@ -325,11 +325,13 @@ const Recordings = (() => {
           last = await Server.run(asked());
           if (last.state === "done") {
             await app.refresh(dataset);
-            setup.replaceChildren(
-              el("p", {class: "done", role: "status"}, `${form.log} is a recording of ${dataset} now.`),
-            );
+            const said = `${form.log} is a recording of ${dataset} now.`;
+            const done = el("p", {class: "done", role: "status", tabindex: "-1"}, said);
+            setup.replaceChildren(done);
             [form.log, form.name] = ["", null];
             render();
+            done.focus({preventScroll: true});
+            done.scrollIntoView({block: "center"});
           } else {
             button.disabled = false;
             holder.append(Dom.outcome(last));

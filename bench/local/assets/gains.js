@@ -1,0 +1,52 @@
+"use strict";
+/* Drive gains of a model with their standard errors, beside the nominal ones and those of another model. */
+const Gains = (() => {
+  const {el, quantity, unit} = Dom;
+
+  /* found, base: models as JSON; base: the model before, or null. */
+  function part(found, base = null) {
+    const both = base && base !== found && base.gains_fitted;
+    const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
+      joint,
+      ...(both ? [said(base.drive_gains[joint])] : []),
+      said(gain),
+      unit(gain.unit),
+      ...(found.gains_fitted ? [ChartBasics.formatNumber(gain.nominal, 5), change(gain)] : []),
+    ]);
+    const columns = [
+      ["motor", ""],
+      ...(both ? [["before", "right"]] : []),
+      [both ? "now ± standard error" : found.gains_fitted ? "gain ± standard error" : "gain", "right"],
+      ["unit", "keep"],
+      ...(found.gains_fitted
+        ? [
+            ["nominal", "right"],
+            ["from nominal", "right"],
+          ]
+        : []),
+    ];
+    const title = found.gains_fitted ? "Drive gains" : "Drive gains, nominal: no weighed payload";
+    return el(
+      "div",
+      {class: "part gains"},
+      el("h4", {}, title),
+      Dom.table(
+        columns.map(([name]) => name),
+        rows,
+        columns.map(([, kind]) => kind),
+      ),
+      found.notes.length ? el("ul", {class: "notes"}, ...found.notes.map((text) => el("li", {}, text))) : null,
+    );
+  }
+
+  /* A gain; JSON has no infinite standard error. */
+  const said = (gain) =>
+    gain.std === null ? `${ChartBasics.formatNumber(gain.value, 5)}, not determined` : quantity(gain);
+
+  function change(gain) {
+    const share = gain.value / gain.nominal - 1;
+    return `${share > 0 ? "+" : ""}${ChartBasics.formatPercent(share)}`;
+  }
+
+  return {part};
+})();
