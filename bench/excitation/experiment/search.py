@@ -20,7 +20,7 @@ from bench.model.motion import Motion
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 RANDOM = 50  # motions at random; the best few of them are improved
-IMPROVED = 3
+ROUNDS = ((8, 0.32), (4, 0.24), (2, 0.2), (1, 0.24))  # how many go on, and their share of the steps together
 TRIES = 20  # of a random motion, until one keeps the limits at some size
 SHRINK = 0.9
 MOST_SHRINKS = 40
@@ -215,13 +215,16 @@ def _changed(
 def best_candidate(
     search: Search, starts: Sequence[Candidate], steps: int, seed: int, progress: Progress = SILENT
 ) -> Candidate:
-    """The best of the starts, improved: a few of them for a third of the steps, the best of these for the rest."""
+    """The best of the starts, improved in rounds: fewer go on to each, with more steps for each of them (successive
+    halving, Jamieson and Talwalkar 2016), since how good a start is does not tell how far it comes.
+    """
     random = np.random.default_rng([seed, 2])
-    ranked = sorted(starts, key=search.value)[:IMPROVED]
-    early = [improved(search, one, steps // (3 * len(ranked)), random, progress) for one in ranked]
-    first = min(early, key=search.value)
-    spent = len(ranked) * (steps // (3 * len(ranked)))
-    return improved(search, first, steps - spent, random, progress)
+    pool = list(starts)
+    for count, share in ROUNDS:
+        pool = sorted(pool, key=search.value)[:count]
+        each = int(share * steps / len(pool))
+        pool = [improved(search, one, each, random, progress) for one in pool]
+    return min(pool, key=search.value)
 
 
 def proven(search: Search, candidate: Candidate) -> dict[int, Tried]:
