@@ -62,13 +62,18 @@ def cases_table(rows: Sequence[Row]) -> Table:
         (
             Column("hidden law", [_numbers(row) for row in rows], "sentence"),
             Column("beside", [", ".join(row["hidden"].split(" + ")[1:]) or "–" for row in rows], "sentence"),
-            Column("found", [row.get("law.found") or "–" for row in rows], "sentence"),
+            Column("found", [_formula(row.get("law.found")) for row in rows], "sentence"),
             Column("named", [row.get("missing") or "–" for row in rows], "sentence"),
             Column("error over floor, before", before, "number", 0, ".3g"),
             Column("after", after, "number", 0, ".3g"),
             Column("torque error", [_error(row) for row in rows], "number", 0, ".2g"),
         )
     )
+
+
+def _formula(found: str | None) -> str:
+    """A law as code, so that no star or bar of it is taken for markup."""
+    return "–" if not found else ", ".join(f"`{one}`" for one in found.split(" | "))
 
 
 def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequence[Row] = ()) -> list[Path]:
