@@ -3,7 +3,6 @@
 #   make test    lint, types, import rules and tests
 #   make test-kernels  the numeric tests under each kernel of OpenBLAS that the processor can execute
 #   make check   the quick reference scenarios beside results/reference (make check-full: all seeds)
-#   make ci      `make test` and `make check` side by side, as .ci/run does
 #   make speed   what things cost, beside the last time; history in results/speed
 #   make measured  identify and diagnose measured logs, beside what is known of their machines
 #   make peers   mujoco.sysid and FIGAROH on the same problems, in an environment of their own
@@ -23,7 +22,7 @@ SCRIPTS := $(wildcard bench/*/assets/*.js docs/pages/*.js)
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
-.PHONY: demo test ci lint types imports tests test-kernels check check-full speed measured peers docs pictures atlas format constraints clean
+.PHONY: demo test lint types imports tests test-kernels check check-full speed measured peers docs pictures atlas format constraints clean
 
 demo: $(INSTALLED)
 	@$(BIN)/bench demo
@@ -32,10 +31,6 @@ demo: $(INSTALLED)
 # core idle.
 test: lint
 	@$(MAKE) --no-print-directory --jobs 3 types imports tests
-
-# So does the check, whose two workers take what the tests leave.
-ci: lint
-	@$(MAKE) --no-print-directory --jobs 4 types imports tests check
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check .
