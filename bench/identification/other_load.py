@@ -16,7 +16,7 @@ from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import observe
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
-from bench.identification.result import Identification
+from bench.identification.result import Identification, relative_error
 from bench.identification.solution import scaled_lstsq, torque_system
 
 LARGE = 0.05  # relative error of a motor in one recording, from which it is worth a try
@@ -63,12 +63,8 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
 
 def _large(result: Identification) -> bool:
     """Whether some motor's error is large in some recording."""
-    for one in result.recordings:
-        squares = np.where(one.moving, (one.measured - one.modelled) ** 2, 0.0).sum(axis=0)
-        measured = np.where(one.moving, one.measured**2, 0.0).sum(axis=0)
-        if np.any(squares > LARGE**2 * measured):
-            return True
-    return False
+    motors = range(len(result.joints))
+    return any((relative_error([one], j) or 0.0) > LARGE for one in result.recordings for j in motors)
 
 
 class _Trial:
@@ -81,6 +77,7 @@ class _Trial:
         n = len(prepared.dataset.robot.nominal_gains)
         self.layout = replace(prepared.layout, effects=2 * n)
         self.of = {one.recording.name: one for one in prepared.measured}
+        self.declared = {one.name: one for one in prepared.observations}
         self.parts: dict[tuple[str, str | None], np.ndarray] = {}
 
     def errors(self, loads: dict[str, str | None]) -> np.ndarray:
@@ -100,8 +97,12 @@ class _Trial:
         return self.parts[name, load]
 
     def _factors(self, measured: Measured, load: str | None) -> np.ndarray:
-        loaded = replace(measured, recording=replace(measured.recording, payload=load))
-        seen = observe(self.prepared.model, loaded)
+        recording = measured.recording
+        if load == recording.payload:
+            seen = self.declared[recording.name]
+        else:
+            loaded = replace(measured, recording=replace(recording, payload=load))
+            seen = observe(self.prepared.model, loaded)
         rows = np.empty((*seen.current.shape, self.layout.size + 2))
         rows[:, :, :-2] = regressor_rows(replace(seen, effects=friction_columns(seen)), self.layout)
         rows[:, :, -2] = known_rows(seen, self.prepared.dataset.payloads)
