@@ -10,6 +10,7 @@ from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.finding_words import UNBELIEVABLE, WORDS, note, sentence
 from bench.identification.findings import runaway, unlike, with_findings
 from bench.identification.model_file import load_model, save_model
+from bench.identification.result import Quantity
 from tests.shown import dataset_of, identification_of
 
 
@@ -47,6 +48,28 @@ def test_the_worst_recording_that_was_not_fitted_is_named_with_its_payload(resul
     assert found.names[0] == max(error.by_recording, key=error.by_recording.get)
     own = unlike(replace(result, error=error, effects=("constant_offset@recording",)))
     assert (own.code, own.names[1:]) == (Code.CHECKED_HAS_OTHER_VALUES, ("constant_offset",))
+
+
+@pytest.mark.parametrize(
+    ("periods", "std", "unit", "told"),
+    [
+        (20.94, 0.01, "1/turn", True),
+        (0.5, 0.01, "1/turn", True),
+        (20.97, 0.01, "1/turn", False),  # three standard errors from 21
+        (20.985, 0.001, "1/turn", False),  # as near as encoders and lengths are right
+        (20.94, float("inf"), "1/turn", False),  # not from these data
+        (20.94, 0.01, "1/m", False),  # of a slide: a metre is no turn
+    ],
+)
+def test_periods_that_are_certainly_no_whole_number_are_told(result, periods, std, unit, told):
+    values = {"a": Quantity(0.1, 0.01, "N*m"), "periods": Quantity(periods, std, unit)}
+    rippled = replace(result, effect_parameters={"cogging_torque": {"left": values}})
+    found = [each for each in with_findings(rippled, ()).findings if each.code == Code.PERIODS_NOT_WHOLE]
+    assert [each.names for each in found] == [("cogging_torque", "left")] * told
+    if told:
+        assert found[0].numbers == {"periods": periods, "std": std}
+        said = f"Cogging torque at left repeats {periods:.3f} ± 0.010 times a turn: no whole number"
+        assert sentence(found[0]).startswith(said)
 
 
 def test_findings_are_saved_with_the_model(result, tmp_path):

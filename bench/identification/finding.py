@@ -28,6 +28,7 @@ class Code(StrEnum):
     TAKEN_UP = auto()
     HARDLY_APART = auto()
     NOT_SETTLED = auto()
+    PERIODS_NOT_WHOLE = auto()
     # what cannot be so
     GAINS_A_THOUSAND = auto()
     GAINS_A_THOUSANDTH = auto()

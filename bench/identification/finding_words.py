@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Mapping
 
-from bench.effects.display_names import spoken
+from bench.effects.display_names import begun, spoken
 from bench.effects.select import ROBOT
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.wording import in_percent
+from bench.identification.wording import in_percent, with_error
 
 UNBELIEVABLE = frozenset(
     {Code.GAIN_RUNAWAY, Code.PARAMETER_WITHOUT_DEVIATION, Code.ROUNDING_DECIDES, Code.NOISE_DECIDES}
@@ -246,6 +246,16 @@ def _taken_as_point(one: Finding) -> str:
     )
 
 
+def _not_whole(told: Finding) -> str:
+    effect, place = told.names
+    periods = with_error(told.numbers["periods"], told.numbers["std"])
+    return (
+        f"{begun(effect)} at {place} repeats {periods} times a turn: no whole number, as poles and teeth of a motor "
+        "that turns with its joint would have, so perhaps a gear, a belt's teeth or an eccentric part between motor "
+        "and joint."
+    )
+
+
 def _noise_through(one: Finding) -> str:
     unit, n = one.unit.replace("*", "·"), one.numbers
     return (
@@ -282,6 +292,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, and every "
         "parameter is wrong by the same share as the gain that scales it."
     ),
+    Code.PERIODS_NOT_WHOLE: _not_whole,
     Code.RANK_DEFICIENT: _rank,
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,

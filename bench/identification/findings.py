@@ -8,6 +8,7 @@ import numpy as np
 from bench.effects import EffectInstance
 from bench.effects.select import TAG
 from bench.identification.finding import Code, Finding, Unknown
+from bench.identification.periods_not_whole import periods_not_whole
 from bench.identification.result import DriveGain, Identification
 
 LOOSE = 0.3  # relative deviation above which a parameter says little
@@ -55,6 +56,7 @@ def with_findings(
     )
     if taken_up:
         found.append(Finding(Code.TAKEN_UP, of=taken_up))
+    found += periods_not_whole(result)
     found += _implausible(result)
     for j, joint in enumerate(result.joints):
         reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)

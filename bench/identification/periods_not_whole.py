@@ -1,0 +1,27 @@
+"""What repeats over a turn of a joint, and not a whole number of times: then nothing fixed to that joint does it."""
+
+import math
+
+from bench.identification.finding import Code, Finding
+from bench.identification.result import Identification
+
+TURN = "1/turn"  # the unit of such a number, of hinges alone
+CERTAIN = 5.0  # standard errors from the next whole number
+FAR = 0.02  # periods a turn: nearer ones no motion over less than fifty turns tells from it
+
+
+def periods_not_whole(result: Identification) -> list[Finding]:
+    """A finding for each effect and joint whose periods a turn are certainly no whole number; names: effect, joint.
+
+    Poles and teeth of a motor that turns with its joint make a whole number of periods a turn, and so does an eccentric
+    encoder on the joint; what turns faster or slower, behind a gear or a belt, need not.
+    """
+    found = []
+    for effect, places in result.effect_parameters.items():
+        for place, values in places.items():
+            for value in values.values():
+                away = abs(value.value - round(value.value))
+                if value.unit == TURN and 0.0 < value.std < math.inf and away > max(FAR, CERTAIN * value.std):
+                    numbers = {"periods": value.value, "std": value.std}
+                    found.append(Finding(Code.PERIODS_NOT_WHOLE, (effect, place), numbers=numbers))
+    return found
