@@ -12,6 +12,7 @@ from bench.dataset.recording import Recording
 from bench.identification.finding import Code
 from bench.identification.findings import runaway
 from bench.identification.identify import identify
+from bench.identification.noise_let_through import noise_share
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
@@ -216,6 +217,19 @@ def test_noise_that_given_filters_let_through_is_told_and_held_by_the_intervals(
     quiet = identify(prepare(problem_of(coarse)), method=method)
     assert not {one.code for one in quiet.findings} & {Code.NOISE_DECIDES, Code.NOISE_LET_THROUGH}
     assert off(quiet, true)[0] < 0.01
+
+
+def test_spectra_that_chose_the_filters_are_not_read_again_for_the_noise(
+    simulation: Simulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fine = sensed(simulation, encoder_bits=20, current_noise_ratio=0.01)
+    chosen = prepare(problem_of(fine))
+    given = prepare(problem_of(fine, filters=chosen.settings))
+    assert (given.bands, noise_share(given)) == (None, noise_share(chosen))
+    monkeypatch.setattr("bench.identification.noise_let_through.signal_bands", None)
+    assert 0.0 < noise_share(chosen) < 1e-4
+    with pytest.raises(TypeError):
+        noise_share(given)
 
 
 def test_a_given_low_pass_gets_the_border_that_it_needs(simulation: Simulation, true: np.ndarray) -> None:

@@ -11,7 +11,12 @@ from bench.signals.decimation import decimate, noise_bandwidth
 from bench.signals.filtering import low_pass_gain
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings, choose_settings, signal_bands
-from bench.signals.spectrum import noise_floor, power_spectrum, quantisation_density
+from bench.signals.spectrum import (
+    largest_within_octaves,
+    noise_floor,
+    power_spectrum,
+    quantisation_density,
+)
 
 RATE = 1000.0
 INERTIA, VISCOUS, OFFSET = 0.3, 0.5, 0.2
@@ -240,3 +245,10 @@ def test_measured_emps_gets_what_its_authors_chose(measured_data) -> None:  # ty
     assert 25 < settings.band(RATE) < 50
     assert 80 < settings.position_cutoff < 250
     assert bands.position_noise[0] == pytest.approx((5e-8) ** 2 / 12 / 500, rel=3)
+
+
+@pytest.mark.parametrize(("first", "last"), [(1, 1), (1, 40), (7, 23), (31, 64)])
+def test_the_largest_density_within_each_octave(first: int, last: int) -> None:
+    values = np.random.default_rng(first).uniform(size=2 * last + 1)
+    expected = [values[i : 2 * i + 1].max() for i in range(first, last + 1)]
+    assert largest_within_octaves(values, first, last).tolist() == expected

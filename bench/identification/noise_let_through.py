@@ -32,7 +32,9 @@ def noise_share(prepared: Prepared) -> float:
     """
     recordings = [one.recording for one in prepared.measured if one.recording.use == "identify"]
     rate, settings = recordings[0].rate, prepared.settings
-    bands = signal_bands([one.position for one in recordings], [one.current for one in recordings], rate)
+    bands = prepared.bands or signal_bands(
+        [one.position for one in recordings], [one.current for one in recordings], rate
+    )
     band = min(settings.band(rate), settings.position_cutoff)
     return float(FIT_NOISE * (band / bands.fit_limit) ** 5)
 

@@ -24,7 +24,7 @@ from bench.identification.problem import Problem
 from bench.identification.redundant_encoders import contradicted_closures
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
-from bench.signals.settings import FilterSettings, completed
+from bench.signals.settings import Bands, FilterSettings, completed, signal_bands
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,9 @@ class Prepared:
     effects are linearised about; signals: what they see of each recording. fit_gains: whether drive gains
     are unknowns. settled: whether effects that are not
     linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
-    taken from, in place of what effects compute exactly. contradicted: loop closures that other encoders deny. kept:
-    what models of these recordings have in common.
+    taken from, in place of what effects compute exactly. contradicted: loop closures that other encoders deny. bands:
+    what the spectra of the recordings to identify from say, None where nobody has read them. kept: what models of these
+    recordings have in common.
     """
 
     dataset: Dataset
@@ -52,6 +53,7 @@ class Prepared:
     settled: bool = False
     nearby: Nearby | None = None
     contradicted: tuple[Finding, ...] = ()
+    bands: Bands | None = None
     kept: dict[str, FixedColumns | None] = field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -88,11 +90,13 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
     weighed = dataset.weighed
     each = logs_of(fitted) if logs is None else logs
     instances = select_effects(problem.effects, places_in(model.geometry, weighed), problem.catalogue, each)
+    bands = None
     if isinstance(filters, FilterSettings):
         settings = filters
     else:
         positions, currents = [one.position for one in fitted], [one.current for one in fitted]
-        settings = completed(filters or {}, positions, currents, fitted[0].rate)
+        bands = signal_bands(positions, currents, fitted[0].rate)
+        settings = completed(filters or {}, positions, currents, fitted[0].rate, bands)
     carried = [one.payload for one in fitted]
     declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]
     layout = parameter_layout(model, dataset.payloads, [*carried, *declared], 0)
@@ -112,6 +116,7 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
         present=present,
         signals=tuple(robot_signals(model, one, present) for one in measured),
         contradicted=contradicted_closures(model.geometry, measured),
+        bands=bands if fitted_only else None,
     )
     return with_gains(with_effects(prepared, instances), problem.fit_gains if fitted_only else False)
 

@@ -143,7 +143,10 @@ def signal_bands(positions: Sequence[FloatArray], currents: Sequence[FloatArray]
 
 
 def choose_settings(
-    positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float
+    positions: Sequence[FloatArray],
+    currents: Sequence[FloatArray],
+    rate: float,
+    bands: Bands | None = None,
 ) -> FilterSettings:
     """Choose the filters from the spectra of all recordings.
 
@@ -159,11 +162,13 @@ def choose_settings(
         positions: one array of shape (N, n) for each recording [rad or m].
         currents: likewise [drive unit].
         rate: sampling rate [Hz].
+        bands: what `signal_bands` says of the same recordings, where that is known already.
 
     Raises:
         BenchError: recordings not in pairs, or one of fewer than 100 samples.
     """
-    bands = signal_bands(positions, currents, rate)
+    if bands is None:
+        bands = signal_bands(positions, currents, rate)
     samples = [len(position) for position in positions]
     wanted = max(min(bands.current, HARMONICS * bands.motion), 0.4 * rate * FEWEST_ROWS / sum(samples))
     band = min(max(min(wanted, bands.fit_limit), bands.motion), HIGHEST_BAND * rate)
@@ -177,12 +182,16 @@ def choose_settings(
 
 
 def completed(
-    given: Mapping[str, Any], positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float
+    given: Mapping[str, Any],
+    positions: Sequence[FloatArray],
+    currents: Sequence[FloatArray],
+    rate: float,
+    bands: Bands | None = None,
 ) -> FilterSettings:
     """Settings of which some are given by name; the others are chosen as in `choose_settings`, and the border is that
     which the cut-off needs, also one that is given.
     """
-    settings = replace(choose_settings(positions, currents, rate), **given)
+    settings = replace(choose_settings(positions, currents, rate, bands), **given)
     if "position_cutoff" not in given or "border" in given:
         return settings
     border = settled_border(settings.position_cutoff, rate, min(len(one) for one in positions))

@@ -230,14 +230,30 @@ def noise_from(frequency: FloatArray, position: FloatArray) -> FloatArray:
         first, last = int(np.argmax(omega**2 * density)), int(shown[-1]) // 2
         if last <= first:
             continue
-        acceleration = omega**4 * density
-        octaves = np.array([acceleration[i : 2 * i + 1].max() for i in range(max(first, 1), last + 1)])
+        octaves = largest_within_octaves(omega**4 * density, max(first, 1), last)
         least = int(np.argmin(octaves))
         if FADED * octaves[least] < octaves[0] and octaves[least:].max() > RISEN * octaves[least]:
             found[j] = frequency[max(first, 1) + least]
         else:
             level = _level_from(octaves, max(first, 1))
             found[j] = np.inf if level is None else frequency[level]
+    return found
+
+
+def largest_within_octaves(values: FloatArray, first: int, last: int) -> FloatArray:
+    """max(values[i : 2 * i + 1]) for i from first to last, of which 2 * last is a place: of two windows that overlap,
+    each of a power of two of values.
+    """
+    starts = np.arange(first, last + 1)
+    sizes = np.frexp(starts + 1)[1] - 1
+    found = np.empty(len(starts))
+    windows, size = values, 0
+    for power in range(int(sizes[0]), int(sizes[-1]) + 1):
+        while size < power:
+            windows = np.maximum(windows[: -(1 << size)], windows[1 << size :])
+            size += 1
+        own = sizes == power
+        found[own] = np.maximum(windows[starts[own]], windows[2 * starts[own] + 1 - (1 << power)])
     return found
 
 
