@@ -1,5 +1,6 @@
-"""A class has a name of its own, so that a reader who meets it knows where it is from."""
+"""Names that tell a reader what a thing is, and where it is from."""
 
+import ast
 import re
 from collections import Counter
 from pathlib import Path
@@ -36,3 +37,15 @@ def test_the_map_of_the_rooms_has_each_of_them_in_the_order_of_imports(project_r
             name for source in sources for name in re.findall(r"^ *from bench\.(\w+)", source, re.MULTILINE)
         }
         assert all(row_of[name] <= row for name in used & row_of.keys()), room
+
+
+def test_what_is_gone_through_is_called_by_a_noun(project_root: Path) -> None:
+    """`for recording in recordings`: a reader sees what it is without looking for where it comes from."""
+    empty = {"one", "obj"}
+    found = []
+    for path in (project_root / "bench").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            name = node.id if isinstance(node, ast.Name) else node.arg if isinstance(node, ast.arg) else ""
+            if name in empty:
+                found.append(f"{path.relative_to(project_root)}:{node.lineno}")
+    assert not found

@@ -31,9 +31,11 @@ def figures(
 def figures_named(found: Sequence[PaperFigure], names: Sequence[str]) -> list[PaperFigure]:
     """The figures whose names begin so, all without any. Raises BenchError for a name that no figure has."""
     for name in names:
-        if not any(one.name.startswith(name) for one in found):
-            raise BenchError(f"{name}: no such figure; there are {', '.join(one.name for one in found)}")
-    return [one for one in found if not names or one.name.startswith(tuple(names))]
+        if not any(figure.name.startswith(name) for figure in found):
+            raise BenchError(
+                f"{name}: no such figure; there are {', '.join(figure.name for figure in found)}"
+            )
+    return [figure for figure in found if not names or figure.name.startswith(tuple(names))]
 
 
 def figures_of(dataset: Dataset, result: Identification, diagnosis: Diagnosis | None) -> list[PaperFigure]:

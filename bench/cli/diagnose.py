@@ -76,7 +76,7 @@ def diagnose(
         from bench.discovery.written import write_laws
 
         diagnosis = write_laws(diagnosis, model_file.parent)
-        names = dict.fromkeys(one.file for one in diagnosis.discovered if one.file is not None)
+        names = dict.fromkeys(law.file for law in diagnosis.discovered if law.file is not None)
         laws = [model_file.parent / name for name in names]
         written += [wrote(path, "law: name it with --effect-file") for path in laws]
     if json_file is not None:

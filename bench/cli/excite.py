@@ -132,7 +132,7 @@ def excite(
         progress.phase("writing the motions")
 
         def view(path: Path, plan: ExperimentPlan) -> None:
-            motions = [one.trajectory for one in plan.motions]
+            motions = [trial.trajectory for trial in plan.motions]
             write_planned_rrd(path, plan.robot, dict(zip(plan.names, motions, strict=True)))
 
         write_plan(output, plan, told, {PICTURE: write_plan_figure, VIEW: view})

@@ -75,7 +75,7 @@ def export(
     if physical.guessed:
         click.echo(f"No mass in the MJCF, taken for bars: {', '.join(physical.guessed)}")
     for request in dict.fromkeys(
-        one.instance.request for one in identified.effects if one.instance.recording
+        effect.instance.request for effect in identified.effects if effect.instance.recording
     ):
         click.echo(f"Mean of the recordings' own values: {request}")
     lines: list[str] = []

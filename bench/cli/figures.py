@@ -71,13 +71,13 @@ def figures(
     found = figures_of(dataset, result, diagnosis)
     there = Source(source, effects, effect_files, given, data)
     if output is None:
-        for one in found:
-            click.echo(one.name)
+        for figure in found:
+            click.echo(figure.name)
         say([before_figures(there, found[-1].name)])
         return
     if not every and not wanted:
         raise BenchError(
-            f"figures: name those to draw, or --all; there are {', '.join(one.name for one in found)}"
+            f"figures: name those to draw, or --all; there are {', '.join(paper_figure.name for paper_figure in found)}"
         )
     written = [
         wrote(path, "figure" if path.suffix != ".csv" else "numbers")

@@ -127,7 +127,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         written.append(wrote(write_identification_report(output, result, data, command), "report"))
     identification_report(result, Console(), verbose=verbose)
     what = compared(data.robot, data.recordings, result.recordings, result.settings)
-    mend = any(one.code in MEND_FIRST for one in result.findings)
+    mend = any(finding.code in MEND_FIRST for finding in result.findings)
     say(
         [*left_over(what), *written, _next(what, dataset, effects, effect_files, given, json_file, mend=mend)]
     )

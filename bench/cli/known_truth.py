@@ -42,7 +42,8 @@ def simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation 
     origin = str(truth_path(dataset.folder))
     simulation = repeated(content, origin)
     made = {
-        f"{one.name}.{simulation.scenario.settings.file_format}": one.log for one in simulation.recordings
+        f"{recording.name}.{simulation.scenario.settings.file_format}": recording.log
+        for recording in simulation.recordings
     }
     for logged in dataset.recordings:
         log = made.get(logged.name)
@@ -60,10 +61,10 @@ def known_of(simulation: Simulation) -> dict[str, KnownTruth]:
     plain = plain_machine(simulation)
     suffix = simulation.scenario.settings.file_format
     found = {}
-    for one in simulation.recordings:
-        told = hidden_torque(simulation, one, plain)
+    for recording in simulation.recordings:
+        told = hidden_torque(simulation, recording, plain)
         torque = told.torque if simulation.machine.hidden else None
-        found[f"{one.name}.{suffix}"] = KnownTruth(told.time, told.reference, torque, told.loop_gap)
+        found[f"{recording.name}.{suffix}"] = KnownTruth(told.time, told.reference, torque, told.loop_gap)
     return found
 
 

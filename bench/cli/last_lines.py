@@ -83,12 +83,16 @@ def after_diagnosis(
         return next_line(["compare", dataset, "--model", model, *files], "shows what is left with them")
     if found:
         return f"next: {again} --apply model.json    writes the model with what is missing"
-    doubtful = [one for one in diagnosis.ranking if one.verdict == "indistinguishable" and one.alternatives]
+    doubtful = [
+        verdict
+        for verdict in diagnosis.ranking
+        if verdict.verdict == "indistinguishable" and verdict.alternatives
+    ]
     if doubtful:
-        one = doubtful[0]
+        verdict = doubtful[0]
         pair = [
-            f"{name}:{one.actuators[0]}" if one.actuators else name
-            for name in (one.effect, one.alternatives[0])
+            f"{name}:{verdict.actuators[0]}" if verdict.actuators else name
+            for name in (verdict.effect, verdict.alternatives[0])
         ]
         already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
         folder = dataset.with_name(f"{dataset.resolve().name}.motion")

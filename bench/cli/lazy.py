@@ -34,9 +34,9 @@ class LazyCommand:
 def _may_be_quiet(command: click.Command) -> None:
     """Give a command, or those of a group, the option that all have."""
     if isinstance(command, click.Group):
-        for one in command.commands.values():
-            _may_be_quiet(one)
-    elif not any(one.name == "quiet" for one in command.params):
+        for member in command.commands.values():
+            _may_be_quiet(member)
+    elif not any(parameter.name == "quiet" for parameter in command.params):
         quiet = ["-q", "--quiet"]
         option = click.Option(quiet, is_flag=True, callback=quiet_here, help=QUIET, expose_value=False)
         command.params.append(option)
@@ -75,8 +75,8 @@ class LazyGroup(click.Group):
         for section in dict.fromkeys(lazy.section for lazy in self.lazy_commands.values()):
             with formatter.section(section):
                 rows = [
-                    (n.ljust(width), one.help)
-                    for n, one in self.lazy_commands.items()
-                    if one.section == section
+                    (n.ljust(width), command.help)
+                    for n, command in self.lazy_commands.items()
+                    if command.section == section
                 ]
                 formatter.write_dl(rows)

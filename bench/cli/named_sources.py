@@ -145,8 +145,8 @@ def _of_result(kept: SavedRun, asked: ViewRequest) -> ViewedRun:
 def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
     """The effects of a rung's model where the found model has them, beside those that were there before."""
     own = diagnosis.before.effects
-    added = [one for one in diagnosis.after.effects if one not in own]
-    return (*own, *(one for one in added if one.partition(":")[0] in rung.effects))
+    added = [effect for effect in diagnosis.after.effects if effect not in own]
+    return (*own, *(name for name in added if name.partition(":")[0] in rung.effects))
 
 
 def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
@@ -180,7 +180,11 @@ def _context(
     logged: Dataset | None = None,
 ) -> ViewContext:
     """All that is told beside an answer. logged: the dataset as it was written, where its recordings were parted."""
-    torques = {one.name: one for one in effect_torques(result.recordings)} if result.effects else {}
+    torques = (
+        {effect_torque.name: effect_torque for effect_torque in effect_torques(result.recordings)}
+        if result.effects
+        else {}
+    )
     known: Mapping[str, KnownTruth] = {}
     values = None
     logged = logged or dataset
@@ -195,8 +199,8 @@ def _context(
 def _by_part(known: Mapping[str, KnownTruth], dataset: Dataset) -> dict[str, KnownTruth]:
     """What is known, by the names of recordings or of parts of them: that of the longest name they begin with."""
     found = {}
-    for one in dataset.recordings:
-        names = [name for name in known if one.name.startswith(name)]
+    for recording in dataset.recordings:
+        names = [name for name in known if recording.name.startswith(name)]
         if names:
-            found[one.name] = known[max(names, key=len)].within(one.time[0], one.time[-1])
+            found[recording.name] = known[max(names, key=len)].within(recording.time[0], recording.time[-1])
     return found

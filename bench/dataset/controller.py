@@ -57,12 +57,12 @@ def controller_of(path: Path, spec: ControllerSpec, joints: Sequence[str]) -> Co
 def references(recording: Recording, joints: Sequence[str]) -> Array:
     """Reference positions (N, n), rad or m. Raises BenchError that names a missing column."""
     columns = [reference_column(joint) for joint in joints]
-    missing = [one for one in columns if one not in recording.extra]
+    missing = [name for name in columns if name not in recording.extra]
     if missing:
         raise BenchError(
             f"{recording.name}: no column {', '.join(missing)} with the reference that the controller follows"
         )
-    found = np.column_stack([recording.extra[one] for one in columns])
+    found = np.column_stack([recording.extra[name] for name in columns])
     if not np.isfinite(found).all():
         late, joint = np.argwhere(~np.isfinite(found))[0]
         raise BenchError(f"{recording.name}: column {columns[joint]}, sample {late + 1}: not a number")

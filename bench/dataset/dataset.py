@@ -39,10 +39,10 @@ class Dataset:
     @property
     def weighed(self) -> list[str]:
         """Names of the payloads whose mass is known."""
-        return [name for name, one in self.payloads.items() if one.mass is not None]
+        return [name for name, payload in self.payloads.items() if payload.mass is not None]
 
     def __repr__(self) -> str:
-        names = ", ".join(f"{one.name} ({one.use})" for one in self.recordings)
+        names = ", ".join(f"{recording.name} ({recording.use})" for recording in self.recordings)
         return f"<dataset {self.folder.name} of {self.robot.name}: {names}>"
 
 
@@ -69,9 +69,9 @@ def load_dataset(folder: str | Path) -> Dataset:
             raise BenchError(f"{path}: effects: no such file {name!r}")
     joints = joint_facts(robot)
     recordings = [
-        one
+        recording
         for entry in spec.recordings
-        for one in load_recordings(
+        for recording in load_recordings(
             folder / entry.file,
             entry.file,
             entry.use,
@@ -84,8 +84,8 @@ def load_dataset(folder: str | Path) -> Dataset:
     controller = None
     if spec.controller is not None:
         controller = controller_of(path, spec.controller, robot.joints)
-        for one in recordings:
-            references(one, robot.joints)  # each must be there
+        for recording in recordings:
+            references(recording, robot.joints)  # each must be there
     return Dataset(folder, robot, payloads, tuple(recordings), effect_files, controller)
 
 

@@ -35,7 +35,7 @@ def load_recordings(
     table = read_table(path)
     _check_columns(table, ["time"])
     parts = window.parts(table)
-    recordings = [recording_from_table(one, name, use, payload, joints, accept) for one in parts]
+    recordings = [recording_from_table(part, name, use, payload, joints, accept) for part in parts]
     release_tables()
     if window == WHOLE:
         return recordings
@@ -44,9 +44,12 @@ def load_recordings(
         return [replace(recordings[0], started=started)]
     return [
         replace(
-            one, name=f"{name} ({one.time[0]:.4g} to {one.time[-1]:.4g} s)", part_of=name, started=started
+            recording,
+            name=f"{name} ({recording.time[0]:.4g} to {recording.time[-1]:.4g} s)",
+            part_of=name,
+            started=started,
         )
-        for one in recordings
+        for recording in recordings
     ]
 
 
@@ -82,7 +85,7 @@ def recording_from_table(
     if first == n:
         return Recording(name, use, payload, time, position, current, extra)
     extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
-    own, theirs = (np.ascontiguousarray(one[:, :first]) for one in (position, current))
+    own, theirs = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
     return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
 
 

@@ -17,17 +17,17 @@ def _spans(value: Any) -> tuple[tuple[float, float], ...]:
     """[start, end] or several of them, in order. Raises ValueError for anything else."""
     several = value if isinstance(value, list | tuple) and value and _is_list(value[0]) else [value]
     spans = []
-    for one in several:
-        numbers = _is_list(one) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in one)
-        if not numbers or len(one) != 2 or not np.isfinite(one).all():
+    for span in several:
+        numbers = _is_list(span) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in span)
+        if not numbers or len(span) != 2 or not np.isfinite(span).all():
             raise ValueError("should be [start, end] in seconds, or several of them")
-        if not one[0] < one[1]:
-            raise ValueError(f"[{one[0]:g}, {one[1]:g}] does not start before it ends")
-        spans.append((float(one[0]), float(one[1])))
+        if not span[0] < span[1]:
+            raise ValueError(f"[{span[0]:g}, {span[1]:g}] does not start before it ends")
+        spans.append((float(span[0]), float(span[1])))
     spans.sort()
-    for one, other in pairwise(spans):
-        if other[0] < one[1]:
-            raise ValueError(f"[{one[0]:g}, {one[1]:g}] and [{other[0]:g}, {other[1]:g}] overlap")
+    for earlier, other in pairwise(spans):
+        if other[0] < earlier[1]:
+            raise ValueError(f"[{earlier[0]:g}, {earlier[1]:g}] and [{other[0]:g}, {other[1]:g}] overlap")
     return tuple(spans)
 
 
@@ -64,7 +64,7 @@ class Window:
                         f"{table.path}: {name} [{start:g}, {end:g}]: no sample is there; time runs from {first:g} to "
                         f"{last:g} s"
                     )
-        return [_part(table, *one) for one in self._stretches(time, first, last)]
+        return [_part(table, *stretch) for stretch in self._stretches(time, first, last)]
 
     def began(self, table: FileTable) -> float:
         """When the log begins, s, whatever part of it is used."""
@@ -77,8 +77,8 @@ class Window:
         stretches = []
         for start, end in self.used or ((first, last),):
             inside = (time >= start) & (time <= end)
-            cuts = [one for one in self.left_out if one[1] >= start and one[0] <= end]
-            edges = [start, *(x for one in cuts for x in one), end]
+            cuts = [pair for pair in self.left_out if pair[1] >= start and pair[0] <= end]
+            edges = [start, *(x for cut in cuts for x in cut), end]
             for i in range(0, len(edges), 2):
                 chosen = inside & (time >= edges[i]) & (time <= edges[i + 1])
                 for a, b in cuts:

@@ -106,16 +106,16 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
         name=table.name,
         folder=description.parent,
         model_path=model_path,
-        actuators=tuple(one for one in actuators if one.joint in independent),
+        actuators=tuple(actuator for actuator in actuators if actuator.joint in independent),
         tool_site=table.tool.site if table.tool else None,
-        redundant=tuple(one for one in actuators if one.joint not in independent),
+        redundant=tuple(actuator for actuator in actuators if actuator.joint not in independent),
     )
 
 
 def refuse_redundant(robot: Robot, what: str) -> None:
     """Raise BenchError where a robot has redundant motors, for what needs the torque of each motor to be known."""
     if robot.redundant:
-        extra = ", ".join(one.joint for one in robot.redundant)
+        extra = ", ".join(actuator.joint for actuator in robot.redundant)
         raise BenchError(
             f"robot {robot.name}: {what} is not for redundant motors ({extra}): a motion does not tell what each of "
             "them gives"
@@ -193,9 +193,9 @@ def _compiler_message(path: Path, text: str) -> str:
 
 def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
     return tuple(
-        Transmission(one.joint, one.drives, one.gain_unit.startswith("N/"))
-        for one in actuators
-        if one.drives != "joint"
+        Transmission(actuator.joint, actuator.drives, actuator.gain_unit.startswith("N/"))
+        for actuator in actuators
+        if actuator.drives != "joint"
     )
 
 

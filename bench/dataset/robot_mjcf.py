@@ -50,9 +50,12 @@ def robot_spec(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco
     if not transmissions:
         return spec
     plain = mujoco.MjModel.from_xml_path(str(path))
-    added = [[_length(_factors(plain, one), qpos) for one in transmissions] for qpos in plain.key_qpos]
-    for one in transmissions:
-        _add_rotor(spec, plain, one)
+    added = [
+        [_length(_factors(plain, transmission), qpos) for transmission in transmissions]
+        for qpos in plain.key_qpos
+    ]
+    for transmission in transmissions:
+        _add_rotor(spec, plain, transmission)
     for key, qpos, lengths in zip(spec.keys, plain.key_qpos, added, strict=True):
         key.qpos = [*qpos.tolist(), *lengths]
         if len(key.qvel):
@@ -60,63 +63,67 @@ def robot_spec(path: Path, transmissions: Sequence[Transmission] = ()) -> mujoco
     return spec
 
 
-def _add_rotor(spec: mujoco.MjSpec, plain: mujoco.MjModel, one: Transmission) -> None:
+def _add_rotor(spec: mujoco.MjSpec, plain: mujoco.MjModel, transmission: Transmission) -> None:
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
-    if mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_JOINT, one.name) >= 0:
-        raise BenchError(f"{one.kind} {one.name!r}: there is a joint of this name too, give it another")
-    factors = _factors(plain, one)
-    body = spec.worldbody.add_body(name=ROTOR + one.name, mass=MASS, inertia=[INERTIA] * 3)
+    if mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_JOINT, transmission.name) >= 0:
+        raise BenchError(
+            f"{transmission.kind} {transmission.name!r}: there is a joint of this name too, give it another"
+        )
+    factors = _factors(plain, transmission)
+    body = spec.worldbody.add_body(name=ROTOR + transmission.name, mass=MASS, inertia=[INERTIA] * 3)
     body.explicitinertial = True
-    kind = mujoco.mjtJoint.mjJNT_SLIDE if one.slides else mujoco.mjtJoint.mjJNT_HINGE
-    joint = body.add_joint(name=one.name, type=kind, axis=_axis(plain, one.slides))
+    kind = mujoco.mjtJoint.mjJNT_SLIDE if transmission.slides else mujoco.mjtJoint.mjJNT_HINGE
+    joint = body.add_joint(name=transmission.name, type=kind, axis=_axis(plain, transmission.slides))
     joint.ref = _length(factors, plain.qpos0)
     joint.armature = ARMATURE
-    sums = spec.tendon(one.name) if one.kind == "tendon" else None
+    sums = spec.tendon(transmission.name) if transmission.kind == "tendon" else None
     if sums is None:
-        sums = spec.add_tendon(name=f"{ROTOR}{one.name}:sum")
+        sums = spec.add_tendon(name=f"{ROTOR}{transmission.name}:sum")
         for name, _, factor in factors:
             sums.wrap_joint(name, factor)
     else:
-        tendon = plain.tendon(one.name).id
+        tendon = plain.tendon(transmission.name).id
         joint.armature = float(plain.tendon_armature[tendon]) or ARMATURE
         if plain.tendon_limited[tendon]:
             joint.limited, joint.range = True, plain.tendon_range[tendon].tolist()
         sums.armature, sums.limited = 0.0, False
-    own = spec.add_tendon(name=ROTOR + one.name)
-    own.wrap_joint(one.name, 1.0)
+    own = spec.add_tendon(name=ROTOR + transmission.name)
+    own.wrap_joint(transmission.name, 1.0)
     held = spec.add_equality(
-        name=ROTOR + one.name, type=mujoco.mjtEq.mjEQ_TENDON, name1=own.name, name2=sums.name
+        name=ROTOR + transmission.name, type=mujoco.mjtEq.mjEQ_TENDON, name1=own.name, name2=sums.name
     )
     held.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
 
 
-def _factors(plain: mujoco.MjModel, one: Transmission) -> list[tuple[str, int, float]]:
+def _factors(plain: mujoco.MjModel, transmission: Transmission) -> list[tuple[str, int, float]]:
     """(joint, place in qpos, factor) of every joint that the motor's position is a sum of."""
     import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
 
     gear = 1.0
-    if one.kind == "tendon":
-        tendon = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_TENDON, one.name)
+    if transmission.kind == "tendon":
+        tendon = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_TENDON, transmission.name)
         if tendon < 0:
             raise BenchError(
-                f"no tendon {one.name!r}; {_known(plain, mujoco.mjtObj.mjOBJ_TENDON, plain.ntendon)}"
+                f"no tendon {transmission.name!r}; {_known(plain, mujoco.mjtObj.mjOBJ_TENDON, plain.ntendon)}"
             )
     else:
-        motor = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
+        motor = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_ACTUATOR, transmission.name)
         if motor < 0:
             known = _known(plain, mujoco.mjtObj.mjOBJ_ACTUATOR, plain.nu)
-            raise BenchError(f"no actuator {one.name!r}; {known}")
+            raise BenchError(f"no actuator {transmission.name!r}; {known}")
         gear, kind = float(plain.actuator_gear[motor, 0]), int(plain.actuator_trntype[motor])
         tendon = int(plain.actuator_trnid[motor, 0])
         if kind == int(mujoco.mjtTrn.mjTRN_JOINT):
             return [_factor(plain, tendon, gear)]
         if kind != int(mujoco.mjtTrn.mjTRN_TENDON):
-            raise BenchError(f"actuator {one.name!r} drives neither a joint nor a tendon")
+            raise BenchError(f"actuator {transmission.name!r} drives neither a joint nor a tendon")
     first = int(plain.tendon_adr[tendon])
     wraps = range(first, first + int(plain.tendon_num[tendon]))
     if any(int(plain.wrap_type[wrap]) != int(mujoco.mjtWrap.mjWRAP_JOINT) for wrap in wraps):
-        raise BenchError(f"{one.kind} {one.name!r} is a cable in space: cables are not supported")
+        raise BenchError(
+            f"{transmission.kind} {transmission.name!r} is a cable in space: cables are not supported"
+        )
     return [_factor(plain, int(plain.wrap_objid[wrap]), gear * float(plain.wrap_prm[wrap])) for wrap in wraps]
 
 

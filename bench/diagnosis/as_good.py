@@ -26,7 +26,9 @@ def with_spread_over_models(
     """
     others = []
     for chosen in _as_good(last):
-        instances = [one for i in chosen for one in _instances(last.proposals[i], i in last.chosen, added)]
+        instances = [
+            instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
+        ]
         other = fit(origin.with_instances(instances))
         if runaway(other) is None and _no_worse(other, after):
             others.append(other)
@@ -40,27 +42,33 @@ def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
     place does not.
     """
     system, best = last.system, last.found.best
-    usable = [i for i, one in enumerate(last.proposals) if not one.absorbed and i not in last.chosen]
+    usable = [
+        i for i, proposal in enumerate(last.proposals) if not proposal.absorbed and i not in last.chosen
+    ]
 
     def scored(chosen: Sequence[int]) -> Scored:
         return score(system, solve_set(system, chosen), last.found.empty)
 
     more = _best_first(scored((*last.chosen, i)) for i in usable)
-    found = [one for one in more if one.total > best.total][:MOST_MORE]
+    found = [scored for scored in more if scored.total > best.total][:MOST_MORE]
     for k in last.chosen:
         instead = _best_first(scored((*(c for c in last.chosen if c != k), i)) for i in usable)
-        found += [one for one in instead if close(best, one)][:1]
-    for one in found:
-        yield one.fit.chosen
+        found += [scored for scored in instead if close(best, scored)][:1]
+    for candidate in found:
+        yield candidate.fit.chosen
 
 
 def _best_first(sets: Iterable[Scored]) -> list[Scored]:
-    return sorted(sets, key=lambda one: -one.total)
+    return sorted(sets, key=lambda scored: -scored.total)
 
 
 def _instances(proposal: Proposal, found: bool, added: Sequence[EffectInstance]) -> Sequence[EffectInstance]:
     """An effect at the places where it was found, or everywhere."""
-    return [one for one in added if one.effect.name == proposal.name] if found else proposal.instances
+    return (
+        [instance for instance in added if instance.effect.name == proposal.name]
+        if found
+        else proposal.instances
+    )
 
 
 def _no_worse(other: Identification, after: Identification) -> bool:

@@ -42,45 +42,47 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
             }
             for step in diagnosis.ladder
         ],
-        "ranking": [_verdict(diagnosis, one) for one in diagnosis.ranking],
+        "ranking": [_verdict(diagnosis, verdict) for verdict in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
-        "differs_by_recording": [{**asdict(one), "request": one.request} for one in diagnosis.differs],
-        "superfluous": [asdict(one) for one in diagnosis.superfluous],
-        "discovered": [_discovered(one) for one in diagnosis.discovered],
+        "differs_by_recording": [
+            {**asdict(differing), "request": differing.request} for differing in diagnosis.differs
+        ],
+        "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
+        "discovered": [_discovered(law) for law in diagnosis.discovered],
         "before": _model(diagnosis.before),
         "after": _model(diagnosis.after),
     }
     return dict(finite(answer))
 
 
-def _verdict(diagnosis: Diagnosis, one: EffectVerdict) -> dict[str, Any]:
+def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict) -> dict[str, Any]:
     return {
-        "effect": one.effect,
-        "error_before": one.error_before,
-        "error_after": one.error_after,
-        "evidence": one.evidence,
-        "verdict": one.verdict,
-        "actuators": list(one.actuators),
-        "alternatives": list(one.alternatives),
-        "size": dict(one.size),
-        "error_share": error_share(one),
-        "why": reason(diagnosis, one),
+        "effect": verdict.effect,
+        "error_before": verdict.error_before,
+        "error_after": verdict.error_after,
+        "evidence": verdict.evidence,
+        "verdict": verdict.verdict,
+        "actuators": list(verdict.actuators),
+        "alternatives": list(verdict.alternatives),
+        "size": dict(verdict.size),
+        "error_share": error_share(verdict),
+        "why": reason(diagnosis, verdict),
     }
 
 
-def _discovered(one: Discovered) -> dict[str, Any]:
+def _discovered(law: Discovered) -> dict[str, Any]:
     return {
-        "place": one.place,
-        "law": one.law,
-        "formula": one.formula,
+        "place": law.place,
+        "law": law.law,
+        "formula": law.formula,
         "terms": [
-            {"term": term.term, "value": term.value, "std": term.std, "unit": term.unit} for term in one.terms
+            {"term": term.term, "value": term.value, "std": term.std, "unit": term.unit} for term in law.terms
         ],
-        "numbers": {name: asdict(value) for name, value in one.numbers.items()},
-        "error": {"identify": one.identify, "validate": one.validate, "without": one.without},
-        "named": one.named,
-        "nearest": None if one.nearest is None else {"effect": one.nearest[0], "error": one.nearest[1]},
-        "file": one.file,
+        "numbers": {name: asdict(value) for name, value in law.numbers.items()},
+        "error": {"identify": law.identify, "validate": law.validate, "without": law.without},
+        "named": law.named,
+        "nearest": None if law.nearest is None else {"effect": law.nearest[0], "error": law.nearest[1]},
+        "file": law.file,
     }
 
 

@@ -32,7 +32,7 @@ ROUNDING = 1e-13  # added to a unit diagonal, so that dependent unknowns do not 
 
 def solve_sets(system: System, sets: Iterable[Sequence[int]]) -> list[SetFit]:
     """As `solve_set` for each, in their order."""
-    keys = [tuple(sorted(one)) for one in sets]
+    keys = [tuple(sorted(members)) for members in sets]
     unknown = dict.fromkeys(key for key in keys if key not in system.solved)
     for chunk in _alike(system, sorted((len(system.independent(key)), key) for key in unknown)):
         if len(chunk) >= FEWEST:
@@ -65,12 +65,12 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
     """Sets by steps of Gauss and Newton, the smaller ones with columns of zeros; those that need care are left out."""
     start, squares = system.start, system.start.weights**2
     begun = [start_of(system, key) for key in keys]
-    columns = [one[0] for one in begun]
-    gains = np.array([one[2] for one in begun])
+    columns = [pair[0] for pair in begun]
+    gains = np.array([pair[2] for pair in begun])
     values = np.zeros((len(keys), max(map(len, columns))))
     for own, (_, found_before, _) in zip(values, begun, strict=True):
         own[: len(found_before)] = found_before
-    inner = np.stack([system.fitted.padded(one, values.shape[1]) for one in columns])
+    inner = np.stack([system.fitted.padded(column, values.shape[1]) for column in columns])
     cost = squares_of(inner, errors_by(values, gains, start.gains)) @ squares
     found: dict[tuple[int, ...], SetFit] = {}
     left = np.arange(len(keys))  # which of them are not settled yet
@@ -90,7 +90,9 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
         on = lower & ~settled
         if not on.any():
             break
-        inner, values, gains = (one if on.all() else one[on] for one in (inner, new_values, new_gains))
+        inner, values, gains = (
+            column if on.all() else column[on] for column in (inner, new_values, new_gains)
+        )
         cost, left = new[on], left[on]
     return found
 

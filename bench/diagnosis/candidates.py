@@ -51,7 +51,7 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
     """Every effect of the catalogue that the starting model does not have, wherever it can sit."""
     prepared = start.prepared
     places = places_in(prepared.model.geometry, prepared.dataset.weighed)
-    present = {(one.effect.name, one.joint) for one in prepared.effects}
+    present = {(instance.effect.name, instance.joint) for instance in prepared.effects}
     every = {
         name: [
             EffectInstance(effect, joint, f"{name}:{joint}" if joint else name)
@@ -61,14 +61,16 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
         for name, effect in catalogue.items()
     }
     # Filtered together, and kept: each is asked for by itself below.
-    candidate_columns(prepared, [one for found in every.values() for one in found if not one.effect.shape])
+    candidate_columns(
+        prepared, [instance for found in every.values() for instance in found if not instance.effect.shape]
+    )
     proposals = []
     for name, found in every.items():
         progress.advance()
         if not found:
             continue
         effect = catalogue[name]
-        visible = [one for one in found if effect.shape or _visible(start, one)]
+        visible = [instance for instance in found if effect.shape or _visible(start, instance)]
         if not visible:
             proposals.append(Proposal(name, tuple(found), True, _taken_up_by(start, found[0])))
             continue
@@ -80,7 +82,7 @@ def shaped(context: Context, instances: Sequence[EffectInstance]) -> tuple[Effec
     """The instances of one effect with the shape, and about the values, that explain most of what is left."""
     found = tuple(instances)
     if found[0].effect.shape:
-        found = tuple(best_shape(context.prepared, one, context.left) for one in found)
+        found = tuple(best_shape(context.prepared, instance, context.left) for instance in found)
     for _ in range(LINEARISATIONS):
         about = _about_their_values(context, found)
         if about == found:
@@ -111,7 +113,10 @@ def _taken_up_by(context: Context, instance: EffectInstance) -> str:
     column = (candidate_columns(prepared, [instance])[:, :, 0] * left.moving * left.weights).reshape(-1)
     if not np.any(column):
         return ""
-    rigid = np.concatenate([one.rigid for one in prepared.fitted]) * (left.moving * left.weights)[:, :, None]
+    rigid = (
+        np.concatenate([observation.rigid for observation in prepared.fitted])
+        * (left.moving * left.weights)[:, :, None]
+    )
     rows = rigid.reshape(-1, rigid.shape[2])
     norms = np.linalg.norm(rows, axis=0)
     norms[norms == 0.0] = 1.0

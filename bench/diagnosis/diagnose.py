@@ -121,13 +121,17 @@ def found_from(
         progress.phase("fitting what was found")
         whole = fit(last.model)
         model, after = _where_it_shows(origin, last.model, whole, given)
-        stayed = {(one.effect.name, one.place) for one in model.effects}
-        dropped = [one for one in last.model.effects if (one.effect.name, one.place) not in stayed]
+        stayed = {(instance.effect.name, instance.place) for instance in model.effects}
+        dropped = [
+            instance
+            for instance in last.model.effects
+            if (instance.effect.name, instance.place) not in stayed
+        ]
         out = impossible_effects(after, model.effects[own:]) | impossible_but_needed(whole, after, dropped)
         if not out:
             model, after, superfluous = leaving(origin, model, after, given)
             kept, new = kept_and_new(model.effects[own:], given)
-            names = tuple(dict.fromkeys(one.effect.name for one in new))
+            names = tuple(dict.fromkeys(instance.effect.name for instance in new))
             fits = _fits(origin, kept, new, case.before, after)
             ladder = _ladder(names, fits)
             out = superfluous_effect(ladder)
@@ -144,9 +148,9 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     after = with_noise_heard(model, with_possible_payloads(model, finding.after, fit), fit)
     proposals, system, best = finding.last.proposals, finding.last.system, finding.last.found
     places: dict[str, tuple[str, ...]] = {}
-    for one in finding.new:
-        at = (one.joint,) if one.joint else dataset.robot.joints
-        places[one.effect.name] = (*places.get(one.effect.name, ()), *at)
+    for instance in finding.new:
+        at = (instance.joint,) if instance.joint else dataset.robot.joints
+        places[instance.effect.name] = (*places.get(instance.effect.name, ()), *at)
     scale = _relative(after, system, best)
     without = _errors_without(finding.names, finding.fits)
     left = unexplained(after, dataset.recordings, lambda: encoder_error(model))
@@ -157,10 +161,12 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     ranking = verdicts(system, proposals, best, _shown_places(proposals, best, places), scale, left, without)
     known = {*given_wholly(start.effects, proposals), *_shown_places(proposals, best, {})} - {*places}
     ranking = tuple(
-        refused(one, finding.barred.get(one.effect)) for one in ranking if one.effect not in known
+        refused(verdict, finding.barred.get(verdict.effect))
+        for verdict in ranking
+        if verdict.effect not in known
     )
-    ranking = tuple(replace(one, size=_sizes(model, after, one.effect)) for one in ranking)
-    missing = tuple(one.effect for one in _by_strength(ranking) if one.effect in places)
+    ranking = tuple(replace(verdict, size=_sizes(model, after, verdict.effect)) for verdict in ranking)
+    missing = tuple(verdict.effect for verdict in _by_strength(ranking) if verdict.effect in places)
     return Diagnosis(
         robot=dataset.robot.name,
         split=case.split,
@@ -182,20 +188,24 @@ def _where_it_shows(
     starting model has there, which stay. result: of the model with all of them.
     """
     added = model.effects[len(origin.start.effects) :]
-    there = {(one.effect.name, one.joint) for one in given}
-    kept = [one for one in added if (one.effect.name, one.joint) in there or shows(result, one)]
-    for one in added:
-        if not any(other.effect.name == one.effect.name for other in kept):
-            kept.append(one)
+    there = {(instance.effect.name, instance.joint) for instance in given}
+    kept = [
+        instance
+        for instance in added
+        if (instance.effect.name, instance.joint) in there or shows(result, instance)
+    ]
+    for instance in added:
+        if not any(other.effect.name == instance.effect.name for other in kept):
+            kept.append(instance)
     if len(kept) == len(added):
         return model, result
-    model = origin.with_instances([one for one in added if one in kept])
+    model = origin.with_instances([effect_instance for effect_instance in added if effect_instance in kept])
     return model, fit(model)
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:
     """Error of the settled model over that of its set in the system, so that the errors of sets end where it does."""
-    judged = relative_error([one for one in after.recordings if one.use == "validate"]) or 0.0
+    judged = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
     here = checked_error(system, found.best.fit)
     return judged / here if here > 0 else 0.0
 
@@ -207,7 +217,7 @@ def _shown_places(
 
 
 def _by_strength(ranking: Sequence[EffectVerdict]) -> list[EffectVerdict]:
-    return sorted(ranking, key=lambda one: -one.evidence)
+    return sorted(ranking, key=lambda verdict: -verdict.evidence)
 
 
 def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, float]:
@@ -215,11 +225,11 @@ def _sizes(model: Prepared, result: Identification, effect: str) -> dict[str, fl
     at = 0
     joints = list(model.dataset.robot.joints)
     total = None
-    for one in model.effects:
-        size = len(one.effect.parameters)
-        if one.effect.name == effect:
-            found = result.effect_parameters[effect][one.place]
-            values = np.array([found[parameter.name].value for parameter in one.effect.parameters])
+    for instance in model.effects:
+        size = len(instance.effect.parameters)
+        if instance.effect.name == effect:
+            found = result.effect_parameters[effect][instance.place]
+            values = np.array([found[parameter.name].value for parameter in instance.effect.parameters])
             torque = np.concatenate([seen.effects[:, :, at : at + size] @ values for seen in model.fitted])
             total = torque if total is None else total + torque
         at += size
@@ -244,7 +254,7 @@ def _fits(
     def fitted(names: frozenset[str]) -> Identification:
         if not names:
             return before
-        chosen = [one for one in new if one.effect.name in names]
+        chosen = [instance for instance in new if instance.effect.name in names]
         if len(chosen) == len(new):
             return after
         return fit(origin.with_instances([*kept, *chosen]))

@@ -49,21 +49,21 @@ def differing(model: Prepared, catalogue: Mapping[str, Effect]) -> tuple[Differi
     motors = list(model.dataset.robot.joints)
     chosen: list[tuple[_Candidate, float, float, float]] = []
     while len(chosen) < len(candidates):
-        taken = [i for one, *_ in chosen for i in (*one.common, *one.own)]
+        taken = [i for candidate, *_ in chosen for i in (*candidate.common, *candidate.own)]
         tried = []
-        for one in candidates:
-            if any(one is other for other, *_ in chosen):
+        for candidate in candidates:
+            if any(candidate is other for other, *_ in chosen):
                 continue
-            before = halves.judged([*taken, *one.common])
-            after = halves.judged([*taken, *one.common, *one.own])
+            before = halves.judged([*taken, *candidate.common])
+            after = halves.judged([*taken, *candidate.common, *candidate.own])
             evidence = halves.evidence(before, after)
-            j = motors.index(one.joint)
+            j = motors.index(candidate.joint)
             errors = np.sqrt(before[j] / halves.measured[j]), np.sqrt(after[j] / halves.measured[j])
             if evidence > NEEDED and errors[1] < (1.0 - MATERIAL) * errors[0]:
-                tried.append((one, evidence, float(errors[0]), float(errors[1])))
+                tried.append((candidate, evidence, float(errors[0]), float(errors[1])))
         if not tried:
             break
-        chosen.append(max(tried, key=lambda one: one[1]))
+        chosen.append(max(tried, key=lambda pair: pair[1]))
     return _that_show(model, chosen) if chosen else ()
 
 
@@ -71,7 +71,7 @@ def _candidates(
     model: Prepared, catalogue: Mapping[str, Effect]
 ) -> tuple[list[_Candidate], list[EffectInstance]]:
     """What may differ, and the instances of all their columns, one each."""
-    present = {(one.effect.name, one.joint): one for one in model.effects}
+    present = {(instance.effect.name, instance.joint): instance for instance in model.effects}
     logs = model.logs
     candidates: list[_Candidate] = []
     instances: list[EffectInstance] = []
@@ -96,27 +96,29 @@ def _that_show(
     model: Prepared, chosen: Sequence[tuple[_Candidate, float, float, float]]
 ) -> tuple[Differing, ...]:
     """Those whose values, all fitted together, differ clearly and are possible."""
-    places = {(one.effect.name, one.joint) for one, *_ in chosen}
-    kept = [one for one in model.effects if (one.effect.name, one.joint) not in places]
+    places = {(candidate.effect.name, candidate.joint) for candidate, *_ in chosen}
+    kept = [instance for instance in model.effects if (instance.effect.name, instance.joint) not in places]
     logs = model.logs
     added = [
-        EffectInstance(one.effect, one.joint, f"{one.effect.name}:{one.joint}{TAG}", log, logs)
-        for one, *_ in chosen
+        EffectInstance(
+            candidate.effect, candidate.joint, f"{candidate.effect.name}:{candidate.joint}{TAG}", log, logs
+        )
+        for candidate, *_ in chosen
         for log in logs
     ]
     wider = settled(with_effects(model, (*kept, *added)))
     result = fit(wider)
     first = wider.layout.size - len(added)
     found = []
-    for i, (one, evidence, before, after) in enumerate(chosen):
+    for i, (candidate, evidence, before, after) in enumerate(chosen):
         own = slice(first + i * len(logs), first + (i + 1) * len(logs))
-        (parameter,) = one.effect.parameters
-        told = result.effect_parameters[one.effect.name]
-        values = {log: told[f"{one.joint}@{log}"][parameter.name] for log in logs}
+        (parameter,) = candidate.effect.parameters
+        told = result.effect_parameters[candidate.effect.name]
+        values = {log: told[f"{candidate.joint}@{log}"][parameter.name] for log in logs}
         impossible = parameter.positive and any(x.value < -SHOWS * x.std for x in values.values())
         if not impossible and _apart(list(values.values()), result.covariance[own, own]):
-            found.append(Differing(one.effect.name, one.joint, values, evidence, before, after))
-    return tuple(sorted(found, key=lambda one: -one.evidence))
+            found.append(Differing(candidate.effect.name, candidate.joint, values, evidence, before, after))
+    return tuple(sorted(found, key=lambda difference: -difference.evidence))
 
 
 def _apart(values: Sequence[Quantity], covariance: np.ndarray) -> bool:

@@ -26,17 +26,17 @@ def from_run_to_run(differs: Sequence[Differing], *, clear: bool) -> tuple[str, 
     )
     said = [told]
     if others:
-        names = [_named(one) for one in others]
+        names = [_named(differing) for differing in others]
         listed = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-        requests = " ".join(f"--with {one.request}" for one in others)
+        requests = " ".join(f"--with {differing.request}" for differing in others)
         said.append(f"So {'does' if len(names) == 1 else 'do'} {listed} (`{requests}`).")
     return tuple(said)
 
 
-def _named(one: Differing) -> str:
-    return f"{spoken(one.effect)} at {one.joint}"
+def _named(differing: Differing) -> str:
+    return f"{spoken(differing.effect)} at {differing.joint}"
 
 
-def _value(one: Differing, log: str) -> str:
-    value = one.values[log]
+def _value(differing: Differing, log: str) -> str:
+    value = differing.values[log]
     return f"{value.value:.3g} ± {value.std:.1g} {value.unit.replace('*', '·')} in {log}"

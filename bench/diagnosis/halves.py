@@ -63,10 +63,10 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
             for start, end in zip(stack.starts, ends, strict=True)
         ]
     )
-    inner = np.array([[one[half == k].T @ one[half == k] for one in rows] for k in (0, 1)])
+    inner = np.array([[row[half == k].T @ row[half == k] for row in rows] for k in (0, 1)])
     left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
-    parts = [np.split(one[:, None], stack.starts[1:]) for one in left]
-    memory = np.array([memory_in_rows(one) for one in parts])
+    parts = [np.split(entry[:, None], stack.starts[1:]) for entry in left]
+    memory = np.array([memory_in_rows(part) for part in parts])
     return Halves(inner, own, count / memory, ((stack.current * weights) ** 2).sum(axis=0))
 
 

@@ -12,7 +12,7 @@ from bench.identification.result import Quantity
 
 def law_effects(discovered: Iterable[Discovered]) -> dict[str, Effect]:
     """The effects of laws by name, from the text of their files."""
-    sources = {one.law: one.source for one in discovered}
+    sources = {law.law: law.source for law in discovered}
     return {law: effects_in(source, Path(f"{law}.py"))[law] for law, source in sources.items()}
 
 
@@ -23,8 +23,10 @@ def discovered_from(told: Mapping[str, Any]) -> Discovered:
         for term in told["terms"]
     )
     numbers = {
-        name: Quantity(one["value"], float("inf") if one["std"] is None else one["std"], one["unit"])
-        for name, one in told["numbers"].items()
+        name: Quantity(
+            number["value"], float("inf") if number["std"] is None else number["std"], number["unit"]
+        )
+        for name, number in told["numbers"].items()
     }
     nearest = None if told["nearest"] is None else (str(told["nearest"][0]), float(told["nearest"][1]))
     return Discovered(**{**told, "terms": terms, "numbers": numbers, "nearest": nearest})

@@ -19,18 +19,18 @@ WHAT = {
 def law_sentences(discovered: Sequence[Discovered]) -> tuple[str, ...]:
     """A sentence or two for each law, with its values at every motor."""
     laws: dict[str, list[Discovered]] = {}
-    for one in discovered:
-        laws.setdefault(one.law, []).append(one)
+    for law in discovered:
+        laws.setdefault(law.law, []).append(law)
     return tuple(_told(some) for some in laws.values())
 
 
 def _told(some: Sequence[Discovered]) -> str:
     first = some[0]
-    place = " and ".join(one.place for one in some) if len(some) < 3 else f"{len(some)} motors"
+    place = " and ".join(law.place for law in some) if len(some) < 3 else f"{len(some)} motors"
     if any(look.role == "table" for term in first.terms for look in term.looks_at):
         return _tabled(first)
-    kinds = list(dict.fromkeys(_kind(one) for one in first.terms))
-    values = "; ".join(_valued(one, with_place=len(some) > 1) for one in some)
+    kinds = list(dict.fromkeys(_kind(term) for term in first.terms))
+    values = "; ".join(_valued(law, with_place=len(some) > 1) for law in some)
     falls = ""
     if first.without is not None and first.validate is not None:
         falls = f"; the error falls from {_percent(first.without)} to {_percent(first.validate)}"
@@ -43,26 +43,26 @@ def _told(some: Sequence[Discovered]) -> str:
     return f"At {place} there is {', and '.join(kinds)}, which no effect of the catalogue is: {values}{falls}.{near}"
 
 
-def _tabled(one: Discovered) -> str:
+def _tabled(law: Discovered) -> str:
     """A function without a formula: what it goes by, and what it makes of the error."""
-    parts = list(dict.fromkeys(_function(term) for term in one.terms))
-    largest = max(one.terms, key=lambda term: abs(term.value))
+    parts = list(dict.fromkeys(_function(term) for term in law.terms))
+    largest = max(law.terms, key=lambda term: abs(term.value))
     size = f"its largest value is ({_number(largest.value, largest.std)}) {symbols(largest.unit)}"
     falls = ""
-    if one.without is not None and one.validate is not None:
-        falls = f"; the error falls from {_percent(one.without)} to {_percent(one.validate)}"
+    if law.without is not None and law.validate is not None:
+        falls = f"; the error falls from {_percent(law.without)} to {_percent(law.validate)}"
     return (
-        f"At {one.place} something is left that no formula fits. As measured, it is {', and '.join(parts)}: "
+        f"At {law.place} something is left that no formula fits. As measured, it is {', and '.join(parts)}: "
         f"{size}{falls}."
     )
 
 
 def _function(term: LawTerm) -> str:
     """What a table's entry belongs to: "a smooth function of the position that opposes the motion"."""
-    (table,) = [one for one in term.looks_at if one.role == "table"]
+    (table,) = [look for look in term.looks_at if look.role == "table"]
     of = f" of {table.motor}" if table.motor else ""
     function = f"a smooth function of the {WHAT[table.what]}{of}"
-    roles = {one.role for one in term.looks_at if one.what == "velocity" and one.role != "table"}
+    roles = {look.role for look in term.looks_at if look.what == "velocity" and look.role != "table"}
     if "direction" in roles:
         return f"{function} that turns with the direction of motion"
     return f"{function} times the speed" if roles else function
@@ -70,14 +70,14 @@ def _function(term: LawTerm) -> str:
 
 def _kind(term: LawTerm) -> str:
     """What a term does: "a torque that opposes the motion and grows with the size of the acceleration"."""
-    own = [one for one in term.looks_at if one.what == "velocity" and not one.motor]
-    against = [one for one in own if one.role in ("direction", "signed")]
-    wave = any(one.role == "wave" for one in term.looks_at)
+    own = [look for look in term.looks_at if look.what == "velocity" and not look.motor]
+    against = [look for look in own if look.role in ("direction", "signed")]
+    wave = any(look.role == "wave" for look in term.looks_at)
     does: list[str] = []
     if against:
         does.append("goes with the direction of motion" if wave else _opposes(term))
     does += dict.fromkeys(
-        _goes_by(one) for one in term.looks_at if one.role != "direction" or one.motor or not against
+        _goes_by(look) for look in term.looks_at if look.role != "direction" or look.motor or not against
     )
     return f"a torque that {' and '.join(does)}" if does else "a constant torque"
 
@@ -86,10 +86,10 @@ def _opposes(term: LawTerm) -> str:
     return "opposes the motion" if term.value > 0.0 else "drives the motion"
 
 
-def _goes_by(one: LooksAt) -> str:
-    of = f" of {one.motor}" if one.motor else ""
-    what = f"{WHAT[one.what]}{of}"
-    sized = one.what not in ("velocity", "tool_speed", "time")
+def _goes_by(look: LooksAt) -> str:
+    of = f" of {look.motor}" if look.motor else ""
+    what = f"{WHAT[look.what]}{of}"
+    sized = look.what not in ("velocity", "tool_speed", "time")
     return {
         "wave": f"swings with the {what}",
         "decay": "fades with time",
@@ -98,16 +98,16 @@ def _goes_by(one: LooksAt) -> str:
         "direction": f"changes its sign with the {what}",
         "signed": f"grows with the {what}",
         "size": f"grows with the {'size of the ' if sized else ''}{what}",
-    }[one.role]
+    }[look.role]
 
 
-def _valued(one: Discovered, *, with_place: bool) -> str:
+def _valued(law: Discovered, *, with_place: bool) -> str:
     parts = " + ".join(
         f"({_number(term.value, term.std)}) {symbols(term.unit)}"
         + ("" if term.term == "1" else f" · {symbols(term.term)}")
-        for term in one.terms
+        for term in law.terms
     )
-    return f"{parts} at {one.place}" if with_place else parts
+    return f"{parts} at {law.place}" if with_place else parts
 
 
 def _number(value: float, std: float) -> str:

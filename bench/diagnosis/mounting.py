@@ -28,13 +28,17 @@ def mounted_otherwise(prepared: Prepared) -> list[Finding]:
     Recordings that are not fitted count as well. Estimates for each recording are judged, beside one for all, on every
     other part of the recordings.
     """
-    logs = {one.name: log for one, log in zip(prepared.observations, _logs(prepared), strict=True)}
+    logs = {
+        observation.name: log for observation, log in zip(prepared.observations, _logs(prepared), strict=True)
+    }
     carried: dict[str, list[str]] = {}
-    for one in prepared.observations:
-        if one.payload_name is not None and logs[one.name] not in carried.setdefault(one.payload_name, []):
-            carried[one.payload_name].append(logs[one.name])
+    for observation in prepared.observations:
+        if observation.payload_name is not None and logs[observation.name] not in carried.setdefault(
+            observation.payload_name, []
+        ):
+            carried[observation.payload_name].append(logs[observation.name])
     found = [_differing(prepared, name, logs) for name, of in carried.items() if len(of) > 1]
-    return [one for one in found if one is not None]
+    return [finding for finding in found if finding is not None]
 
 
 def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Finding | None:
@@ -46,14 +50,14 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
         return None
     stack, solution = solved_quickly(each)
     own = [each.layout.payload_slice(name) for name in names]
-    further = np.concatenate([stack.phi[:, :, one] for one in own[:-1]], axis=2)
+    further = np.concatenate([stack.phi[:, :, rows] for rows in own[:-1]], axis=2)
     halves = halves_of(*solved_quickly(common), further)
     before, after = halves.judged([]), halves.judged(range(further.shape[2]))
     if halves.evidence(before, after) < NEEDED or not np.any(np.sqrt(after / before) < BETTER):
         return None
     covariance = uncertainty(stack, solution, "autocorrelated").covariance
-    values = np.array([solution.theta[one] for one in own])
-    variances = np.array([np.diag(covariance)[one] for one in own])
+    values = np.array([solution.theta[rows] for rows in own])
+    variances = np.array([np.diag(covariance)[rows] for rows in own])
     low, high = values.argmin(axis=0), values.argmax(axis=0)
     k = np.arange(len(index))
     apart = (values[high, k] - values[low, k]) / np.sqrt(variances[high, k] + variances[low, k])
@@ -80,21 +84,28 @@ def _mounted(prepared: Prepared, payload: str, named: Mapping[str, str]) -> Prep
     """All recordings, as if fitted, with a payload of which the mass alone is known; named: what each one carries."""
     own = prepared.dataset.payloads[payload]
 
-    def renamed(one: Observation) -> Observation:
-        name = named[one.name] if one.payload_name == payload else one.payload_name
-        return replace(one, use="identify", payload_name=name)
+    def renamed(observation: Observation) -> Observation:
+        name = named[observation.name] if observation.payload_name == payload else observation.payload_name
+        return replace(observation, use="identify", payload_name=name)
 
-    observations = tuple(renamed(one) for one in prepared.observations)
-    new = [one.payload_name for one in observations if one.payload_name not in prepared.dataset.payloads]
+    observations = tuple(renamed(observation) for observation in prepared.observations)
+    new = [
+        observation.payload_name
+        for observation in observations
+        if observation.payload_name not in prepared.dataset.payloads
+    ]
     payloads = dict(prepared.dataset.payloads) | {
         name: Payload(name, own.mass, None, None) for name in [payload, *new] if name is not None
     }
     layout = parameter_layout(
-        prepared.model, payloads, [one.payload_name for one in observations], prepared.layout.effects
+        prepared.model,
+        payloads,
+        [observation.payload_name for observation in observations],
+        prepared.layout.effects,
     )
     dataset = replace(prepared.dataset, payloads=payloads)
     return replace(prepared, dataset=dataset, observations=observations, layout=layout)
 
 
 def _logs(prepared: Prepared) -> list[str]:
-    return [one.recording.log for one in prepared.measured]
+    return [measurement.recording.log for measurement in prepared.measured]

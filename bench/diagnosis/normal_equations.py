@@ -139,29 +139,38 @@ def build_system(
 
     exact: instances whose columns are as the fit has them; those of the others are of the recordings seen `near`.
     """
-    every = [one for instances in candidates for one in instances]
+    every = [instance for instances in candidates for instance in instances]
     as_fitted = np.concatenate(
-        [np.zeros(0, dtype=bool), *(np.full(len(one.effect.parameters), one in exact) for one in every)]
+        [
+            np.zeros(0, dtype=bool),
+            *(np.full(len(instance.effect.parameters), instance in exact) for instance in every),
+        ]
     )
     decimation = prepared.settings.decimation
     blocks: dict[str, list[np.ndarray]] = {"identify": [], "validate": []}
     for signals, nearly, observation in zip(prepared.signals, near, prepared.observations, strict=True):
         added = effect_rows(nearly, decimation, every)
-        added[:, :, as_fitted] = effect_rows(signals, decimation, [one for one in every if one in exact])
+        added[:, :, as_fitted] = effect_rows(
+            signals, decimation, [instance for instance in every if instance in exact]
+        )
         blocks[observation.use].append(_rows(prepared, observation, added, start))
     change, lengths = _orthonormal(_triangle(blocks["identify"], start), prepared.layout.size)
     base = change.shape[1] - len(lengths)
     listed = []
     at = 0
     for instances in candidates:
-        some = np.arange(at, at + sum(len(one.effect.parameters) for one in instances))
+        some = np.arange(at, at + sum(len(instance.effect.parameters) for instance in instances))
         listed.append(Candidate(tuple(instances), base + some, lengths[some]))
         at += len(some)
     fitted, checked = (_products(prepared, blocks[use], change, use) for use in ("identify", "validate"))
     system = System(tuple(listed), base, start, fitted, checked, 1.0)
-    plain = [i for i, one in enumerate(listed) if one.instances and not one.instances[0].effect.shape]
+    plain = [
+        i
+        for i, candidate in enumerate(listed)
+        if candidate.instances and not candidate.instances[0].effect.shape
+    ]
     largest = solve_set(system, plain)
-    memory = memory_in_rows([_errors(one, change, largest, start) for one in blocks["identify"]])
+    memory = memory_in_rows([_errors(values, change, largest, start) for values in blocks["identify"]])
     return System(system.candidates, base, start, fitted, checked, memory)
 
 
@@ -222,7 +231,7 @@ def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.nd
     columns = columns[system.independent(chosen)]
     values, gains = np.zeros(len(columns)), system.start.gains
     smaller = (system.solved.get(chosen[:i] + chosen[i + 1 :]) for i in range(len(chosen)))
-    near = min((one for one in smaller if one is not None), key=lambda one: one.fitted, default=None)
+    near = min((fit for fit in smaller if fit is not None), key=lambda fit: fit.fitted, default=None)
     if near is not None:
         every = np.zeros(system.fitted.inner.shape[1])
         every[near.columns] = near.values
@@ -309,9 +318,9 @@ def _products(
         for j, motor in enumerate(rows.transpose(1, 0, 2)):
             changed = np.concatenate((motor[:, :-2] @ change, motor[:, -2:]), axis=1)
             inner[j] += changed.T @ changed
-    seen = [one for one in prepared.observations if one.use == use]
-    measured = sum(float(((one.current * one.moving) ** 2).sum()) for one in seen)
-    return MotorProducts(inner, sum(int(one.moving.sum()) for one in seen), measured)
+    seen = [observation for observation in prepared.observations if observation.use == use]
+    measured = sum(float(((observation.current * observation.moving) ** 2).sum()) for observation in seen)
+    return MotorProducts(inner, sum(int(observation.moving.sum()) for observation in seen), measured)
 
 
 def _errors(rows: np.ndarray, change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
@@ -326,10 +335,13 @@ def memory_in_rows(errors: Sequence[np.ndarray]) -> float:
 
     Lags are summed until the correlation is lost in its own noise (Geyer 1992, initial positive pairs).
     """
-    length = min(len(one) for one in errors)
+    length = min(len(error) for error in errors)
     lags = min(LONGEST_MEMORY, length // 4)
     values = np.array(
-        [sum(float((one[: len(one) - lag] * one[lag:]).sum()) for one in errors) for lag in range(lags + 1)]
+        [
+            sum(float((error[: len(error) - lag] * error[lag:]).sum()) for error in errors)
+            for lag in range(lags + 1)
+        ]
     )
     correlation = values / values[0]
     total = 1.0

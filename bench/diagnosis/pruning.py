@@ -15,14 +15,14 @@ SHOWS = 3.0  # deviations by which a parameter must differ from zero for its eff
 def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, str]:
     """Effects with a clearly negative parameter, that must be positive, wherever they are; and why they go."""
     found: dict[str, list[str]] = {}
-    for one in added:
-        values = result.effect_parameters[one.effect.name][one.place]
+    for instance in added:
+        values = result.effect_parameters[instance.effect.name][instance.place]
         wrong = [
             parameter.name
-            for parameter in one.effect.parameters
+            for parameter in instance.effect.parameters
             if parameter.positive and values[parameter.name].value < -SHOWS * values[parameter.name].std
         ]
-        found.setdefault(one.effect.name, []).append(wrong[0] if wrong else "")
+        found.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
     return {
         name: f"{begun(name)} would need a negative {wrong[0]} to explain the data, which is physically "
         "impossible: something else of a like shape is there."
@@ -43,13 +43,14 @@ def impossible_but_needed(
     if errors[0] is None or errors[1] is None or errors[1] < (1.0 + MATERIAL) * errors[0]:
         return {}
     reasons: dict[str, str] = {}
-    for one in dropped:
-        values = whole.effect_parameters[one.effect.name][one.place]
-        for parameter in one.effect.parameters:
+    for instance in dropped:
+        values = whole.effect_parameters[instance.effect.name][instance.place]
+        for parameter in instance.effect.parameters:
             value = values[parameter.name]
             if parameter.positive and value.value < -SHOWS * value.std:
-                reasons[one.effect.name] = (
-                    f"{begun(one.effect.name)} would need a negative {parameter.name} at {one.place} to explain the "
+                reasons[instance.effect.name] = (
+                    f"{begun(instance.effect.name)} would need a negative {parameter.name} at "
+                    f"{instance.place} to explain the "
                     "data, which is physically impossible: something else of a like shape is there."
                 )
     return reasons

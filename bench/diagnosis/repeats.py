@@ -20,16 +20,16 @@ def not_repeated(series: Sequence[CurrentSeries]) -> float | None:
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 - slow to import, and seldom needed
 
     left = measured = 0.0
-    for one in series:
-        period = _period(one.time, one.position)
+    for trace in series:
+        period = _period(trace.time, trace.position)
         if period is None:
             continue
-        known = one.time <= one.time[-1] - period
-        later = one.time[known] + period
-        both = one.moving[known] & (CubicSpline(one.time, one.moving.astype(float))(later) > 1.0 - 1e-6)
-        apart = (CubicSpline(one.time, one.error)(later) - one.error[known]) * both
+        known = trace.time <= trace.time[-1] - period
+        later = trace.time[known] + period
+        both = trace.moving[known] & (CubicSpline(trace.time, trace.moving.astype(float))(later) > 1.0 - 1e-6)
+        apart = (CubicSpline(trace.time, trace.error)(later) - trace.error[known]) * both
         left += 0.5 * float((apart**2).sum())
-        measured += float(((one.measured[known] * both) ** 2).sum())
+        measured += float(((trace.measured[known] * both) ** 2).sum())
     return float(np.sqrt(left / measured)) if measured else None
 
 

@@ -151,10 +151,10 @@ class Discovered:
     def formula(self) -> str:
         """Of the whole law, in SI units; of a table what it goes by."""
         parts = [
-            HAT.sub(r"table(\1)", one.term)
-            if HAT.search(one.term)
-            else f"{one.value:.4g}" + ("" if one.term == "1" else f"*{one.term}")
-            for one in self.terms
+            HAT.sub(r"table(\1)", term.term)
+            if HAT.search(term.term)
+            else f"{term.value:.4g}" + ("" if term.term == "1" else f"*{term.term}")
+            for term in self.terms
         ]
         parts = list(dict.fromkeys(parts))
         return " + ".join(parts).replace("+ -", "- ")
@@ -191,26 +191,26 @@ class Diagnosis:
     @property
     def added(self) -> tuple[str, ...]:
         """Names of all that `after` has beyond `before`: effects of the catalogue, and laws."""
-        return (*self.missing, *dict.fromkeys(one.law for one in self.discovered))
+        return (*self.missing, *dict.fromkeys(law.law for law in self.discovered))
 
     def __repr__(self) -> str:
-        found = (*self.missing, *(one.formula for one in self.discovered))
-        errors = [one.validate if one.validate is not None else one.identify for one in self.ladder]
-        fall = " → ".join(f"{100.0 * one:.3g} %" for one in errors if one is not None)
+        found = (*self.missing, *(law.formula for law in self.discovered))
+        errors = [step.validate if step.validate is not None else step.identify for step in self.ladder]
+        fall = " → ".join(f"{100.0 * error:.3g} %" for error in errors if error is not None)
         return f"<{self.robot}: {', '.join(found) or 'nothing'} missing; error {fall}>"
 
     def rows(self) -> list[dict[str, str | float]]:
         """The ranking as a table: one row with effect, verdict, evidence and errors before and after each."""
         return [
             {
-                "effect": one.effect,
-                "verdict": one.verdict,
-                "evidence": one.evidence,
-                "error_before": one.error_before,
-                "error_after": one.error_after,
-                "at": ", ".join(one.actuators),
+                "effect": verdict.effect,
+                "verdict": verdict.verdict,
+                "evidence": verdict.evidence,
+                "error_before": verdict.error_before,
+                "error_after": verdict.error_after,
+                "at": ", ".join(verdict.actuators),
             }
-            for one in self.ranking
+            for verdict in self.ranking
         ]
 
     def to_dataframe(self) -> pd.DataFrame:

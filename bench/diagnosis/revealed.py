@@ -28,8 +28,10 @@ def partners(
     bends = any(map(_bends, model.effects))
     able = [
         i
-        for i, one in enumerate(proposals)
-        if i not in found and not one.absorbed and (bends or (found and any(map(_bends, one.instances))))
+        for i, proposal in enumerate(proposals)
+        if i not in found
+        and not proposal.absorbed
+        and (bends or (found and any(map(_bends, proposal.instances))))
     ]
     if not able:
         return []
@@ -44,16 +46,16 @@ def partners(
     return sorted((i for i in shares if shares[i] > WORTH), key=lambda i: -shares[i])[:MOST]
 
 
-def _bends(one: EffectInstance) -> bool:
+def _bends(instance: EffectInstance) -> bool:
     """Whether its columns depend on what else the model has."""
-    return bool(one.effect.shape) or one.effect.depends_on_model
+    return bool(instance.effect.shape) or instance.effect.depends_on_model
 
 
 def beside(proposals: Sequence[Proposal], model: Prepared, own: int) -> list[Proposal]:
     """The proposals in the shape that they have in a settled model, whose first `own` effects are the starting ones."""
     added = model.effects[own:]
     changed = []
-    for one in proposals:
-        instances = tuple(each for each in added if each.effect.name == one.name)
-        changed.append(replace(one, instances=instances) if instances else one)
+    for proposal in proposals:
+        instances = tuple(each for each in added if each.effect.name == proposal.name)
+        changed.append(replace(proposal, instances=instances) if instances else proposal)
     return changed

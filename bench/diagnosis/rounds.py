@@ -34,18 +34,19 @@ class Origin:
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The starting model with some of the proposals, settled."""
-        return self.with_instances([one for i in chosen for one in proposals[i].instances])
+        return self.with_instances([instance for i in chosen for instance in proposals[i].instances])
 
     def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as it is known nearby, for a first look."""
-        instances = [one for i in chosen for one in proposals[i].instances]
+        instances = [instance for i in chosen for instance in proposals[i].instances]
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
         return at_its_solution(settled(near))
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, settled; first as it is known nearby, if that is less work."""
         if not any(
-            one.effect.depends_on_model and not isinstance(one.effect, ActuatorEffect) for one in instances
+            instance.effect.depends_on_model and not isinstance(instance.effect, ActuatorEffect)
+            for instance in instances
         ):
             model = with_effects(self.start, (*self.start.effects, *instances))
             return at_its_solution(settled(model))
@@ -83,7 +84,7 @@ def origin_of(start: Prepared) -> Origin:
 
 def at_its_solution(model: Prepared) -> Prepared:
     """A settled model, with itself as what effects are linearised about; from nominal gains where it has run away."""
-    if any(one.effect.shape or one.effect.depends_on_model for one in model.effects):
+    if any(instance.effect.shape or instance.effect.depends_on_model for instance in model.effects):
         return model
     stack, solution = solved_quickly(model)
     present = present_model(model, restarted(stack, solution, model.dataset.robot.nominal_gains))
@@ -122,7 +123,11 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
 def error_of(model: Prepared) -> float:
     """Relative error of a settled model on recordings that were not fitted, without anything else of its answer."""
     _, solution = solved_quickly(model)
-    judged = [modelled_series(model, one, solution) for one in model.observations if one.use == "validate"]
+    judged = [
+        modelled_series(model, observation, solution)
+        for observation in model.observations
+        if observation.use == "validate"
+    ]
     return relative_error(judged) or 0.0
 
 
@@ -178,14 +183,16 @@ def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal])
     stack, own = solved_quickly(about)
     own = restarted(stack, replace(own, weights=solution.weights), start.dataset.robot.nominal_gains)
     exact = model.effects[len(start.effects) :]
-    listed = [() if one.absorbed else one.instances for one in proposals]
+    listed = [() if proposal.absorbed else proposal.instances for proposal in proposals]
     near = origin.nearby.signals(model.present, model.signals)
     system = build_system(about, near, listed, exact, own)
-    return replace(system, priors=tuple(one.prior for one in proposals))
+    return replace(system, priors=tuple(proposal.prior for proposal in proposals))
 
 
 def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Found:
-    usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
+    usable = [
+        i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
+    ]
     return search(system, usable)
 
 
@@ -199,12 +206,14 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     added = model.effects[own:]
     contexts: dict[int | None, Context] = {None: origin.context(model)}
     result = []
-    asked = [i for i, one in enumerate(here.proposals) if i not in here.chosen and _has_shape(one)]
+    asked = [
+        i for i, candidate in enumerate(here.proposals) if i not in here.chosen and _has_shape(candidate)
+    ]
     solve_sets(here.system, swapped(here.chosen, asked))  # together, and kept: each is asked for below
     for i, proposal in enumerate(here.proposals):
         progress.advance()
         if i in here.chosen:
-            instances = tuple(one for one in added if one.effect.name == proposal.name)
+            instances = tuple(instance for instance in added if instance.effect.name == proposal.name)
             result.append(replace(proposal, instances=instances))
             continue
         if not _has_shape(proposal):
@@ -213,7 +222,7 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
         rival = _rival(here.system, here.found, i)
         if rival not in contexts:
             name = here.proposals[rival].name if rival is not None else ""
-            others = [one for one in added if one.effect.name != name]
+            others = [instance for instance in added if instance.effect.name != name]
             contexts[rival] = origin.context(with_effects(model, (*origin.start.effects, *others)))
         result.append(replace(proposal, instances=shaped(contexts[rival], proposal.instances)))
     return result
@@ -229,7 +238,7 @@ def _rival(system: System, found: Found, i: int) -> int | None:
     """The found effect in whose place effect i does best, where that is better than most of what it explains."""
     best = found.best.fit
     sets = zip(best.chosen, swapped(best.chosen, [i]), strict=True)
-    swaps = {k: solve_set(system, one).fitted for k, one in sets}
+    swaps = {k: solve_set(system, pair).fitted for k, pair in sets}
     rival = min(swaps, key=lambda k: swaps[k])
     without = solve_set(system, tuple(c for c in best.chosen if c != rival)).fitted
     return rival if swaps[rival] < 0.5 * (without + best.fitted) else None

@@ -75,11 +75,15 @@ def search(system: System, usable: Sequence[int]) -> Found:
         else:
             sets = [(*best.fit.chosen, i) for i in order if i not in best.fit.chosen]
         scored = [score(system, fit, empty) for fit in solve_sets(system, sets)]
-        able = [one for one in sorted(scored, key=lambda one: -one.total) if possible(system, one.fit)]
+        able = [
+            scored_law
+            for scored_law in sorted(scored, key=lambda candidate: -candidate.total)
+            if possible(system, scored_law.fit)
+        ]
         before = best
-        for one in able[:20]:
-            if one.total > best.total + NEEDED and earned(system, one, empty):
-                best = simplest(system, one, able)
+        for candidate in able[:20]:
+            if candidate.total > best.total + NEEDED and earned(system, candidate, empty):
+                best = simplest(system, candidate, able)
                 break
         if size >= EXHAUSTIVE and best is before:
             break
@@ -98,18 +102,22 @@ def _shortlist(
     return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
 
 
-def earned(system: System, one: Scored, empty: SetFit) -> bool:
+def earned(system: System, scored: Scored, empty: SetFit) -> bool:
     """Whether the set is clearly poorer without any of its effects, on recordings that were not fitted, and on fitted
     ones: where those say nothing of an effect, what it does elsewhere makes up for errors of the other parameters.
     """
-    chosen = one.fit.chosen
+    chosen = scored.fit.chosen
     for i in range(len(chosen)):
         fewer = solve_set(system, chosen[:i] + chosen[i + 1 :])
         without = score(system, fewer, empty)
-        gained = (one.checked - without.checked, one.fitted - without.fitted, one.total - without.total)
+        gained = (
+            scored.checked - without.checked,
+            scored.fitted - without.fitted,
+            scored.total - without.total,
+        )
         if min(gained) < NEEDED:
             return False
-        if not material(fewer, one.fit):
+        if not material(fewer, scored.fit):
             return False
     return True
 
@@ -119,28 +127,28 @@ def material(before: SetFit, after: SetFit) -> bool:
     return bool(np.sqrt(after.checked) < (1.0 - MATERIAL) * np.sqrt(before.checked))
 
 
-def close(one: Scored, other: Scored) -> bool:
+def close(scored: Scored, other: Scored) -> bool:
     """Whether the data cannot tell two sets apart: the second is hardly worse than the first."""
-    return one.checked - other.checked < NEEDED or not material(other.fit, one.fit)
+    return scored.checked - other.checked < NEEDED or not material(other.fit, scored.fit)
 
 
-def simplest(system: System, one: Scored, rivals: Sequence[Scored]) -> Scored:
+def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored:
     """Of the sets that are as good and hold a special case of an effect instead of it, the one with fewest unknowns."""
-    size = _unknowns(system, one)
+    size = _unknowns(system, scored)
     simpler = [
         rival
         for rival in rivals
         if _unknowns(system, rival) < size
-        and _special_case(system, rival.fit.chosen, one.fit.chosen)
-        and close(one, rival)
+        and _special_case(system, rival.fit.chosen, scored.fit.chosen)
+        and close(scored, rival)
     ]
-    return min(simpler, key=lambda rival: (_unknowns(system, rival), -rival.total), default=one)
+    return min(simpler, key=lambda rival: (_unknowns(system, rival), -rival.total), default=scored)
 
 
-def _unknowns(system: System, one: Scored) -> int:
+def _unknowns(system: System, scored: Scored) -> int:
     """Its columns, and the shape parameters of its effects."""
-    shapes = (instance.effect.shape for i in one.fit.chosen for instance in system.candidates[i].instances)
-    return len(one.fit.columns) + sum(map(len, shapes))
+    shapes = (instance.effect.shape for i in scored.fit.chosen for instance in system.candidates[i].instances)
+    return len(scored.fit.columns) + sum(map(len, shapes))
 
 
 def _special_case(system: System, simple: Sequence[int], general: Sequence[int]) -> bool:
@@ -160,7 +168,9 @@ def possible(system: System, fit: SetFit) -> bool:
     at = system.base
     for i in fit.chosen:
         candidate = system.candidates[i]
-        signs = [parameter.positive for one in candidate.instances for parameter in one.effect.parameters]
+        signs = [
+            parameter.positive for instance in candidate.instances for parameter in instance.effect.parameters
+        ]
         values = fit.values[at : at + len(signs)]
         at += len(signs)
         signed = np.flatnonzero(signs)

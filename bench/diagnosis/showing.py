@@ -17,31 +17,34 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
     """
     values = result.effect_parameters[instance.effect.name][instance.place]
     parameters = instance.effect.parameters
-    if any(one.positive and values[one.name].value < -SHOWS * values[one.name].std for one in parameters):
+    if any(
+        parameter.positive and values[parameter.name].value < -SHOWS * values[parameter.name].std
+        for parameter in parameters
+    ):
         return False
     return any(
-        abs(values[one.name].value) > SHOWS * std
-        for one, std in zip(parameters, _at_its_shape(result, instance), strict=True)
+        abs(values[parameter.name].value) > SHOWS * std
+        for parameter, std in zip(parameters, _at_its_shape(result, instance), strict=True)
     )
 
 
 def _at_its_shape(result: Identification, instance: EffectInstance) -> list[float]:
     """Deviations of an effect's linear parameters where its shape is as it is."""
-    rows = {one: i for i, one in enumerate(result.covariance_rows)}
+    rows = {unknown: i for i, unknown in enumerate(result.covariance_rows)}
     name, place = instance.effect.name, instance.place
     values = result.effect_parameters[name][place]
     shape = [
         rows[unknown]
-        for one in instance.effect.shape
-        if (unknown := Unknown("effect", one.name, place, name)) in rows
+        for parameter in instance.effect.shape
+        if (unknown := Unknown("effect", parameter.name, place, name)) in rows
     ]
     shape = [i for i in shape if result.covariance[i, i] > 0.0]
     within = (
         np.linalg.pinv(result.covariance[np.ix_(shape, shape)], hermitian=True) if shape else np.zeros((0, 0))
     )
     found = []
-    for one in instance.effect.parameters:
-        std, at = values[one.name].std, rows.get(Unknown("effect", one.name, place, name))
+    for parameter in instance.effect.parameters:
+        std, at = values[parameter.name].std, rows.get(Unknown("effect", parameter.name, place, name))
         if at is None or not np.isfinite(std):
             found.append(std)
             continue

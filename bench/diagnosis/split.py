@@ -15,13 +15,13 @@ def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, str]:
 
     Without any recording for validation the last 30 % of every recording are kept apart.
     """
-    if any(one.use == "validate" for one in dataset.recordings):
+    if any(recording.use == "validate" for recording in dataset.recordings):
         return dataset, "recordings that were not fitted"
     parts = []
-    for one in dataset.recordings:
-        cut = round((1.0 - HELD_OUT) * len(one.time))
-        parts.append(_part(one, one.name, "identify", slice(0, cut)))
-        parts.append(_part(one, f"{one.name} (end)", "validate", slice(cut, None)))
+    for recording in dataset.recordings:
+        cut = round((1.0 - HELD_OUT) * len(recording.time))
+        parts.append(_part(recording, recording.name, "identify", slice(0, cut)))
+        parts.append(_part(recording, f"{recording.name} (end)", "validate", slice(cut, None)))
     return replace(
         dataset, recordings=tuple(parts)
     ), f"the last {100.0 * HELD_OUT:.0f} % of every recording, not fitted"
@@ -29,8 +29,8 @@ def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, str]:
 
 def dataset_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:
     """The dataset whose recordings the series are of: with the ends kept apart where they were judged on."""
-    names = {one.name for one in dataset.recordings}
-    return dataset if all(one.name in names for one in series) else with_held_out_parts(dataset)[0]
+    names = {recording.name for recording in dataset.recordings}
+    return dataset if all(trace.name in names for trace in series) else with_held_out_parts(dataset)[0]
 
 
 def _part(recording: Recording, name: str, use: str, where: slice) -> Recording:

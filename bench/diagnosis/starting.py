@@ -19,7 +19,7 @@ def origins_of(start: Prepared) -> list[Prepared]:
 
     A search beside effects that are not there goes wrong, since others must undo what they do.
     """
-    fixed = [one for one in start.effects if one.recording]
+    fixed = [instance for instance in start.effects if instance.recording]
     if len(fixed) == len(start.effects):
         return [start]
     return [settled(with_effects(start, fixed)), start]
@@ -35,8 +35,8 @@ def kept_and_new(
 ) -> tuple[tuple[EffectInstance, ...], tuple[EffectInstance, ...]]:
     """Of what was found, that which the starting model has, and the rest."""
     there = _places(given)
-    kept = tuple(one for one in found if (one.effect.name, one.joint) in there)
-    return kept, tuple(one for one in found if one not in kept)
+    kept = tuple(instance for instance in found if (instance.effect.name, instance.joint) in there)
+    return kept, tuple(instance for instance in found if instance not in kept)
 
 
 def leaving(
@@ -50,20 +50,22 @@ def leaving(
     added = _named(model.effects[own:], given)
     model = replace(model, effects=(*model.effects[:own], *added))
     if model.effects and added:
-        after = replace(after, effects=tuple(dict.fromkeys(one.request for one in model.effects)))
+        after = replace(after, effects=tuple(dict.fromkeys(instance.request for instance in model.effects)))
     gone: list[Superfluous] = []
-    there = {(one.effect.name, one.place) for one in origin.start.effects}
-    left = [one for one in given if (one.effect.name, one.place) not in there]
-    for name in dict.fromkeys(one.effect.name for one in left):
-        if any(one.effect.name == name for one in added):
+    there = {(instance.effect.name, instance.place) for instance in origin.start.effects}
+    left = [instance for instance in given if (instance.effect.name, instance.place) not in there]
+    for name in dict.fromkeys(instance.effect.name for instance in left):
+        if any(instance.effect.name == name for instance in added):
             continue
-        wider = origin.with_instances([*added, *(one for one in left if one.effect.name == name)])
+        wider = origin.with_instances(
+            [*added, *(instance for instance in left if instance.effect.name == name)]
+        )
         result = fit(wider)
         if _judged(result) < (1.0 - MATERIAL) * _judged(after):
             model, after = wider, result
             added = list(model.effects[own:])
         else:
-            wholes = [one.effect.name for one in added if name in one.effect.contains]
+            wholes = [instance.effect.name for instance in added if name in instance.effect.contains]
             gone.append(Superfluous(name, wholes[0] if wholes else None))
     return model, after, tuple(gone)
 
@@ -72,19 +74,22 @@ def given_wholly(given: Sequence[EffectInstance], proposals: Sequence[Proposal])
     """Effects that the starting model has wherever they can show: there is nothing to be said of them as missing."""
     there = _places(given)
     return {
-        one.name
-        for one in proposals
-        if one.instances and all((one.name, each.joint) in there for each in one.instances)
+        proposal.name
+        for proposal in proposals
+        if proposal.instances and all((proposal.name, each.joint) in there for each in proposal.instances)
     }
 
 
 def _named(found: Sequence[EffectInstance], given: Sequence[EffectInstance]) -> list[EffectInstance]:
-    requests = {(one.effect.name, one.joint): one.request for one in given}
-    return [replace(one, request=requests.get((one.effect.name, one.joint), one.request)) for one in found]
+    requests = {(instance.effect.name, instance.joint): instance.request for instance in given}
+    return [
+        replace(instance, request=requests.get((instance.effect.name, instance.joint), instance.request))
+        for instance in found
+    ]
 
 
 def _places(given: Sequence[EffectInstance]) -> set[tuple[str, str]]:
-    return {(one.effect.name, one.joint) for one in given}
+    return {(instance.effect.name, instance.joint) for instance in given}
 
 
 def _judged(result: Identification) -> float:

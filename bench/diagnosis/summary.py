@@ -63,7 +63,7 @@ class DiagnosisSummary:
             *self.differs,
             self.left,
         ]
-        return [one for one in told if one]
+        return [name for name in told if name]
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -87,16 +87,22 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
             f"{what} is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
             f"error clearly smaller than {in_percent(before)} of the current."
         )
-        causes = [one for one in diagnosis.after.findings if one.code in CAUSES]
+        causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes:
             nothing = (
                 f"{sentence(causes[0])} As it is declared, no effect makes the error on {diagnosis.split} clearly "
                 f"smaller than {in_percent(before)} of the current."
             )
-        strange = [sentence(one) for one in (runaway(diagnosis.after), unlike(diagnosis.after)) if one]
+        strange = [
+            sentence(finding) for finding in (runaway(diagnosis.after), unlike(diagnosis.after)) if finding
+        ]
         return DiagnosisSummary(nothing, tuple(strange), "", (), "", needless, differs, left, laws)
-    sure = [_named(diagnosis, one) for one in found if one.verdict != "resembles"]
-    like = [_named(diagnosis, one) for one in found if one.verdict == "resembles"]
+    sure = [
+        _named(diagnosis, effect_verdict) for effect_verdict in found if effect_verdict.verdict != "resembles"
+    ]
+    like = [
+        _named(diagnosis, effect_verdict) for effect_verdict in found if effect_verdict.verdict == "resembles"
+    ]
     parts = [*sure, *([f"something that resembles {and_list(like)}"] if like else [])]
     names = ", and ".join([and_list(sure), parts[-1]]) if sure and like else and_list(parts)
     said_of = "is" if len(parts) == 1 else "are"
@@ -109,20 +115,22 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
         f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
     )
-    undecided = tuple(_cannot_tell(one, found) for one in found if one.alternatives)
+    undecided = tuple(
+        _cannot_tell(effect_verdict, found) for effect_verdict in found if effect_verdict.alternatives
+    )
     moved = _largest_change(diagnosis) or ""
     return DiagnosisSummary(verdict, doubt, nominal, undecided, moved, needless, differs, left, laws)
 
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
     """What makes the names of the found effects unsure: gains that are only nominal, recordings that do not fit."""
-    return [one for one in (*_strange(diagnosis), _nominal(diagnosis.after)) if one]
+    return [name for name in (*_strange(diagnosis), _nominal(diagnosis.after)) if name]
 
 
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Recordings that do not fit, or far more left than noise."""
     result = diagnosis.after
-    causes = [one for one in result.findings if one.code in CAUSES]
+    causes = [finding for finding in result.findings if finding.code in CAUSES]
     strange = causes[0] if causes else runaway(result) or unlike(result)
     left = diagnosis.unexplained
     false = "These names may be false"
@@ -146,11 +154,11 @@ def _nominal(result: Identification) -> str:
 
 def _superfluous(diagnosis: Diagnosis) -> str:
     """What the starting model had that is not needed; "" where all of it is."""
-    alone = [spoken(one.effect) for one in diagnosis.superfluous if one.replaced_by is None]
+    alone = [spoken(effect.effect) for effect in diagnosis.superfluous if effect.replaced_by is None]
     parts = [
-        f"{spoken(one.effect)} gives way to {spoken(one.replaced_by)}"
-        for one in diagnosis.superfluous
-        if one.replaced_by is not None
+        f"{spoken(effect.effect)} gives way to {spoken(effect.replaced_by)}"
+        for effect in diagnosis.superfluous
+        if effect.replaced_by is not None
     ]
     if alone:
         parts.insert(0, f"{and_list(alone)} {'is' if len(alone) == 1 else 'are'} superfluous")
@@ -161,26 +169,29 @@ def _superfluous(diagnosis: Diagnosis) -> str:
     )
 
 
-def _named(diagnosis: Diagnosis, one: EffectVerdict) -> str:
+def _named(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     """An effect, where it shows, and what it could be instead."""
-    instead = f" (or {or_list([spoken(name) for name in one.alternatives])})" if one.alternatives else ""
-    return f"{spoken(one.effect)}{where(diagnosis, one)}{instead}"
+    instead = (
+        f" (or {or_list([spoken(name) for name in verdict.alternatives])})" if verdict.alternatives else ""
+    )
+    return f"{spoken(verdict.effect)}{where(diagnosis, verdict)}{instead}"
 
 
-def _cannot_tell(one: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
+def _cannot_tell(verdict: EffectVerdict, found: Sequence[EffectVerdict]) -> str:
     """What an effect could be instead, and how to find out."""
-    motions = "; ".join(telling_motions([one.effect, *one.alternatives])[:MOTIONS])
-    beside = "".join(f" --with {other.effect}" for other in found if other is not one)
+    motions = "; ".join(telling_motions([verdict.effect, *verdict.alternatives])[:MOTIONS])
+    beside = "".join(f" --with {other.effect}" for other in found if other is not verdict)
     return (
-        f"Instead of {spoken(one.effect)} it could as well be {or_list([spoken(name) for name in one.alternatives])}: "
+        f"Instead of {spoken(verdict.effect)} it could as well be "
+        f"{or_list([spoken(name) for name in verdict.alternatives])}: "
         f"these recordings cannot tell. To tell them apart: {motions}. "
-        f"`bench discriminate DATASET {one.effect} {one.alternatives[0]}{beside} -o DIR` designs the motion."
+        f"`bench discriminate DATASET {verdict.effect} {verdict.alternatives[0]}{beside} -o DIR` designs the motion."
     )
 
 
 def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
     """The verdicts on the effects that are missing, strongest first."""
-    by_name = {one.effect: one for one in diagnosis.ranking}
+    by_name = {verdict.effect: verdict for verdict in diagnosis.ranking}
     return [by_name[name] for name in diagnosis.missing]
 
 
@@ -207,8 +218,8 @@ def error_share(verdict: EffectVerdict) -> float | None:
 
 def motor_torques(result: Identification) -> dict[str, float]:
     """RMS torque or force of every motor over the fitted recordings, by the model's gains, N*m or N."""
-    fitted = [one for one in result.recordings if one.use == "identify"]
-    squares = np.concatenate([one.measured**2 for one in fitted]).mean(axis=0)
+    fitted = [trace for trace in result.recordings if trace.use == "identify"]
+    squares = np.concatenate([trace.measured**2 for trace in fitted]).mean(axis=0)
     gains = result.drive_gains
     return {
         joint: abs(gains[joint].value) * float(np.sqrt(squares[j])) for j, joint in enumerate(result.joints)
@@ -249,7 +260,7 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
     if not diagnosis.after.gains_fitted:
         return None
     changes = {joint: after[joint].value / before[joint].value - 1.0 for joint in after}
-    joint = max(changes, key=lambda one: abs(changes[one]))
+    joint = max(changes, key=lambda name: abs(changes[name]))
     if abs(changes[joint]) < TELLING or after[joint].std > LOOSE * abs(after[joint].value):
         return None
     them = "it" if len(diagnosis.missing) == 1 else "them"

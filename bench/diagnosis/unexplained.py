@@ -34,15 +34,15 @@ def relative_noise_floor(
     """
     by_name = {recording.name: recording for recording in recordings}
     noise = measured = 0.0
-    for one in series:
-        recording = by_name[one.name]
+    for trace in series:
+        recording = by_name[trace.name]
         band = noise_bandwidth(settings.decimation) * recording.rate / 2
         variance = noise_floor(recording.current, recording.rate, band) ** 2
-        if one.sharing is not None:
+        if trace.sharing is not None:
             given = noise_floor(recording.redundant_current, recording.rate, band)
-            variance = variance + one.sharing**2 @ given**2
-        noise += float((variance * one.moving.sum(axis=0)).sum())
-        measured += float(((one.measured * one.moving) ** 2).sum())
+            variance = variance + trace.sharing**2 @ given**2
+        noise += float((variance * trace.moving.sum(axis=0)).sum())
+        measured += float(((trace.measured * trace.moving) ** 2).sum())
     return float(np.sqrt(noise / measured)) if measured else 0.0
 
 
@@ -53,7 +53,7 @@ def unexplained(
 
     encoders: relative error that the encoders' noise alone makes; asked for only where the currents' does not do.
     """
-    judged = [one for one in result.recordings if one.use == "validate"] or list(result.recordings)
+    judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
     error = relative_error(judged) or 0.0
     floor = relative_noise_floor(recordings, judged, result.settings)
     left = f"{100.0 * error:.3g} %"
@@ -71,7 +71,7 @@ def unexplained(
     random = np.random.default_rng(SEED)
     joints = list(result.joints)
     for j in range(len(joints)):
-        errors = np.concatenate([one.error[:, j][one.moving[:, j]] for one in judged])
+        errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in judged])
         scale = errors.std() or 1.0
         if _in_blows(errors):
             found["time"] = max(found.get("time", 0.0), ALMOST)
@@ -101,17 +101,17 @@ def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]
     """What the error of a motor may vary with, one value a row."""
 
     def stacked(name: str) -> np.ndarray:
-        return np.concatenate([getattr(one, name)[:, j][one.moving[:, j]] for one in series])
+        return np.concatenate([getattr(trace, name)[:, j][trace.moving[:, j]] for trace in series])
 
     variables = {
         "position": stacked("position"),
         "velocity": stacked("velocity"),
         "acceleration": stacked("acceleration"),
         "current": stacked("measured"),
-        "time": np.concatenate([(one.time - one.time[0])[one.moving[:, j]] for one in series]),
+        "time": np.concatenate([(trace.time - trace.time[0])[trace.moving[:, j]] for trace in series]),
     }
     loads = np.concatenate(
-        [np.full(int(one.moving[:, j].sum()), float(one.payload is not None)) for one in series]
+        [np.full(int(trace.moving[:, j].sum()), float(trace.payload is not None)) for trace in series]
     )
     if np.ptp(loads) > 0:
         variables["payload"] = loads
@@ -168,13 +168,13 @@ def _lasting(series: Sequence[CurrentSeries]) -> bool:
     Pierce 1970), over all recordings and motors.
     """
     squares = count = 0.0
-    for one in series:
-        errors = one.error * one.moving
+    for trace in series:
+        errors = trace.error * trace.moving
         scale = (errors**2).sum(axis=0)
         for lag in range(FIRST_LAG, FIRST_LAG + LAGS):
             if lag >= len(errors) // 2:
                 break
             correlation = (errors[lag:] * errors[:-lag]).sum(axis=0) / np.where(scale > 0, scale, 1.0)
-            squares += float((correlation**2 * one.moving.sum(axis=0)).sum())
+            squares += float((correlation**2 * trace.moving.sum(axis=0)).sum())
             count += correlation.size
     return count > 0 and squares > exceeded_with(SURPRISING, count)

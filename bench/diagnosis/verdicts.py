@@ -58,7 +58,15 @@ def verdicts(
     }
     names = {proposals[i].name for i in chosen}
     return tuple(
-        sorted(rows, key=lambda one: (one.effect not in names, order[one.verdict], -one.evidence, one.effect))
+        sorted(
+            rows,
+            key=lambda verdict: (
+                verdict.effect not in names,
+                order[verdict.verdict],
+                -verdict.evidence,
+                verdict.effect,
+            ),
+        )
     )
 
 
@@ -75,8 +83,8 @@ def checked_error(system: System, fit: SetFit) -> float:
     return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 
-def _error(system: System, one: Scored, scale: float) -> float:
-    return scale * checked_error(system, one.fit)
+def _error(system: System, scored: Scored, scale: float) -> float:
+    return scale * checked_error(system, scored.fit)
 
 
 def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:

@@ -26,7 +26,9 @@ def stood_for(here: Round, laws: Sequence[str], barred: Collection[str]) -> dict
             for i in found.singles
             if i not in chosen and proposals[i].name not in (*laws, *barred)
         ]
-        able = [(one.total, i) for one, i in tried if one.total >= total and possible(system, one.fit)]
+        able = [
+            (scored.total, i) for scored, i in tried if scored.total >= total and possible(system, scored.fit)
+        ]
         if able:
             best, i = max(able)
             chosen, total, called[name] = (*others, i), best, i

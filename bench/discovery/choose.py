@@ -42,38 +42,44 @@ def _climbed(system: System, start: Scored, usable: Sequence[int], empty: SetFit
         tried = [(*base, i) for base in fewer for i in others]
         if len(chosen) < LARGEST:
             tried += [(*chosen, i) for i in others]
-        better = [one for one in _scored(system, tried, empty) if one.total > here.total + _needed(here, one)]
-        able = [one for one in better if possible(system, one.fit)][:20]
-        found = next((one for one in able if earned(system, one, empty)), None)
+        better = [
+            scored
+            for scored in _scored(system, tried, empty)
+            if scored.total > here.total + _needed(here, scored)
+        ]
+        able = [scored for scored in better if possible(system, scored.fit)][:20]
+        found = next((scored for scored in able if earned(system, scored, empty)), None)
         if found is None:
             return here
         here = simplest(system, found, able)
     return here
 
 
-def _needed(here: Scored, one: Scored) -> float:
-    return NEEDED if len(one.fit.chosen) > len(here.fit.chosen) else 0.0
+def _needed(here: Scored, scored: Scored) -> float:
+    return NEEDED if len(scored.fit.chosen) > len(here.fit.chosen) else 0.0
 
 
-def _all_earned(system: System, one: Scored, usable: Sequence[int], empty: SetFit) -> Scored:
+def _all_earned(system: System, scored: Scored, usable: Sequence[int], empty: SetFit) -> Scored:
     """Without the members that do not earn their place, the least first.
 
     Where a sign is impossible, another effect in the place of one member comes first, if all of that set earn theirs:
     what the sign belongs to may stand for a neighbour, as a spring that pushes stands for an offset.
     """
-    while one.fit.chosen and not (possible(system, one.fit) and earned(system, one, empty)):
-        chosen = one.fit.chosen
+    while scored.fit.chosen and not (possible(system, scored.fit) and earned(system, scored, empty)):
+        chosen = scored.fit.chosen
         fewer = [tuple(k for k in chosen if k != out) for out in chosen]
-        if not possible(system, one.fit):
+        if not possible(system, scored.fit):
             swaps = [(*base, i) for base in fewer for i in usable if i not in chosen]
             able = [each for each in _scored(system, swaps, empty) if possible(system, each.fit)][:SWAPS]
             found = next((each for each in able if earned(system, each, empty)), None)
             if found is not None:
                 return found
-        one = _scored(system, fewer, empty)[0]
-    return one
+        scored = _scored(system, fewer, empty)[0]
+    return scored
 
 
 def _scored(system: System, sets: Iterable[Sequence[int]], empty: SetFit) -> list[Scored]:
     """The best first."""
-    return sorted((score(system, fit, empty) for fit in solve_sets(system, sets)), key=lambda one: -one.total)
+    return sorted(
+        (score(system, fit, empty) for fit in solve_sets(system, sets)), key=lambda scored: -scored.total
+    )

@@ -24,12 +24,12 @@ def doubted(
     places = {place.name for law in laws for place in law.places}
     names = {law.name for law in laws}
     return tuple(
-        replace(one, verdict="resembles", why=one.why.removesuffix(".") + WHY)
-        if one.verdict == "missing"
-        and places.issuperset(one.actuators)
-        and _small(finding, one.effect, names)
-        else one
-        for one in ranking
+        replace(verdict, verdict="resembles", why=verdict.why.removesuffix(".") + WHY)
+        if verdict.verdict == "missing"
+        and places.issuperset(verdict.actuators)
+        and _small(finding, verdict.effect, names)
+        else verdict
+        for verdict in ranking
     )
 
 

@@ -265,7 +265,7 @@ class Memory(Timed):
 
     @property
     def variables(self) -> tuple[Variable, ...]:
-        return tuple(one.variable for one in self.powers)
+        return tuple(power.variable for power in self.powers)
 
     @property
     def role(self) -> Role:
@@ -273,24 +273,24 @@ class Memory(Timed):
 
     def values(self, seen: Seen) -> np.ndarray:
         driven = np.ones(1)
-        for one in self.powers:
-            driven = driven * one.values(seen)[:, 0]
+        for power in self.powers:
+            driven = driven * power.values(seen)[:, 0]
         parts = [first_order(driven[part], 1.0 / seen.interval, self.duration) for part in seen.parts]
         return np.concatenate(parts)[:, None]
 
     def formula(self, place: Place) -> tuple[str, ...]:
-        driven = "*".join(one.formula(place)[0] for one in self.powers)
+        driven = "*".join(power.formula(place)[0] for power in self.powers)
         return (f"lag({driven}, {self.duration:.4g})",)
 
     def code(self, place: Place, number: str) -> tuple[str, ...]:
-        driven = "*".join(one.code(place, "")[0] for one in self.powers)
+        driven = "*".join(power.code(place, "")[0] for power in self.powers)
         return (f"first_order({driven}, joint.rate, {number})",)
 
     def unit(self, place: Place) -> Unit:
-        return times(*(one.unit(place) for one in self.powers))
+        return times(*(power.unit(place) for power in self.powers))
 
 
 def unit_of(factors: tuple[Factor, ...], place: Place) -> str:
     """Unit of a coefficient that makes a torque or force of a product of factors."""
-    own = times(*(one.unit(place) for one in factors), power=-1.0)
+    own = times(*(factor.unit(place) for factor in factors), power=-1.0)
     return written(times({"{effort}": 1.0}, own))

@@ -63,7 +63,7 @@ def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: 
     finding = search(case, progress)
     plain = answered(case, finding, progress)
     gains = plain.after.drive_gains.values()
-    believed = believed and all(1.0 / UNIT <= one.value / one.nominal <= UNIT for one in gains)
+    believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
     wanted = something_left(plain.unexplained)
     answer = _Answer(finding, (), plain)
     if discover is None and not believed:
@@ -113,11 +113,13 @@ def _with_laws(
     laws = laws_of(
         result, refined.model.effects[own:], refined.terms, places_of(origin.start), case.problem.catalogue
     )
-    named = [one for one in refined.model.effects[own:] if one.effect.name not in refined.terms]
-    model = origin.with_instances([*named, *(one for law in laws for one in law.instances)])
+    named = [
+        instance for instance in refined.model.effects[own:] if instance.effect.name not in refined.terms
+    ]
+    model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
     if prior is None:
-        prior = max(one.prior for one in last.proposals)
-    proposals = [one for one in last.proposals if one.name not in searched.terms]
+        prior = max(proposal.prior for proposal in last.proposals)
+    proposals = [proposal for proposal in last.proposals if proposal.name not in searched.terms]
     proposals += _proposed(model, laws, prior)
     barred = plain.finding.barred
     here = judged(origin, model, proposals, barred)
@@ -125,10 +127,15 @@ def _with_laws(
     if called:
         laws = [law for law in laws if law.name not in called]
         named += [
-            one for i, proposal in enumerate(proposals) if i in called.values() for one in proposal.instances
+            instance
+            for i, proposal in enumerate(proposals)
+            if i in called.values()
+            for instance in proposal.instances
         ]
-        model = origin.with_instances([*named, *(one for law in laws for one in law.instances)])
-        here = judged(origin, model, [one for one in proposals if one.name not in called], barred)
+        model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
+        here = judged(
+            origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
+        )
     finding = found_from(case, origin, here, progress, barred)
     staying = tuple(law for law in laws if law.name in finding.names)
     if fewer:
@@ -165,9 +172,9 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     laws = tabled_laws(finding, {*case.problem.catalogue, *(law.name for law in plain.laws)})
     if not laws:
         return plain
-    instances = [*finding.model.effects[own:], *(one for law in laws for one in law.instances)]
+    instances = [*finding.model.effects[own:], *(instance for law in laws for instance in law.instances)]
     model = origin.with_instances(instances)
-    proposals = [one for one in finding.last.proposals if one.name in finding.names]
+    proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, NEEDED)
     here = judged(origin, model, proposals, finding.barred)
     wider = found_from(case, origin, here, progress, finding.barred)
@@ -175,8 +182,8 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
         return plain
     told = _told(wider, staying, answered(case, wider, progress))
-    judged_before = {one.effect for one in told.ranking}
-    others = tuple(one for one in plain.diagnosis.ranking if one.effect not in judged_before)
+    judged_before = {verdict.effect for verdict in told.ranking}
+    others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
     return _Answer(wider, staying, replace(told, ranking=(*told.ranking, *others)))
 
 
@@ -184,7 +191,11 @@ def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Propos
     """Laws as a settled model has them, as proposals."""
     return [
         Proposal(
-            law.name, tuple(one for one in model.effects if one.effect.name == law.name), False, "", prior
+            law.name,
+            tuple(instance for instance in model.effects if instance.effect.name == law.name),
+            False,
+            "",
+            prior,
         )
         for law in laws
     ]
@@ -198,7 +209,7 @@ def _better(finding: SearchResult, plain: Diagnosis, by: float = MATERIAL) -> bo
 def _told(finding: SearchResult, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagnosis:
     """The laws as what was discovered, and the catalogue's names as what is missing."""
     names = {law.name for law in laws}
-    ranking = tuple(_without(one, names) for one in diagnosis.ranking if one.effect not in names)
+    ranking = tuple(_without(verdict, names) for verdict in diagnosis.ranking if verdict.effect not in names)
     ranking = doubted(finding, laws, ranking)
     return replace(
         diagnosis,
@@ -218,20 +229,22 @@ def _stays_at(finding: SearchResult, law: Law, place: Place) -> bool:
     return place.name in finding.after.effect_parameters[law.name]
 
 
-def _without(one: EffectVerdict, laws: set[str]) -> EffectVerdict:
+def _without(verdict: EffectVerdict, laws: set[str]) -> EffectVerdict:
     """A verdict that names effects of the catalogue alone."""
-    left = tuple(name for name in one.alternatives if name not in laws)
-    if left == one.alternatives:
-        return one
-    if one.verdict == "indistinguishable" and not left:
-        return replace(one, alternatives=left, verdict="resembles" if one.actuators else "not supported")
-    return replace(one, alternatives=left)
+    left = tuple(name for name in verdict.alternatives if name not in laws)
+    if left == verdict.alternatives:
+        return verdict
+    if verdict.verdict == "indistinguishable" and not left:
+        return replace(
+            verdict, alternatives=left, verdict="resembles" if verdict.actuators else "not supported"
+        )
+    return replace(verdict, alternatives=left)
 
 
 def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
     place = law.places[i]
     values = finding.after.effect_parameters[law.name][place.name]
-    linear = [one for one in values if one.startswith("c")]
+    linear = [joint for joint in values if joint.startswith("c")]
     numbers = {label: value for label, value in values.items() if label not in linear}
     terms = law.at({label: value.value for label, value in numbers.items()})
     formulas = [
@@ -261,9 +274,9 @@ def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
 
 def _looks_at(term: Term, place: Place) -> tuple[LooksAt, ...]:
     return tuple(
-        LooksAt(one.kind, one.motor(place) if one.ahead else "", factor.role)
+        LooksAt(variable.kind, variable.motor(place) if variable.ahead else "", factor.role)
         for factor in term.factors
-        for one in factor.variables
+        for variable in factor.variables
     )
 
 

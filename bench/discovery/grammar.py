@@ -47,31 +47,33 @@ def grammar(scope: Scope) -> list[Term]:
     clock = [
         *_decays(scope),
         Power(T),
-        *(Wave(T, one, np.pi / scope.duration, free=True) for one in scope.pulses),
+        *(Wave(T, pulse, np.pi / scope.duration, free=True) for pulse in scope.pulses),
     ]
     steps = [*_steps(Q, scope.lowest, scope.highest), *_steps(T, 0.0, scope.duration)]
     tool = [Power(TOOL, exponent, odd=False) for exponent in (1.0, 2.0)] if scope.tool else []
-    others = [one for ahead in range(1, scope.others + 1) for one in _of_another(ahead)]
+    others = [factor for ahead in range(1, scope.others + 1) for factor in _of_another(ahead)]
     groups: list[list[Factor]] = [list(speed), list(inertial), list(load), [*place, *waves]]
-    singles = [one for group in groups for one in group]
+    singles = [factor for group in groups for factor in group]
     beside: list[Factor] = [*clock, *steps, *tool, *others]
-    terms = [Term((one,)) for one in (*singles, *beside)]
+    terms = [Term((factor,)) for factor in (*singles, *beside)]
     for i, group in enumerate(groups):
-        terms += _products(group, [one for later in groups[i + 1 :] for one in later])
+        terms += _products(group, [factor for later in groups[i + 1 :] for factor in later])
     carriers = [Power(V, 0.0), Power(V), Power(A), Power(LOAD), Power(V, 1.0, odd=False)]
     carriers += [Power(V, 2.0), Power(A, 1.0, odd=False), Power(LOAD, 1.0, odd=False), Power(Q)]
     terms += _products(carriers, beside)
     terms += _remembered(scope)
     terms += _triples([*waves[:3], Power(Q, 1.0, odd=False), Power(Q, 2.0, odd=False), Power(Q)])
-    return list({term: None for term in terms if sum(isinstance(one, Wave) for one in term.factors) < 2})
+    return list(
+        {term: None for term in terms if sum(isinstance(factor, Wave) for factor in term.factors) < 2}
+    )
 
 
 def _powers(x: Variable, odd: Iterable[float], even: Iterable[float]) -> list[Power]:
-    return [*(Power(x, one) for one in odd), *(Power(x, one, odd=False) for one in even)]
+    return [*(Power(x, value) for value in odd), *(Power(x, value, odd=False) for value in even)]
 
 
 def _products(first: Sequence[Factor], second: Sequence[Factor]) -> list[Term]:
-    return [Term((one, other)) for one, other in product(first, second)]
+    return [Term((factor, other)) for factor, other in product(first, second)]
 
 
 def _decays(scope: Scope) -> list[Factor]:
@@ -84,7 +86,7 @@ def _steps(x: Variable, low: float, high: float) -> list[Factor]:
 
 def _of_another(ahead: int) -> list[Factor]:
     """Of the motor so many places further."""
-    q, v, a, load = (Variable(one.kind, ahead) for one in (Q, V, A, LOAD))
+    q, v, a, load = (Variable(variable.kind, ahead) for variable in (Q, V, A, LOAD))
     powers = [Power(v, 0.0), Power(v), Power(v, 2.0), *(Power(x, 1.0, odd=False) for x in (v, a, load))]
     return [
         *powers,
@@ -114,12 +116,12 @@ def _remembered(scope: Scope) -> list[Term]:
     ]
     sized += [(Power(LOAD, 1.0, odd=False),), (Power(LOAD, 2.0, odd=False),)]
     sized += [(Power(V, 1.0, odd=False), Power(LOAD, 1.0, odd=False))]
-    known = [one for one in DURATIONS if 2.0 * scope.shortest < one < scope.duration]
-    terms = [Term((Memory(duration, one),)) for one in signed for duration in known]
+    known = [value for value in DURATIONS if 2.0 * scope.shortest < value < scope.duration]
+    terms = [Term((Memory(duration, pair),)) for pair in signed for duration in known]
     carriers = (Power(V, 0.0), Power(V), Power(LOAD))
-    slow = [one for one in (*known, 0.5 * scope.duration) if one >= 0.1]
+    slow = [value for value in (*known, 0.5 * scope.duration) if value >= 0.1]
     return terms + [
-        Term((carrier, Memory(duration, one))) for carrier in carriers for one in sized for duration in slow
+        Term((carrier, Memory(duration, pair))) for carrier in carriers for pair in sized for duration in slow
     ]
 
 
@@ -127,7 +129,7 @@ def _triples(places: Sequence[Factor]) -> list[Term]:
     """Products of three variables of the motor itself."""
     sizes = [Power(A, 1.0, odd=False), Power(LOAD, 1.0, odd=False)]
     friction = [Power(V, 0.0), Power(V), Power(V, 2.0)]
-    terms = [Term((one, *sizes)) for one in friction]
-    terms += [Term((one, size, place)) for one in friction for size in sizes for place in places]
+    terms = [Term((power, *sizes)) for power in friction]
+    terms += [Term((power, size, place)) for power in friction for size in sizes for place in places]
     terms += [Term((Power(V, 1.0, odd=False), Power(LOAD), place)) for place in places]
     return terms + [Term((Power(V, 1.0, odd=False), Power(A), place)) for place in places]

@@ -44,17 +44,17 @@ def laws_of(
     """
     shown: dict[int, list[Term]] = {}
     for place in places:
-        for one in effects:
-            if one.effect.name not in terms or one.joint != place.name:
+        for instance in effects:
+            if instance.effect.name not in terms or instance.joint != place.name:
                 continue
-            values = result.effect_parameters[one.effect.name][one.place]
-            linear = [values[parameter.name] for parameter in one.effect.parameters]
+            values = result.effect_parameters[instance.effect.name][instance.place]
+            linear = [values[parameter.name] for parameter in instance.effect.parameters]
             if any(abs(value.value) > SHOWS * value.std for value in linear):
-                term = terms[one.effect.name].with_numbers(list(one.effect.shape_values().values()))
+                term = terms[instance.effect.name].with_numbers(list(instance.effect.shape_values().values()))
                 shown.setdefault(place.index, []).append(term)
     groups: dict[object, list[int]] = {}
     for index, some in shown.items():
-        alike = tuple((one.structure, one.unit(places[index])) for one in some)
+        alike = tuple((law_term.structure, law_term.unit(places[index])) for law_term in some)
         groups.setdefault(alike, []).append(index)
     used = set(taken)
     laws = []
@@ -68,7 +68,9 @@ def laws_of(
 def _name(at: Sequence[Place], motors: int, taken: Collection[str]) -> str:
     """Such as law_left; law of all motors."""
     everywhere = len(at) == motors and motors > 1
-    plain = re.sub(r"\W", "_", "law" if everywhere else "_".join(["law", *(one.name for one in at)])).lower()
+    plain = re.sub(
+        r"\W", "_", "law" if everywhere else "_".join(["law", *(place.name for place in at)])
+    ).lower()
     return next(name for i in count(1) if (name := plain if i == 1 else f"{plain}_{i}") not in taken)
 
 

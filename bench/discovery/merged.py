@@ -23,13 +23,13 @@ def merged(finding: SearchResult) -> Refined | None:
     """
     origin = finding.origin
     added = finding.model.effects[len(origin.start.effects) :]
-    sits = [one for one in added if one.effect.of_velocity]
-    motors = [one.joint for one in sits]
-    alike = [one for one in sits if motors.count(one.joint) > 1]
+    sits = [instance for instance in added if instance.effect.of_velocity]
+    motors = [instance.joint for instance in sits]
+    alike = [instance for instance in sits if motors.count(instance.joint) > 1]
     if not alike:
         return None
-    others = [one for one in added if one not in alike]
-    places = [one for one in places_of(origin.start) if one.name in {each.joint for each in alike}]
+    others = [instance for instance in added if instance not in alike]
+    places = [place for place in places_of(origin.start) if place.name in {each.joint for each in alike}]
     enough = (1.0 + AS_GOOD) * error_of(finding.model)
     for kept in fewer(alike, 2 * len(places)):
         found = []
@@ -38,7 +38,7 @@ def merged(finding: SearchResult) -> Refined | None:
             instances = instances_of(NAME, Screened(term, {}, 0.0), places)
             model = origin.with_instances([*others, *kept, *instances])
             found.append(Refined(model, {NAME: term}, error_of(model)))
-        best = min(found, key=lambda one: one.error)
+        best = min(found, key=lambda refined: refined.error)
         if best.error < enough:
             return best
     return None
@@ -46,13 +46,13 @@ def merged(finding: SearchResult) -> Refined | None:
 
 def fewer(alike: Sequence[EffectInstance], own: int) -> Iterator[list[EffectInstance]]:
     """The frictions that may stay beside a law with `own` unknowns, the fewest first, so that unknowns are saved."""
-    names = sorted({one.effect.name for one in alike})
+    names = sorted({instance.effect.name for instance in alike})
     for size in range(len(names)):
         for stay in combinations(names, size):
-            kept = [one for one in alike if one.effect.name in stay]
+            kept = [instance for instance in alike if instance.effect.name in stay]
             if _unknowns(kept) + own < _unknowns(alike):
                 yield kept
 
 
 def _unknowns(instances: Sequence[EffectInstance]) -> int:
-    return sum(len(one.effect.parameters) + len(one.effect.shape) for one in instances)
+    return sum(len(instance.effect.parameters) + len(instance.effect.shape) for instance in instances)

@@ -32,13 +32,15 @@ class Refined:
 
     def size(self, own: int) -> int:
         """How many effects it has beyond the first `own` instances."""
-        return len({one.effect.name for one in self.model.effects[own:]})
+        return len({instance.effect.name for instance in self.model.effects[own:]})
 
 
-def instances_of(name: str, one: Screened, places: Sequence[Place]) -> tuple[EffectInstance, ...]:
+def instances_of(name: str, screened: Screened, places: Sequence[Place]) -> tuple[EffectInstance, ...]:
     """A term at every motor, with its numbers there."""
     return tuple(
-        EffectInstance(law_effect(name, [at_place(one, place)], place)[0], place.name, f"{name}:{place.name}")
+        EffectInstance(
+            law_effect(name, [at_place(screened, place)], place)[0], place.name, f"{name}:{place.name}"
+        )
         for place in places
     )
 
@@ -65,18 +67,20 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
     wholes = []
 
     def told(model: Prepared, name: str, variant: Term) -> Refined:
-        kept = {one.effect.name for one in model.effects[own:]}
-        terms = {key: one for key, one in found.terms.items() if key in kept} | {name: variant}
+        kept = {instance.effect.name for instance in model.effects[own:]}
+        terms = {key: found_term for key, found_term in found.terms.items() if key in kept} | {name: variant}
         return Refined(model, terms, error_of(model))
 
-    added_names = {one.effect.name for one in found.model.effects[own:]}
+    added_names = {instance.effect.name for instance in found.model.effects[own:]}
     for name, term in found.terms.items():
         for variant, mean in _with_a_mean(term, added_names):
-            others = [one for one in found.model.effects[own:] if one.effect.name not in (name, mean)]
+            others = [
+                instance for instance in found.model.effects[own:] if instance.effect.name not in (name, mean)
+            ]
             added = instances_of(f"{name}_mean", Screened(variant, {}, 0.0), places)
             yield told(origin.with_instances([*others, *added]), f"{name}_mean", variant)
     for name, term in found.terms.items():
-        others = [one for one in found.model.effects[own:] if one.effect.name != name]
+        others = [instance for instance in found.model.effects[own:] if instance.effect.name != name]
         for variant in (*at_other_harmonics(term), *freed(term)):
             free = f"{name}_free"
             added = instances_of(free, Screened(variant, {}, 0.0), places)
@@ -84,7 +88,7 @@ def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[
                 yield told(origin.with_instances(added), free, variant)
             whole = origin.with_instances([*others, *added])
             yield told(whole, free, variant)
-            wholes.append((whole, free, variant, {one.effect.name for one in others}))
+            wholes.append((whole, free, variant, {instance.effect.name for instance in others}))
     for whole, free, variant, names in wholes:
         for name in sorted(names) if len(names) > 1 else ():
             fewer = _without(origin, whole, {*names, free} - {name}, found.error)
@@ -97,8 +101,8 @@ def _with_a_mean(term: Term, names: Collection[str]) -> Iterator[tuple[Term, str
 
     Each is a part of the load of the other, which only one law of both can tell.
     """
-    for one in (term, *at_other_harmonics(term)):
-        joined = about_its_mean(one)
+    for harmonic in (term, *at_other_harmonics(term)):
+        joined = about_its_mean(harmonic)
         if joined is None or LOAD not in term.variables:
             continue
         variant, mean = joined
@@ -116,18 +120,20 @@ def _slower(new: Refined, own: int) -> bool:
     _, solution = solved_quickly(new.model)
     largest: dict[str, tuple[float, EffectInstance]] = {}
     begin = 0
-    for i, one in enumerate(new.model.effects):
-        part = slice(begin, begin := begin + len(one.effect.parameters))
-        if i < own or one.effect.name not in new.terms:
+    for i, instance in enumerate(new.model.effects):
+        part = slice(begin, begin := begin + len(instance.effect.parameters))
+        if i < own or instance.effect.name not in new.terms:
             continue
         values = solution.theta[at + part.start : at + part.stop]
         size = sum(float(((seen.effects[:, :, part] @ values) ** 2).sum()) for seen in new.model.fitted)
-        if size >= largest.get(one.effect.name, (0.0, one))[0]:
-            largest[one.effect.name] = size, one
+        if size >= largest.get(instance.effect.name, (0.0, instance))[0]:
+            largest[instance.effect.name] = size, instance
     return any(
         value < number.low
-        for name, (_, one) in largest.items()
-        for number, value in zip(new.terms[name].numbers, one.effect.shape_values().values(), strict=True)
+        for name, (_, effect_instance) in largest.items()
+        for number, value in zip(
+            new.terms[name].numbers, effect_instance.effect.shape_values().values(), strict=True
+        )
         if number.name == "w"
     )
 
@@ -135,7 +141,7 @@ def _slower(new: Refined, own: int) -> bool:
 def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:
     """A settled model without some of its effects; None where that explains far less, the others as they are."""
     own = len(origin.start.effects)
-    left = [one for i, one in enumerate(whole.effects) if i < own or one.effect.name in kept]
+    left = [instance for i, instance in enumerate(whole.effects) if i < own or instance.effect.name in kept]
     fewer = with_effects(whole, left)
     if error_of(fewer) > FAR_LESS * error:
         return None

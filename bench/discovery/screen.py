@@ -41,7 +41,7 @@ class Known:
         self._seen, self._rows = seen, rows
         self.groups = _groups(terms)
         self._terms, self._kept = terms, dict[int, np.ndarray]()
-        self._may_keep = 8 * len(rows) * sum(one.parts for one in terms) <= MOST_BYTES
+        self._may_keep = 8 * len(rows) * sum(term.parts for term in terms) <= MOST_BYTES
         every = {factor for term in terms for factor in term.factors}
         self._values = {factor: factor.values(seen)[rows] for factor in every}
 
@@ -56,8 +56,8 @@ class Known:
         for i, term in enumerate(terms):
             first, *others = term.factors
             column = self.values(first)
-            for one in others:
-                column = column * self.values(one)
+            for factor in others:
+                column = column * self.values(factor)
             found[:, i] = column
         return found.reshape(len(found), -1)
 
@@ -78,8 +78,8 @@ class Known:
 def _groups(terms: Sequence[Term]) -> list[list[int]]:
     """Which terms are looked at together: not too many at a time, of as many parts each."""
     found = []
-    for parts in sorted({one.parts for one in terms}):
-        chosen = [i for i, one in enumerate(terms) if one.parts == parts]
+    for parts in sorted({term.parts for term in terms}):
+        chosen = [i for i, term in enumerate(terms) if term.parts == parts]
         size = max(1, TOGETHER // parts)
         found += [chosen[at : at + size] for at in range(0, len(chosen), size)]
     return found
@@ -101,7 +101,7 @@ class Left:
         fewer: "Left | None" = None,
     ) -> None:
         self.basis, self.error, self.weights, self.known, self.fewer = basis, error, weights, known, fewer
-        self.squares = float(sum(one @ one for one in error))
+        self.squares = float(sum(values @ values for values in error))
 
     @property
     def motors(self) -> int:
@@ -113,11 +113,13 @@ class Left:
         """Of all motors together."""
         return sum(map(len, self.error))
 
-    def beside(self, one: "Screened", motors: Sequence[int] | None = None) -> "Left":
+    def beside(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Left":
         """What is left with a term at every motor, or at some, each with a coefficient of its own."""
         some = range(self.motors) if motors is None else motors
         columns = [
-            self.known[j].columns([one.term.with_numbers(one.numbers[j]) if one.numbers else one.term])
+            self.known[j].columns(
+                [candidate.term.with_numbers(candidate.numbers[j]) if candidate.numbers else candidate.term]
+            )
             * self.weights[j][:, None]
             for j in some
         ]
@@ -156,7 +158,7 @@ class Left:
         every = range(self.motors)
         found = []
         for k in range(len(self.known[0].groups)):
-            columns = [one.columns_of(k) for one in self.known]
+            columns = [known.columns_of(k) for known in self.known]
             if self.fewer is None:
                 found.append(self._products(columns, every, self.known[0].parts_of(k)))
             else:
@@ -165,11 +167,11 @@ class Left:
 
     def _beside(self, before: "Left", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
         """Products with columns (M, T p) of some terms at every motor, from those where less is taken away."""
-        new = [one[:, before.basis[j].shape[1] :] for j, one in enumerate(self.basis)]
-        along = [(one * self.weights[j][:, None]).T @ columns[j] for j, one in enumerate(new)]
+        new = [values[:, before.basis[j].shape[1] :] for j, values in enumerate(self.basis)]
+        along = [(values * self.weights[j][:, None]).T @ columns[j] for j, values in enumerate(new)]
         count = len(products.normal)
-        within = np.concatenate([one.reshape(len(one), count, -1) for one in along], axis=2)
-        taken = sum(one.T @ before.error[j] for j, one in enumerate(new))
+        within = np.concatenate([entry.reshape(len(entry), count, -1) for entry in along], axis=2)
+        taken = sum(values.T @ before.error[j] for j, values in enumerate(new))
         return products.without(within, np.asarray(taken))
 
     def fitted(self, term: Term) -> dict[int, tuple[float, ...]]:
@@ -180,16 +182,16 @@ class Left:
         for i, number in enumerate(term.numbers):
 
             def unexplained(value: float, i: int = i, term: Term = term) -> float:
-                values = [one.value for one in term.numbers]
+                values = [other.value for other in term.numbers]
                 values[i] = float(value)
                 return -self.explained_at(term.with_numbers(values), motor)
 
             found, least = minimum_between(unexplained, number.low, number.high, TOLERANCE * abs(number.high))
-            values = [one.value for one in term.numbers]
+            values = [other.value for other in term.numbers]
             if least < unexplained(values[i]):
                 values[i] = found
             term = term.with_numbers(values)
-        return tuple(one.value for one in term.numbers)
+        return tuple(other.value for other in term.numbers)
 
     def _products(self, columns: Sequence[np.ndarray], motors: Sequence[int], parts: int) -> "Products":
         """Of columns (M, T p) of terms of so many parts at some motors."""
@@ -205,9 +207,9 @@ class Left:
         right, lengths = np.concatenate(towards, axis=1), np.concatenate(whole, axis=1)
         size = len(inner) * parts
         normal = np.zeros((len(right), size, size))
-        for j, one in enumerate(inner):
+        for j, entry in enumerate(inner):
             at = slice(j * parts, (j + 1) * parts)
-            normal[:, at, at] = one
+            normal[:, at, at] = entry
         within = np.concatenate(across, axis=2)  # (r, T, n p)
         return Products(normal, right, lengths).without(within, np.zeros(len(within)))
 
@@ -299,7 +301,7 @@ def screened(
     ]
 
 
-def at_place(one: Screened, place: Place) -> Term:
+def at_place(candidate: Screened, place: Place) -> Term:
     """The term with the numbers that it has at a motor."""
-    numbers = one.numbers.get(place.index)
-    return one.term if numbers is None else one.term.with_numbers(numbers)
+    numbers = candidate.numbers.get(place.index)
+    return candidate.term if numbers is None else candidate.term.with_numbers(numbers)

@@ -37,7 +37,7 @@ class Laws:
     @property
     def found(self) -> dict[str, Term]:
         """The terms of the best set."""
-        return {name: one for name, one in self.terms.items() if name in self.last.names}
+        return {name: term for name, term in self.terms.items() if name in self.last.names}
 
 
 def search_laws(
@@ -76,25 +76,31 @@ def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence
     here = laws.last
     places = places_of(origin.start)
     terms = dict(laws.found)
-    proposals = [one for one in here.proposals if one.name not in laws.terms or one.name in terms]
-    taken = {one.name for one in proposals}
-    own = {one.structure: name for name, one in terms.items()}
-    fresh = [one for state in states for one in state.terms]
+    proposals = [
+        proposal for proposal in here.proposals if proposal.name not in laws.terms or proposal.name in terms
+    ]
+    taken = {proposal.name for proposal in proposals}
+    own = {term.structure: name for name, term in terms.items()}
+    fresh = [screened for state in states for screened in state.terms]
     prior = NEEDED + float(np.log(count))
     numbers = iter(range(len(fresh) + len(taken)))
-    for one in fresh:
+    for screened in fresh:
         if len(terms) >= MOST_TERMS:
             break
-        if one.term.structure in own or name_of(one.term) is not None:
+        if screened.term.structure in own or name_of(screened.term) is not None:
             continue
         name = next(name for i in numbers if (name := f"term_{i}") not in taken)
-        terms[name], own[one.term.structure] = one.term, name
-        proposals.append(Proposal(name, instances_of(name, one, places), False, "", prior))
-    index = {one.name: i for i, one in enumerate(proposals)}
-    usable = [i for i, one in enumerate(proposals) if not one.absorbed and one.name not in barred]
+        terms[name], own[screened.term.structure] = screened.term, name
+        proposals.append(Proposal(name, instances_of(name, screened, places), False, "", prior))
+    index = {proposal.name: i for i, proposal in enumerate(proposals)}
+    usable = [
+        i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
+    ]
     begin = [[index[name] for name in here.names]]
     for state in states[:BEGUN]:
-        names = {own.get(one.term.structure) or name_of(one.term) or "" for one in state.terms}
+        names = {
+            own.get(candidate.term.structure) or name_of(candidate.term) or "" for candidate in state.terms
+        }
         chosen = {index[name] for name in (*names, *state.beside) if name in index}
         begin.append(sorted(chosen.intersection(usable)))
     system = system_about(origin, here.model, proposals)
@@ -130,10 +136,10 @@ def _columns_of(model: Prepared, own: int) -> tuple[dict[str, list[int]], dict[s
     columns: dict[str, list[int]] = {}
     unknowns: dict[str, int] = {}
     at = model.layout.size - model.layout.effects
-    for i, one in enumerate(model.effects):
-        size, name = len(one.effect.parameters), one.effect.name
+    for i, instance in enumerate(model.effects):
+        size, name = len(instance.effect.parameters), instance.effect.name
         if i >= own:
             columns.setdefault(name, []).extend(range(at, at + size))
-            unknowns[name] = unknowns.get(name, 0) + size + len(one.effect.shape)
+            unknowns[name] = unknowns.get(name, 0) + size + len(instance.effect.shape)
         at += size
     return columns, unknowns

@@ -23,7 +23,7 @@ FINER = 8  # steps of the search for them in what one more period within a recor
 def places_of(prepared: Prepared) -> tuple[Place, ...]:
     """The motors at which laws may sit."""
     joints = prepared.signals[0].joints
-    names, rotates = tuple(joints), tuple(one.rotates for one in joints.values())
+    names, rotates = tuple(joints), tuple(signals.rotates for signals in joints.values())
     return tuple(Place(names, rotates, i) for i in range(len(names)))
 
 
@@ -31,23 +31,23 @@ def seen_at(prepared: Prepared, place: Place) -> Seen:
     """What a law at a motor sees of the fitted recordings."""
     robots = _fitted(prepared)
     step = prepared.settings.decimation
-    samples = [decimated_indices(len(one.time), step) for one in robots]
+    samples = [decimated_indices(len(signals.time), step) for signals in robots]
     ends = np.cumsum([0, *map(len, samples)])
 
     def stacked(values: Sequence[np.ndarray]) -> np.ndarray:
-        return np.concatenate([one[at] for one, at in zip(values, samples, strict=True)])
+        return np.concatenate([value[at] for value, at in zip(values, samples, strict=True)])
 
-    every: dict[Variable, np.ndarray] = {Variable("time"): stacked([one.time for one in robots])}
+    every: dict[Variable, np.ndarray] = {Variable("time"): stacked([signals.time for signals in robots])}
     if has_tool(prepared):
-        every[Variable("tool_speed")] = stacked([tool_speed(one) for one in robots])
+        every[Variable("tool_speed")] = stacked([tool_speed(signals) for signals in robots])
     for ahead in range(len(place.motors)):
         for kind in OF_A_MOTOR:
             variable = Variable(kind, ahead)
             motor = variable.motor(place)
             every[variable] = stacked(
                 [
-                    load_at(one, motor) if kind == "load" else getattr(one.joints[motor], kind)
-                    for one in robots
+                    load_at(signals, motor) if kind == "load" else getattr(signals.joints[motor], kind)
+                    for signals in robots
                 ]
             )
     rate = next(iter(robots[0].joints.values())).rate
@@ -57,21 +57,21 @@ def seen_at(prepared: Prepared, place: Place) -> Seen:
 def scope_of(prepared: Prepared, left: PartialRegression, places: Sequence[Place]) -> Scope:
     """What there is for laws to look at."""
     fitted = prepared.fitted
-    positions = np.concatenate([one.position for one in fitted])
+    positions = np.concatenate([observation.position for observation in fitted])
     slides = [j for j, place in enumerate(places) if not place.rotates[place.index]]
     travel = float(np.ptp(positions[:, slides], axis=0).max()) if slides else 0.0
     rates = [*(HARMONICS if len(slides) < len(places) else ())]
-    rates += [2.0 * np.pi * one / travel for one in WITHIN if travel > 0.0]
+    rates += [2.0 * np.pi * value / travel for value in WITHIN if travel > 0.0]
     robots = _fitted(prepared)
     interval = prepared.settings.decimation / next(iter(robots[0].joints.values())).rate
     return Scope(
         others=len(places) - 1,
         tool=has_tool(prepared),
-        duration=max(float(one.time[-1] - one.time[0]) for one in fitted),
+        duration=max(float(observation.time[-1] - observation.time[0]) for observation in fitted),
         lowest=float(positions.min()),
         highest=float(positions.max()),
         rates=tuple(rates),
-        pulses=_pulses(left, [len(one.time) for one in fitted], interval),
+        pulses=_pulses(left, [len(observation.time) for observation in fitted], interval),
         shortest=interval,
     )
 
@@ -84,8 +84,8 @@ def has_tool(prepared: Prepared) -> bool:
 def _fitted(prepared: Prepared) -> list[RobotSignals]:
     return [
         signals
-        for signals, one in zip(prepared.signals, prepared.measured, strict=True)
-        if one.recording.use == "identify"
+        for signals, measurement in zip(prepared.signals, prepared.measured, strict=True)
+        if measurement.recording.use == "identify"
     ]
 
 

@@ -62,7 +62,7 @@ def _terms(model: Prepared, place: Place, seen: Seen) -> list[Term]:
             continue
         among = [0.0] if values.min() < 0.0 < values.max() and variable != Q else []
         table = table_over(variable, values, KNOTS, among)
-        terms += [Term((*one, table)) for one in carriers if not (one and variable == V)]
+        terms += [Term((*carrier, table)) for carrier in carriers if not (carrier and variable == V)]
     return terms
 
 
@@ -71,8 +71,8 @@ def _chosen(left: Left, motor: int, terms: Sequence[Term]) -> list[Term]:
     chosen: list[Term] = []
     price = NEEDED + float(np.log(len(terms)))
     for _ in range(TERMS):
-        usable = [one for one in terms if not _overlaps(one, chosen)]
-        gains = [_worth(left, motor, one, price) for one in usable]
+        usable = [term for term in terms if not _overlaps(term, chosen)]
+        gains = [_worth(left, motor, term, price) for term in usable]
         if not gains or max(gains) <= 0.0:
             break
         chosen.append(usable[int(np.argmax(gains))])
@@ -89,7 +89,7 @@ def _worth(left: Left, motor: int, term: Term, price: float) -> float:
 
 def _overlaps(term: Term, chosen: Sequence[Term]) -> bool:
     """Whether two functions have the same carrier, and so a constant or a friction that belongs to both."""
-    return any(one.factors[:-1] == term.factors[:-1] for one in chosen)
+    return any(taken.factors[:-1] == term.factors[:-1] for taken in chosen)
 
 
 def _law(terms: Sequence[Term], place: Place, taken: Collection[str]) -> Law:

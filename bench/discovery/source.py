@@ -34,16 +34,18 @@ def law_source(name: str, terms: Sequence[Term], place: Place, told: str = "") -
     """The file of an effect that is the sum of terms; place: a motor at which it sits; told: how it was found."""
     code_place = _nameless(place)
     numbers, names = labelled(terms)
-    variables = sorted({one for term in terms for one in term.variables})
+    variables = sorted({variable for term in terms for variable in term.variables})
     columns = [
         code
         for term, own in zip(terms, names, strict=True)
-        for code in term.codes(code_place, [f"self.{one}" for one in own])
+        for code in term.codes(code_place, [f"self.{word}" for word in own])
     ]
     units = [term.unit(place) for term in terms for _ in range(term.parts)]
     formulas = [part for term, own in zip(terms, names, strict=True) for part in _law(term, code_place, own)]
-    law = " + ".join(f"c{i + 1}*{one}" if one != "1" else f"c{i + 1}" for i, one in enumerate(formulas))
-    own_alone = all(one.ahead == 0 and one.kind not in OF_THE_ROBOT for one in variables)
+    law = " + ".join(
+        f"c{i + 1}*{formula}" if formula != "1" else f"c{i + 1}" for i, formula in enumerate(formulas)
+    )
+    own_alone = all(variable.ahead == 0 and variable.kind not in OF_THE_ROBOT for variable in variables)
     base = "ActuatorEffect" if own_alone else "Effect"
     by_load = Variable("load") in variables
     lines = [
@@ -68,9 +70,13 @@ def law_source(name: str, terms: Sequence[Term], place: Place, told: str = "") -
         *(f'        EffectParameter("c{i + 1}", "{unit}"),' for i, unit in enumerate(units)),
         "    )",
         *_shape(numbers),
-        *(["    depends_on_model = True"] if any(one.depends_on_model for one in variables) else []),
+        *(
+            ["    depends_on_model = True"]
+            if any(variable.depends_on_model for variable in variables)
+            else []
+        ),
         *([""] if numbers or by_load else []),
-        *(f"    {label}: float = {one.value!r}" for label, one in numbers.items()),
+        *(f"    {label}: float = {number.value!r}" for label, number in numbers.items()),
         *(f"    c{i + 1}: float = 0.0" for i in range(len(columns) if by_load else 0)),
         "",
         *(_torque(variables, columns) if own_alone else _columns(variables, columns, code_place)),
@@ -85,7 +91,7 @@ def labelled(terms: Sequence[Term]) -> tuple[dict[str, Number], list[list[str]]]
     for term in terms:
         own = []
         for number in term.numbers:
-            count = sum(one.name == number.name for one in taken.values())
+            count = sum(other.name == number.name for other in taken.values())
             label = number.name if not count else f"{number.name}_{count + 1}"
             taken[label] = number
             own.append(label)
@@ -104,21 +110,21 @@ def _nameless(place: Place) -> Place:
 def _law(term: Term, place: Place, names: Sequence[str]) -> tuple[str, ...]:
     """The term's parts with the names of its numbers, without numpy."""
     return tuple(
-        one.replace("np.", "").replace("heaviside", "step").replace(", joint.rate", "")
-        for one in term.codes(place, names)
+        code.replace("np.", "").replace("heaviside", "step").replace(", joint.rate", "")
+        for code in term.codes(place, names)
     )
 
 
 def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
     lines = []
-    if any(isinstance(one, Memory) for term in terms for one in term.factors):
+    if any(isinstance(factor, Memory) for term in terms for factor in term.factors):
         lines.append("from bench.effects.memory import first_order")
-    if any(isinstance(one, Table) for term in terms for one in term.factors):
+    if any(isinstance(factor, Table) for term in terms for factor in term.factors):
         lines.append("from bench.effects.table import hat")
-    if any(one.kind == "load" for one in variables):
+    if any(variable.kind == "load" for variable in variables):
         own = ", with_itself" if Variable("load") in variables else ""
         lines.append(f"from bench.effects.load import load_at{own}")
-    if any(one.kind == "tool_speed" for one in variables):
+    if any(variable.kind == "tool_speed" for variable in variables):
         lines.append("from bench.effects.tool_motion import tool_speed")
     return lines
 
@@ -126,7 +132,11 @@ def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
 def _wrapped(name: str, text: str) -> list[str]:
     """A class attribute of so much text."""
     lines = wrap(text, WIDEST - 12, break_long_words=False, drop_whitespace=False)
-    return [f"    {name} = (", *(f"        {json.dumps(one, ensure_ascii=False)}" for one in lines), "    )"]
+    return [
+        f"    {name} = (",
+        *(f"        {json.dumps(line, ensure_ascii=False)}" for line in lines),
+        "    )",
+    ]
 
 
 def _class_name(name: str) -> str:
@@ -135,9 +145,9 @@ def _class_name(name: str) -> str:
 
 def _symbols(variables: Sequence[Variable], place: Place) -> str:
     said = [
-        f"{one.symbol(place)}: {MEANINGS[one.kind]}"
-        + (f" (of the motor {one.ahead} further in the robot's order)" if one.ahead else "")
-        for one in variables
+        f"{variable.symbol(place)}: {MEANINGS[variable.kind]}"
+        + (f" (of the motor {variable.ahead} further in the robot's order)" if variable.ahead else "")
+        for variable in variables
     ]
     return "; ".join(said) or "The same at all times"
 
@@ -146,8 +156,8 @@ def _shape(numbers: dict[str, Number]) -> list[str]:
     if not numbers:
         return []
     lines = [
-        f'        ShapeParameter("{label}", "{one.unit}", ({one.low!r}, {one.value!r}, {one.high!r})),'
-        for label, one in numbers.items()
+        f'        ShapeParameter("{label}", "{number.unit}", ({number.low!r}, {number.value!r}, {number.high!r})),'
+        for label, number in numbers.items()
     ]
     return ["    shape = (", *lines, "    )"]
 
@@ -155,22 +165,22 @@ def _shape(numbers: dict[str, Number]) -> list[str]:
 def _assigned(variables: Sequence[Variable], of: str) -> list[str]:
     """What stands for the variables of the law's own motor."""
     lines = []
-    for one in variables:
-        if one.ahead or one.kind in OF_THE_ROBOT:
+    for variable in variables:
+        if variable.ahead or variable.kind in OF_THE_ROBOT:
             continue
-        if one.kind == "time":
+        if variable.kind == "time":
             lines.append(f"        t = {of}.time")
         else:
-            lines.append(f"        {SYMBOLS[one.kind]} = {of}.{ATTRIBUTES[one.kind]}")
+            lines.append(f"        {SYMBOLS[variable.kind]} = {of}.{ATTRIBUTES[variable.kind]}")
     return lines
 
 
 def _stacked(columns: Sequence[str], of: str) -> list[str]:
-    ones = [f"np.ones(len({of}.time))" if one == "1" else one for one in columns]
+    ones = [f"np.ones(len({of}.time))" if joint == "1" else joint for joint in columns]
     return [
         "np.column_stack(",
         "            (",
-        *(f"                {one}," for one in ones),
+        *(f"                {name}," for name in ones),
         "            )",
         "        )",
     ]
@@ -188,7 +198,7 @@ def _torque(variables: Sequence[Variable], columns: Sequence[str]) -> list[str]:
 
 def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place) -> list[str]:
     """Of a law that looks at other motors or at the tool."""
-    own = [one.replace("joint.rate", "own.rate") for one in columns]
+    own = [joint.replace("joint.rate", "own.rate") for joint in columns]
     lines = [
         "    def columns(self, robot, joint):",
         "        motors = list(robot.joints)",
@@ -196,20 +206,20 @@ def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place
         "        own = robot.joints[joint]",
         *_assigned(variables, "own"),
     ]
-    for ahead in sorted({one.ahead for one in variables if one.ahead}):
+    for ahead in sorted({variable.ahead for variable in variables if variable.ahead}):
         other = Variable("velocity", ahead).motor(place)
         lines.append(f"        {other} = motors[(here + {ahead}) % len(motors)]")
-    for one in variables:
-        if one.kind == "load":
-            if one.ahead:
-                lines.append(f"        {one.symbol(place)} = load_at(robot, {one.motor(place)})")
-        elif one.kind == "tool_speed":
+    for variable in variables:
+        if variable.kind == "load":
+            if variable.ahead:
+                lines.append(f"        {variable.symbol(place)} = load_at(robot, {variable.motor(place)})")
+        elif variable.kind == "tool_speed":
             lines.append("        speed = tool_speed(robot)")
-        elif one.ahead:
+        elif variable.ahead:
             lines.append(
-                f"        {one.symbol(place)} = robot.joints[{one.motor(place)}].{ATTRIBUTES[one.kind]}"
+                f"        {variable.symbol(place)} = robot.joints[{variable.motor(place)}].{ATTRIBUTES[variable.kind]}"
             )
-    own = [one.replace("tool_speed", "speed") for one in own]
+    own = [name.replace("tool_speed", "speed") for name in own]
     stacked = _stacked(own, "robot")
     made = [f"        columns[:, here] = {stacked[0]}", *stacked[1:]]
     if Variable("load") in variables:  # of which the law itself is a part
@@ -218,7 +228,7 @@ def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place
             "",
             "        def law(load):",
             f"            return {stacked[0]}",
-            *(f"    {one}" for one in stacked[1:]),
+            *(f"    {name}" for name in stacked[1:]),
             "",
             f"        load = with_itself(load_at(robot, joint), law, [{values}])",
         ]

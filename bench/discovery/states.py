@@ -43,31 +43,31 @@ def best_states(
         for names, (left, unknowns) in lefts.items()
     ]
     beam = list(alone)
-    least = min(one.cost for one in alone)
+    least = min(state.cost for state in alone)
     for basic in basics:
-        beam += [_joined(one, Screened(basic, {}, 0.0), price) for one in beam]
+        beam += [_joined(state, Screened(basic, {}, 0.0), price) for state in beam]
     for _ in range(DEPTH):
         wider = [
-            _joined(state, one, price)
+            _joined(state, candidate, price)
             for state in beam
-            for one in screened(state.left, terms, WIDER, _known(state))
+            for candidate in screened(state.left, terms, WIDER, _known(state))
         ]
         beam = _distinct(wider)[:WIDTH]
         if not beam or beam[0].cost >= least:
             break
         least = beam[0].cost
         levels.append(beam)
-    return [one for rank in zip_longest(*levels) for one in rank if one is not None]
+    return [state for rank in zip_longest(*levels) for state in rank if state is not None]
 
 
 def _known(state: State) -> set[object]:
-    return {one.term.structure for one in state.terms}
+    return {candidate.term.structure for candidate in state.terms}
 
 
 def _state(
     beside: tuple[str, ...], terms: tuple[Screened, ...], left: Left, charged: float, price: float
 ) -> State:
-    unknowns = sum(one.term.parts + len(one.term.numbers) for one in terms) * left.motors
+    unknowns = sum(candidate.term.parts + len(candidate.term.numbers) for candidate in terms) * left.motors
     charge = charged + _charge(left, unknowns, price * len(terms))
     return State(beside, terms, left, charged, float(0.5 * np.log(left.squares) + charge))
 
@@ -76,13 +76,13 @@ def _charge(left: Left, unknowns: int, price: float) -> float:
     return float((0.5 * np.log(left.rows) * unknowns + price) / left.rows)
 
 
-def _joined(state: State, one: Screened, price: float) -> State:
-    return _state(state.beside, (*state.terms, one), state.left.beside(one), state.charged, price)
+def _joined(state: State, candidate: Screened, price: float) -> State:
+    return _state(state.beside, (*state.terms, candidate), state.left.beside(candidate), state.charged, price)
 
 
 def _distinct(states: Sequence[State]) -> list[State]:
     """The best of each set of structures, the best first."""
     found: dict[frozenset[object], State] = {}
-    for one in sorted(states, key=lambda one: one.cost):
-        found.setdefault(frozenset((*_known(one), *one.beside)), one)
+    for state in sorted(states, key=lambda candidate: candidate.cost):
+        found.setdefault(frozenset((*_known(state), *state.beside)), state)
     return list(found.values())

@@ -33,7 +33,7 @@ class Table(Factor):
 
     def values(self, seen: Seen) -> np.ndarray:
         x = seen.values[self.variable]
-        return np.column_stack([hat(x, *one) for one in self._hats()])
+        return np.column_stack([hat(x, *pair) for pair in self._hats()])
 
     def formula(self, place: Place) -> tuple[str, ...]:
         return self._written(place, ".4g")
@@ -43,7 +43,7 @@ class Table(Factor):
 
     def _written(self, place: Place, digits: str) -> tuple[str, ...]:
         x = self.variable.symbol(place)
-        return tuple(f"hat({x}, {', '.join(format(each, digits) for each in one)})" for one in self._hats())
+        return tuple(f"hat({x}, {', '.join(format(each, digits) for each in pair)})" for pair in self._hats())
 
     def _hats(self) -> list[tuple[float, float, float]]:
         padded = (self.knots[0], *self.knots, self.knots[-1])
@@ -56,6 +56,6 @@ def table_over(variable: Variable, values: np.ndarray, knots: int, among: Sequen
     apart = 0.3 * float(np.ptp(places)) / knots
     found = sorted(among)
     for place in places.tolist():
-        if all(abs(place - one) > apart for one in found):
+        if all(abs(place - value) > apart for value in found):
             found.append(place)
     return Table(variable, tuple(sorted(found)))

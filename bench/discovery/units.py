@@ -9,8 +9,8 @@ Unit = Mapping[str, float]
 def times(*units: Unit, power: float = 1.0) -> dict[str, float]:
     """The product of units, raised to a power."""
     total: dict[str, float] = {}
-    for one in units:
-        for symbol, exponent in one.items():
+    for unit in units:
+        for symbol, exponent in unit.items():
             total[symbol] = total.get(symbol, 0.0) + power * exponent
     return {symbol: exponent for symbol, exponent in total.items() if exponent}
 

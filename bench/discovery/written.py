@@ -9,7 +9,7 @@ from bench.files.atomic import write_text_atomically
 
 def write_laws(diagnosis: Diagnosis, folder: Path) -> Diagnosis:
     """Write the file of every law into a folder; the diagnosis with their names."""
-    for law, source in {one.law: one.source for one in diagnosis.discovered}.items():
+    for law, source in {found_law.law: found_law.source for found_law in diagnosis.discovered}.items():
         write_text_atomically(folder / f"{law}.py", source)
-    named = tuple(replace(one, file=f"{one.law}.py") for one in diagnosis.discovered)
+    named = tuple(replace(found_law, file=f"{found_law.law}.py") for found_law in diagnosis.discovered)
     return replace(diagnosis, discovered=named)

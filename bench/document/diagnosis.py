@@ -20,7 +20,7 @@ def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
     """
     labels = ["the model as it is"]
     for before, after in pairwise(steps):
-        added = dict.fromkeys(effect_name(one.partition(":")[0]) for one in after if one not in before)
+        added = dict.fromkeys(effect_name(name.partition(":")[0]) for name in after if name not in before)
         labels.append(f"+ {', '.join(added)}")
     return labels
 
@@ -28,14 +28,14 @@ def step_labels(steps: Sequence[Sequence[str]]) -> list[str]:
 def ladder_table(diagnosis: Diagnosis) -> Table:
     """Errors fitted and not fitted after each added effect, down to the noise, with bars for the latter."""
     steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
-    judged = [one.identify if one.validate is None else one.validate for one in steps]
+    judged = [step.identify if step.validate is None else step.validate for step in steps]
     values = [*judged, floor]
     largest = max((value for value in values if value), default=1.0)
     return Table(
         (
-            Column("model", [*step_labels([one.effects for one in steps]), "noise of the currents"]),
-            Column("fitted", [*(one.identify for one in steps), ""], "share"),
-            Column("not fitted", [*(one.validate for one in steps), floor], "share"),
+            Column("model", [*step_labels([step.effects for step in steps]), "noise of the currents"]),
+            Column("fitted", [*(step.identify for step in steps), ""], "share"),
+            Column("not fitted", [*(step.validate for step in steps), floor], "share"),
             Column("", [(value or 0.0) / largest for value in values], "bar", 1),
         ),
         (*[PLAIN] * len(steps), "weak"),
@@ -49,46 +49,58 @@ def ranking_table(diagnosis: Diagnosis, shown: Sequence[EffectVerdict] | None = 
     Columns with nothing in them are left out.
     """
     rows = diagnosis.ranking if shown is None else shown
-    absorbed = [one.verdict == "absorbed" for one in rows]
-    sized = [one if one.size else None for one in rows]
+    absorbed = [verdict.verdict == "absorbed" for verdict in rows]
+    sized = [verdict if verdict.size else None for verdict in rows]
     columns = (
-        Column("effect", [one.effect for one in rows], "effect"),
-        Column("verdict", [one.verdict for one in rows], "verdict"),
+        Column("effect", [verdict.effect for verdict in rows], "effect"),
+        Column("verdict", [verdict.verdict for verdict in rows], "verdict"),
         Column(
-            "evidence", _unless(absorbed, [_not_rounding(one.evidence) for one in rows]), "number", 0, ".1f"
+            "evidence",
+            _unless(absorbed, [_not_rounding(verdict.evidence) for verdict in rows]),
+            "number",
+            0,
+            ".1f",
         ),
-        Column("without", [one.error_before for one in rows], "share", 3),
-        Column("with it", _unless(absorbed, [one.error_after for one in rows]), "share"),
-        Column("size", ["" if one is None else size_words(diagnosis, one) for one in sized]),
+        Column("without", [verdict.error_before for verdict in rows], "share", 3),
+        Column("with it", _unless(absorbed, [verdict.error_after for verdict in rows]), "share"),
+        Column("size", ["" if verdict is None else size_words(diagnosis, verdict) for verdict in sized]),
         Column(
             "of squared error",
-            ["" if one is None else _taken(one) for one in sized],
+            ["" if verdict is None else _taken(verdict) for verdict in sized],
             "share",
             5,
         ),
-        Column("at", [_places(diagnosis, one) for one in rows], rank=2),
-        Column("could as well be", [_few(one.alternatives) for one in rows], rank=4),
+        Column("at", [_places(diagnosis, verdict) for verdict in rows], rank=2),
+        Column("could as well be", [_few(verdict.alternatives) for verdict in rows], rank=4),
     )
-    marks: tuple[Mark, ...] = tuple("strong" if one.effect in diagnosis.missing else "" for one in rows)
-    return Table(tuple(one for one in columns if any(cell != "" for cell in one.cells)), marks)
+    marks: tuple[Mark, ...] = tuple(
+        "strong" if verdict.effect in diagnosis.missing else "" for verdict in rows
+    )
+    return Table(tuple(column for column in columns if any(cell != "" for cell in column.cells)), marks)
 
 
 def gains_before_after(before: Identification, after: Identification) -> Table:
     """Drive gains of the model as it is and with what is missing."""
     gains = list(after.drive_gains.values())
     moved = _before_after(
-        "joint", [(one, before.drive_gains[one], gain) for one, gain in after.drive_gains.items()]
+        "joint",
+        [
+            (drive_gain, before.drive_gains[drive_gain], gain)
+            for drive_gain, gain in after.drive_gains.items()
+        ],
     )
-    nominal = Column("nominal", [one.nominal for one in gains], "number", 1)
-    from_nominal = Column("from nominal", [gain_change(one) for one in gains], "change", 2)
+    nominal = Column("nominal", [gain.nominal for gain in gains], "number", 1)
+    from_nominal = Column("from nominal", [gain_change(gain) for gain in gains], "change", 2)
     return Table((*moved, nominal, from_nominal))
 
 
 def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tuple[Table, int]:
     """Parameters of both models, and how many are left out: those that move least beside their deviation."""
-    before = {one.name: one for one in diagnosis.before.parameters}
+    before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
     both: list[tuple[str, Quantity, Quantity]] = [
-        (one.name, before[one.name], one) for one in diagnosis.after.parameters if one.name in before
+        (parameter.name, before[parameter.name], parameter)
+        for parameter in diagnosis.after.parameters
+        if parameter.name in before
     ]
     every = len(both)
     if most is not None and every > most:
@@ -123,25 +135,25 @@ def _unless(absent: Sequence[bool], cells: Sequence[float | None]) -> list[float
     return [None if no else cell for no, cell in zip(absent, cells, strict=True)]
 
 
-def _places(diagnosis: Diagnosis, one: EffectVerdict) -> str:
+def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     """Where an effect shows, in few words: the sentence beside has them all."""
     motors = list(diagnosis.after.drive_gains)
-    if list(one.actuators) == motors and len(motors) > 1:
+    if list(verdict.actuators) == motors and len(motors) > 1:
         return "all motors"
-    return f"{len(one.actuators)} joints" if len(one.actuators) > 3 else ", ".join(one.actuators)
+    return f"{len(verdict.actuators)} joints" if len(verdict.actuators) > 3 else ", ".join(verdict.actuators)
 
 
 def _few(alternatives: Sequence[str]) -> str:
     """The first of many effects: the sentence beside has them all."""
-    names = [effect_name(one) for one in alternatives]
+    names = [effect_name(alternative) for alternative in alternatives]
     if len(names) > FEW:
         return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} more"
     return ", ".join(names)
 
 
-def _taken(one: EffectVerdict) -> float | None:
+def _taken(verdict: EffectVerdict) -> float | None:
     """The share of the squared error that an effect takes away."""
-    share = error_share(one)
+    share = error_share(verdict)
     return None if share is None else _not_rounding(share)
 
 

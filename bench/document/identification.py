@@ -49,15 +49,15 @@ def parameters_table(
     before: another model, whose values stand beside.
     """
     parameters = list(result.parameters)
-    names = [one.name for one in parameters]
+    names = [parameter.name for parameter in parameters]
     columns = [Column("parameter", names), *_quantities(parameters), *_truth(parameters, names, truth)]
     if before is not None:
-        old = {one.name: one for one in before.parameters}
+        old = {parameter.name: parameter for parameter in before.parameters}
         columns.append(Column("model as it is", [old.get(name) for name in names], "quantity"))
-    others = [other_terms(one.name, one.grouping) for one in parameters]
-    whole = Column("stands for", [one.grouping for one in parameters])
+    others = [other_terms(parameter.name, parameter.grouping) for parameter in parameters]
+    whole = Column("stands for", [parameter.grouping for parameter in parameters])
     columns.append(whole if full else Column("together with", others, "terms"))
-    return Table(tuple(columns), tuple("poor" if is_poor(one) else "" for one in parameters))
+    return Table(tuple(columns), tuple("poor" if is_poor(parameter) else "" for parameter in parameters))
 
 
 def effects_table(result: Identification, truth: Truth | None = None) -> Table:
@@ -74,7 +74,7 @@ def effects_table(result: Identification, truth: Truth | None = None) -> Table:
             *_quantities(quantities),
             *_truth(quantities, keys, truth),
         ),
-        tuple("poor" if is_poor(one) else "" for one in quantities),
+        tuple("poor" if is_poor(quantity) else "" for quantity in quantities),
     )
 
 
@@ -89,9 +89,9 @@ def errors_table(
     """
     groups: list[tuple[str, str, str, list[CurrentSeries]]] = []
     ends = []
-    for use in (use for use in USES if any(one.use == use for one in series)):
-        chosen = [one for one in series if one.use == use]
-        groups += [(one.name, USES[use], one.payload or "–", [one]) for one in chosen]
+    for use in (use for use in USES if any(trace.use == use for trace in series)):
+        chosen = [trace for trace in series if trace.use == use]
+        groups += [(entry.name, USES[use], entry.payload or "–", [entry]) for entry in chosen]
         if len(chosen) > 1:
             groups.append((f"all {USES[use]}", "", "", chosen))
         ends.append(len(groups) - 1)
@@ -112,7 +112,7 @@ def errors_table(
         ),
         Column(
             "rows",
-            [sum(len(one.time) for one in chosen) for *_, chosen in groups] + [""] * last,
+            [sum(len(trace.time) for trace in chosen) for *_, chosen in groups] + [""] * last,
             "number",
             3,
             "d",
@@ -142,7 +142,7 @@ def motor_errors_table(series: Sequence[CurrentSeries], joints: Sequence[str]) -
     """Errors of the modelled current by motor, fitted and not fitted."""
     columns = [Column("joint", list(joints))]
     for use, name in USES.items():
-        chosen = [one for one in series if one.use == use]
+        chosen = [trace for trace in series if trace.use == use]
         if chosen:
             columns.append(Column(name, [relative_error(chosen, j) for j in range(len(joints))], "share"))
     return Table(tuple(columns))
@@ -154,9 +154,9 @@ def _seconds(series: CurrentSeries) -> float:
 
 
 def _quantities(quantities: Sequence[Quantity]) -> list[Column]:
-    unit = Column("unit", [one.unit for one in quantities], "unit")
-    if all(one.std == 0.0 for one in quantities):
-        return [Column("value", [one.value for one in quantities], "number"), unit]
+    unit = Column("unit", [quantity.unit for quantity in quantities], "unit")
+    if all(quantity.std == 0.0 for quantity in quantities):
+        return [Column("value", [quantity.value for quantity in quantities], "number"), unit]
     return [
         Column("value ± std", quantities, "quantity"),
         Column("rel. std", quantities, "deviation", rank=1),
@@ -171,7 +171,9 @@ def _truth(quantities: Sequence[Quantity], keys: Sequence[str], truth: Truth | N
         return []
     pairs = list(zip(quantities, known, strict=True))
     return [
-        Column("truth", ["" if t is None else replace(one, value=t) for one, t in pairs], "true"),
-        Column("off by", ["" if t is None else off_by(one, t) for one, t in pairs], "change"),
-        Column("in std", ["" if t is None else deviations_away(one, t) for one, t in pairs], "sigma"),
+        Column("truth", ["" if t is None else replace(quantity, value=t) for quantity, t in pairs], "true"),
+        Column("off by", ["" if t is None else off_by(quantity, t) for quantity, t in pairs], "change"),
+        Column(
+            "in std", ["" if t is None else deviations_away(quantity, t) for quantity, t in pairs], "sigma"
+        ),
     ]

@@ -75,11 +75,11 @@ def percent(share: float | None, *, signed: bool = False) -> str:
     return f"{'-' if value < 0 else '+' if signed else ''}{text} %"
 
 
-def quantity_text(one: Quantity) -> str:
+def quantity_text(quantity: Quantity) -> str:
     """A value with its deviation, or that it was given, or that other parameters take it up."""
-    if math.isinf(one.std):
+    if math.isinf(quantity.std):
         return ABSORBED
-    value, std = value_and_deviation(one.value, one.std)
+    value, std = value_and_deviation(quantity.value, quantity.std)
     return f"{value} {std}" if std == GIVEN else f"{value} ± {std}"
 
 
@@ -156,16 +156,16 @@ def judged_error(series: CurrentSeries) -> np.ndarray:
 
 def error_deviation(result: Identification) -> np.ndarray:
     """Standard deviation of the error on the fitted recordings, (n,), in the drives' units."""
-    fitted = [judged_error(one) for one in result.recordings if one.use == "identify"]
-    errors = np.concatenate(fitted or [judged_error(one) for one in result.recordings])
+    fitted = [judged_error(trace) for trace in result.recordings if trace.use == "identify"]
+    errors = np.concatenate(fitted or [judged_error(trace) for trace in result.recordings])
     count = np.maximum(np.isfinite(errors).sum(axis=0), 1)
     return np.asarray(np.sqrt(np.nansum(errors**2, axis=0) / count))
 
 
 def settings_lines(result: Identification) -> list[str]:
     """Rank, conditioning and filters, one line each."""
-    moving = [one.moving for one in result.recordings if one.use == "identify"]
-    rows, all_rows = (sum(int(count(one)) for one in moving) for count in (np.sum, np.size))
+    moving = [trace.moving for trace in result.recordings if trace.use == "identify"]
+    rows, all_rows = (sum(int(count(values)) for values in moving) for count in (np.sum, np.size))
     rate = fit_rate(result)
     filters = f"positions low-passed at {result.settings.position_cutoff:.4g} Hz"
     if rate is not None:

@@ -17,13 +17,13 @@ def errors_beside_table(found: SideBySide) -> Table:
     rows += [f"motor {joint}, not fitted" for joint in first.by_actuator_validate]
     rows += list(first.by_recording)
     columns = [Column("error", rows)]
-    for one in found.models:
-        error = one.model.error
+    for model in found.models:
+        error = model.model.error
         cells = [error.identify] if first.identify is not None else []
         cells += [error.validate] if first.validate is not None else []
         for values in (error.by_actuator, error.by_actuator_validate, error.by_recording):
             cells += list(values.values())
-        columns.append(Column(one.name, cells, "share"))
+        columns.append(Column(model.name, cells, "share"))
     uses = sum(value is not None for value in (first.identify, first.validate))
     return Table(tuple(columns), ends=(uses - 1,))
 
@@ -32,8 +32,8 @@ def gains_beside_table(found: SideBySide) -> Table:
     """A row a motor, with the 95 % interval of its gain in every model."""
     gains = found.models[0].model.drive_gains
     columns = [
-        Column(one.name, [_interval_text(one.model.drive_gains[joint]) for joint in gains])
-        for one in found.models
+        Column(model.name, [_interval_text(model.model.drive_gains[joint]) for joint in gains])
+        for model in found.models
     ]
     unit = Column("unit", [gain.unit for gain in gains.values()], "unit")
     return Table((Column("drive gain", list(gains)), *columns, unit))
@@ -48,8 +48,8 @@ def changed_sentences(found: SideBySide) -> list[str]:
 def _changed(first: Beside, other: Beside) -> list[str]:
     old, new = first.model, other.model
     there, then = effect_places(old), effect_places(new)
-    more = [one for one in then if one not in there]
-    less = [one for one in there if one not in then]
+    more = [name for name in then if name not in there]
+    less = [name for name in there if name not in then]
     said = [f"has {_listed(more)}"] if more else []
     said += [f"lacks {_listed(less)}"] if less else []
     found = [f"{other.name} {' and '.join(said) or 'has the same effects'}, beside {first.name}"]
@@ -82,7 +82,7 @@ def _changed(first: Beside, other: Beside) -> list[str]:
 def _listed(names: list[str]) -> str:
     return ", ".join(
         f"{effect_name(name)} at {place}" if place else effect_name(name)
-        for name, _, place in (one.partition(":") for one in names)
+        for name, _, place in (name.partition(":") for name in names)
     )
 
 

@@ -71,14 +71,15 @@ class Column:
         if self.kind == "effect":
             before = [None, *self.cells]
             return [
-                "" if one == last else effect_name(one) for last, one in zip(before, self.cells, strict=False)
+                "" if cell == last else effect_name(cell)
+                for last, cell in zip(before, self.cells, strict=False)
             ]
-        return ["" if one == "" else "–" if one is None else self._text(one) for one in self.cells]
+        return ["" if cell == "" else "–" if cell is None else self._text(cell) for cell in self.cells]
 
     @property
     def poor(self) -> list[bool]:
         """Which cells say little, as their deviation is large."""
-        return [self.kind == "deviation" and one.std < inf and is_poor(one) for one in self.cells]
+        return [self.kind == "deviation" and cell.std < inf and is_poor(cell) for cell in self.cells]
 
     def _text(self, cell: Any) -> str:
         """One cell that is known, of any kind but the names of effects."""
@@ -86,15 +87,15 @@ class Column:
         written: dict[Kind, Callable[[Any], str]] = {
             "unit": pretty_unit,
             "quantity": quantity_text,
-            "deviation": lambda one: percent(one.relative_std) if 0.0 < one.std < inf else "–",
-            "true": lambda one: value_and_deviation(one.value, one.std)[0],
-            "sigma": lambda one: f"{one:+.1f} σ",
+            "deviation": lambda entry: percent(entry.relative_std) if 0.0 < entry.std < inf else "–",
+            "true": lambda entry: value_and_deviation(entry.value, entry.std)[0],
+            "sigma": lambda entry: f"{entry:+.1f} σ",
             "share": percent,
             "bar": percent,
-            "change": lambda one: percent(one, signed=True),
-            "moved": lambda one: change_between(*one),
-            "number": lambda one: f"{one:{self.format}}{number}",
-            "terms": lambda one: " ".join(rounded_terms(list(one))),
+            "change": lambda entry: percent(entry, signed=True),
+            "moved": lambda entry: change_between(*entry),
+            "number": lambda entry: f"{entry:{self.format}}{number}",
+            "terms": lambda entry: " ".join(rounded_terms(list(entry))),
         }
         return written.get(self.kind, str)(cell)
 
@@ -119,13 +120,13 @@ class Table:
     def to_dataframe(self) -> pd.DataFrame:
         """The table with its numbers as they are; a quantity takes two columns. Needs pandas."""
         columns: dict[str, list[Any]] = {}
-        for one in self.columns:
-            if one.kind == "quantity":
-                name = one.header.partition(" ±")[0]
-                columns[name] = [cell.value if isinstance(cell, Quantity) else cell for cell in one.cells]
+        for column in self.columns:
+            if column.kind == "quantity":
+                name = column.header.partition(" ±")[0]
+                columns[name] = [cell.value if isinstance(cell, Quantity) else cell for cell in column.cells]
                 columns[f"std of {name}"] = [
-                    cell.std if isinstance(cell, Quantity) else cell for cell in one.cells
+                    cell.std if isinstance(cell, Quantity) else cell for cell in column.cells
                 ]
-            elif one.kind not in {"deviation", "bar"}:
-                columns[one.header] = list(one.cells)
+            elif column.kind not in {"deviation", "bar"}:
+                columns[column.header] = list(column.cells)
         return data_frame(columns)

@@ -148,7 +148,7 @@ class Effect(ABC):
         if parameter.scale == "speed" and samples:
             unit = samples[0].speed
         elif parameter.scale == "duration" and samples:
-            unit = max(one.duration for one in samples)
+            unit = max(joint_samples.duration for joint_samples in samples)
         values = [unit * value for value in parameter.candidates]
         if parameter.discrete:
             return tuple((value, value, value) for value in values)

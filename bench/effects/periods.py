@@ -43,11 +43,11 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
     Science 39, 1976.
     """
     joint = samples[0]
-    one = _one_in_the_travel(joint)
+    turn = _one_in_the_travel(joint)
     rate = (1.0 if joint.rotates else 2.0 * np.pi) * max(SLOW * joint.speed, np.finfo(float).tiny)
-    last = max(2.0 * np.pi * joint.band / rate, 4.0 * FEWEST * one)
-    step = one / FINENESS
-    grid = np.arange(FEWEST * one, last, step)
+    last = max(2.0 * np.pi * joint.band / rate, 4.0 * FEWEST * turn)
+    step = turn / FINENESS
+    grid = np.arange(FEWEST * turn, last, step)
     grid = grid[:MOST_STEPS]
     explained = np.zeros(len(grid))
     moments = np.zeros((len(grid), 5))
@@ -67,8 +67,8 @@ def strongest_periods(samples: Sequence[JointSamples], carriers: Sequence[np.nda
 
 def next_to(value: float, samples: Sequence[JointSamples]) -> Bracket:
     """About so many periods, as far as the peak of a periodogram reaches: one more or fewer within the travel."""
-    one = _one_in_the_travel(samples[0])
-    return min(value, max(value - one, FEWEST * one)), value, value + one
+    turn = _one_in_the_travel(samples[0])
+    return min(value, max(value - turn, FEWEST * turn)), value, value + turn
 
 
 def _one_in_the_travel(joint: JointSamples) -> float:
@@ -84,5 +84,5 @@ def _moments(grid: np.ndarray, sample: JointSamples, carrier: np.ndarray) -> np.
     cosine, sine = passed * np.cos(angle), passed * np.sin(angle)
     error = sample.error.astype(np.float32)
     pairs = ((cosine, cosine), (cosine, sine), (sine, sine))
-    products = [np.einsum("ij,ij->i", one, other) for one, other in pairs]
+    products = [np.einsum("ij,ij->i", pair, other) for pair, other in pairs]
     return np.column_stack((*products, cosine @ error, sine @ error))

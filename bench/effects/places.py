@@ -51,7 +51,7 @@ def places_in(geometry: Geometry, payloads: Iterable[str]) -> Places:
         passive=passive_joints(geometry),
         body=tuple(lengths(geometry)),
         payload=tuple(payloads),
-        redundant=tuple(one.joint for one in geometry.robot.redundant),
+        redundant=tuple(actuator.joint for actuator in geometry.robot.redundant),
     )
 
 

@@ -72,22 +72,24 @@ def select_effects(
         possible = places.where(effect)
         if joint and joint not in possible:
             near = meant(
-                joint, [one for one in possible if one] or ["only the robot as a whole"], "there are:"
+                joint, [word for word in possible if word] or ["only the robot as a whole"], "there are:"
             )
             what = "joint" if effect.place in ("actuator", "passive", "robot") else effect.place
             raise BenchError(f"effect {request!r}: no {what} {joint!r} where it can sit; {near}")
         if not possible:
             raise BenchError(f"effect {request!r}: {NOWHERE[effect.place]}")
         if each and not can_differ(effect):
-            able = ", ".join(sorted(key for key, one in catalogue.items() if can_differ(one)))
+            able = ", ".join(
+                sorted(key for key, known_effect in catalogue.items() if can_differ(known_effect))
+            )
             raise BenchError(
                 f"effect {request!r}: {name} cannot have a value for each recording; those that can: {able}"
             )
         among = tuple(recordings) if each else ()
         for at in [joint] if joint else possible:
-            if any(one.effect.name == name and one.joint == at for one in instances):
+            if any(instance.effect.name == name and instance.joint == at for instance in instances):
                 raise BenchError(f"effect {name!r} is given twice for {at or 'the robot'!r}")
-            instances += [EffectInstance(effect, at, request, one, among) for one in among or [""]]
+            instances += [EffectInstance(effect, at, request, word, among) for word in among or [""]]
     return tuple(instances)
 
 

@@ -44,14 +44,14 @@ def effects_in(source: str, path: Path) -> dict[str, Effect]:
     """The effects that the text of such a file defines, of a file that is there or is yet to be written."""
     module = module_of(source, path, PREFIX)
     classes = [
-        one
-        for one in vars(module).values()
-        if isinstance(one, type) and issubclass(one, Effect) and one.__module__ == module.__name__
+        member
+        for member in vars(module).values()
+        if isinstance(member, type) and issubclass(member, Effect) and member.__module__ == module.__name__
     ]
-    effects = [_instance(one, path) for one in classes if not inspect.isabstract(one)]
+    effects = [_instance(kind, path) for kind in classes if not inspect.isabstract(kind)]
     if not effects:
         unfinished = ", ".join(
-            f"{one.__name__} lacks {', '.join(sorted(one.__abstractmethods__))}" for one in classes
+            f"{kind.__name__} lacks {', '.join(sorted(kind.__abstractmethods__))}" for kind in classes
         )
         raise BenchError(
             f"{path}: no subclass of Effect or ActuatorEffect{unfinished and f' ({unfinished})'}"
@@ -98,14 +98,14 @@ def effect_fault(effect: Effect) -> str | None:
 
 def _parameter_fault(effect: Effect) -> str | None:
     every: list[EffectParameter | ShapeParameter] = [*effect.parameters, *effect.shape]
-    symbols = [one.name for one in every]
+    symbols = [effect_parameter.name for effect_parameter in every]
     if len(set(symbols)) < len(symbols):
         return f"two parameters have the same name: {', '.join(symbols)}"
     own = {field.name for field in fields(effect)}
-    for one in effect.shape:
-        if one.name not in own or not one.candidates:
+    for shape in effect.shape:
+        if shape.name not in own or not shape.candidates:
             return (
-                f"shape parameter {one.name!r} needs candidates and a field of the same name in a dataclass"
+                f"shape parameter {shape.name!r} needs candidates and a field of the same name in a dataclass"
             )
     for parameter in every:
         try:
@@ -118,4 +118,4 @@ def _parameter_fault(effect: Effect) -> str | None:
 
 
 def _all_of(values: object, kind: type) -> bool:
-    return isinstance(values, tuple) and all(isinstance(one, kind) for one in values)
+    return isinstance(values, tuple) and all(isinstance(value, kind) for value in values)

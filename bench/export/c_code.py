@@ -28,9 +28,11 @@ def c_text(model: IdentifiedModel) -> tuple[str, tuple[str, ...]]:
     geometry = model.model.geometry
     _check_tree(geometry)
     chosen = chosen_effects(model)
-    known = [one for one in (*chosen.at_motors, *chosen.between) if one.name in LAWS]
+    known = [effect for effect in (*chosen.at_motors, *chosen.between) if effect.name in LAWS]
     unknown = [
-        f"{one.name} at {one.place}" for one in (*chosen.at_motors, *chosen.between) if one not in known
+        f"{effect.name} at {effect.place}"
+        for effect in (*chosen.at_motors, *chosen.between)
+        if effect not in known
     ]
     left_out = (*chosen.left_out, *unknown)
     count = len(geometry.joints)
@@ -38,7 +40,9 @@ def c_text(model: IdentifiedModel) -> tuple[str, tuple[str, ...]]:
     parameters[model.model.base.columns] = model.base
     driven = [geometry.joint_index(joint) for joint in model.robot.joints]
     name = re.sub(r"\W", "_", geometry.robot.name)
-    units = ", ".join(f"{one.joint} ({one.gain_unit.split('/')[-1]})" for one in model.robot.actuators)
+    units = ", ".join(
+        f"{actuator.joint} ({actuator.gain_unit.split('/')[-1]})" for actuator in model.robot.actuators
+    )
     text = Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
         name=name if not name[0].isdigit() else f"_{name}",
         robot=_comment(geometry.robot.name),
@@ -58,8 +62,8 @@ def c_text(model: IdentifiedModel) -> tuple[str, tuple[str, ...]]:
         gravity=_table(geometry.gravity),
         solving=SOLVING,
         least=repr(LEAST_SATURATED),
-        effects=_lines(model, [one for one in known if not one.instance.effect.before_torque]),
-        between=_lines(model, [one for one in known if one.instance.effect.before_torque]),
+        effects=_lines(model, [effect for effect in known if not effect.instance.effect.before_torque]),
+        between=_lines(model, [effect for effect in known if effect.instance.effect.before_torque]),
     )
     return text, left_out
 
@@ -83,15 +87,15 @@ def _check_tree(geometry: Geometry) -> None:
 def _lines(model: IdentifiedModel, effects: list[EffectValues]) -> str:
     """A line of C for each effect at its motor."""
     geometry, lines = model.model.geometry, []
-    for one in effects:
-        turns = geometry.joints[geometry.joint_index(one.place)].kind != "slide"
-        values = {**one.instance.effect.shape_values(), **one.values}
-        j = model.robot.joints.index(one.place)
+    for effect in effects:
+        turns = geometry.joints[geometry.joint_index(effect.place)].kind != "slide"
+        values = {**effect.instance.effect.shape_values(), **effect.values}
+        j = model.robot.joints.index(effect.place)
         values["phase"] = 1.0 if turns else 2.0 * np.pi
-        target = "between" if one.instance.effect.before_torque else "torque"
+        target = "between" if effect.instance.effect.before_torque else "torque"
         state = f"double x = q[{j}], s = v[{j}], b = a[{j}], t = torque[{j}], g = gain[{j}]"
         unused = "(void)x; (void)s; (void)b; (void)t; (void)g;"
-        lines.append(f"    {{ {state}; {unused} {target}[{j}] += {LAWS[one.name](_numbers(values))}; }}")
+        lines.append(f"    {{ {state}; {unused} {target}[{j}] += {LAWS[effect.name](_numbers(values))}; }}")
     return "\n".join(lines)
 
 

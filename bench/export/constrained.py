@@ -29,7 +29,7 @@ def physically_consistent(result: Identification, problem: Problem) -> Identific
     if result.left_out:
         raise BenchError("real bodies need all base parameters: identify without --essential")
     dataset = problem.dataset
-    fitted = tuple(one.name for one in result.recordings if one.use == "identify")
+    fitted = tuple(trace.name for trace in result.recordings if trace.use == "identify")
     saved = SavedModel(dataset.folder, result, dataset.folder, fitted)
     identified = identified_model(dataset.folder, saved, dataset.robot, dataset.payloads, problem.catalogue)
     equations = equations_of(identified, use_cad=False)
@@ -46,8 +46,8 @@ def physically_consistent(result: Identification, problem: Problem) -> Identific
         finding = Finding(Code.NOT_REAL, (wrong.culprits[0][0],), numbers=numbers)
     moved = _with_values(result, identified.moved(nearest.estimated))
     beside = apply_model(problem, replace(saved, model=moved))
-    series = {one.name: one for one in beside.recordings}
-    recordings = tuple(series[one.name] for one in result.recordings)
+    series = {trace.name: trace for trace in beside.recordings}
+    recordings = tuple(series[trace.name] for trace in result.recordings)
     return replace(moved, recordings=recordings, error=beside.error, findings=(*result.findings, finding))
 
 
@@ -56,11 +56,19 @@ def _with_values(result: Identification, model: IdentifiedModel) -> Identificati
     names = list(model.model.base.names)
     values = dict(zip(names, model.base.tolist(), strict=True))
     loads = [value for each in model.payloads.values() for value in each.values()]
-    values |= dict(zip([one.name for one in result.parameters if one.name not in values], loads, strict=True))
-    parameters = tuple(replace(one, value=float(values[one.name])) for one in result.parameters)
+    values |= dict(
+        zip(
+            [parameter.name for parameter in result.parameters if parameter.name not in values],
+            loads,
+            strict=True,
+        )
+    )
+    parameters = tuple(
+        replace(parameter, value=float(values[parameter.name])) for parameter in result.parameters
+    )
     gains = {
-        joint: replace(one, value=float(value))
-        for (joint, one), value in zip(result.drive_gains.items(), model.gains, strict=True)
+        joint: replace(drive_gain, value=float(value))
+        for (joint, drive_gain), value in zip(result.drive_gains.items(), model.gains, strict=True)
     }
     effects: dict[str, dict[str, dict[str, Quantity]]] = {
         effect: {place: dict(own) for place, own in places.items()}

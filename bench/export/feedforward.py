@@ -31,16 +31,16 @@ class Chosen:
 def chosen_effects(model: IdentifiedModel) -> Chosen:
     """Sort the effects of a model by what they need."""
     at_motors, between, in_passive, left_out = [], [], [], []
-    for one in model.effects_in():
-        effect = one.instance.effect
-        if one.name in PASSIVE:
-            in_passive.append(one)
-        elif one.name in STATIC:
-            between.append(one)
-        elif one.name == "rotor_inertia" or _steady(one):
-            at_motors.append(one)
+    for fitted_effect in model.effects_in():
+        effect = fitted_effect.instance.effect
+        if fitted_effect.name in PASSIVE:
+            in_passive.append(fitted_effect)
+        elif fitted_effect.name in STATIC:
+            between.append(fitted_effect)
+        elif fitted_effect.name == "rotor_inertia" or _steady(fitted_effect):
+            at_motors.append(fitted_effect)
         else:
-            left_out.append(f"{effect.name} at {one.place}" if one.place else effect.name)
+            left_out.append(f"{effect.name} at {fitted_effect.place}" if fitted_effect.place else effect.name)
     return Chosen(tuple(at_motors), tuple(between), tuple(in_passive), tuple(left_out))
 
 
@@ -59,27 +59,27 @@ class Feedforward:
 
     def __call__(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Currents (n,) for positions, velocities and accelerations (n,) each, as logged: rad or m and rates."""
-        asked = [np.asarray(one, dtype=float) for one in (position, velocity, acceleration)]
-        if any(one.shape != (len(self.joints),) for one in asked):
+        asked = [np.asarray(values, dtype=float) for values in (position, velocity, acceleration)]
+        if any(values.shape != (len(self.joints),) for values in asked):
             raise BenchError(f"{len(self.joints)} values each are needed: {', '.join(self.joints)}")
         geometry, base = self._model.model.geometry, self._model.model.base
-        motion = motion_of(geometry, np.zeros(1), *(one[None] for one in asked), near=self._before)
+        motion = motion_of(geometry, np.zeros(1), *(values[None] for values in asked), near=self._before)
         self._before = motion
         torque = (projected_regressor(geometry, motion, base.columns) @ self._model.base)[0]
-        for one in self._effects.in_passive:
-            torque += _passive(geometry, motion, one)
-        for one in self._effects.at_motors:
-            j = self.joints.index(one.place)
-            torque[j] += self._at_motor(one, j, asked, 0.0)
+        for effect in self._effects.in_passive:
+            torque += _passive(geometry, motion, effect)
+        for fitted_effect in self._effects.at_motors:
+            j = self.joints.index(fitted_effect.place)
+            torque[j] += self._at_motor(fitted_effect, j, asked, 0.0)
         total = torque.copy()
-        for one in self._effects.between:
-            j = self.joints.index(one.place)
-            total[j] += self._at_motor(one, j, asked, float(torque[j]))
+        for effect_values in self._effects.between:
+            j = self.joints.index(effect_values.place)
+            total[j] += self._at_motor(effect_values, j, asked, float(torque[j]))
         return np.asarray(total / self._model.gains)
 
-    def _at_motor(self, one: EffectValues, j: int, asked: list[np.ndarray], needed: float) -> float:
+    def _at_motor(self, fitted_effect: EffectValues, j: int, asked: list[np.ndarray], needed: float) -> float:
         """What an effect at motor j takes, given what the motor needs beside it."""
-        effect = one.instance.effect
+        effect = fitted_effect.instance.effect
         if not isinstance(effect, ActuatorEffect):
             raise TypeError(effect.name)
         position, velocity, acceleration = (part[j : j + 1] for part in asked)
@@ -95,16 +95,16 @@ class Feedforward:
             speed=1.0,
             rate=1.0,
             band=1.0,
-            rotates=geometry.joints[geometry.joint_index(one.place)].kind != "slide",
+            rotates=geometry.joints[geometry.joint_index(fitted_effect.place)].kind != "slide",
             needs=partial(np.full, 1, needed),
         )
-        return float((effect.torque(signals) @ np.array(list(one.values.values())))[0])
+        return float((effect.torque(signals) @ np.array(list(fitted_effect.values.values())))[0])
 
 
-def _steady(one: EffectValues) -> bool:
+def _steady(fitted_effect: EffectValues) -> bool:
     """Whether an effect at a motor follows from the instant, the same at any time."""
-    effect = one.instance.effect
-    law = joint_law_of(effect, one.values, 1.0, True)
+    effect = fitted_effect.instance.effect
+    law = joint_law_of(effect, fitted_effect.values, 1.0, True)
     if not isinstance(law, Memoryless):
         return False
     state = np.array([0.7]), np.array([1.3]), np.zeros(1), np.zeros(1)
@@ -116,13 +116,13 @@ def _steady(one: EffectValues) -> bool:
     )
 
 
-def _passive(geometry: Geometry, motion: Motion, one: EffectValues) -> np.ndarray:
+def _passive(geometry: Geometry, motion: Motion, effect: EffectValues) -> np.ndarray:
     """What an effect in a joint without a motor asks of the motors (n,)."""
-    joint = geometry.joints[geometry.joint_index(one.place)]
+    joint = geometry.joints[geometry.joint_index(effect.place)]
     speed = motion.v[0, joint.v.start]
     laws = {
         "passive_coulomb_friction": lambda v: v["Fc"] * np.sign(speed),
         "passive_spring": lambda v: v["k"] * (motion.q[0, joint.q.start] + joint.offset) - v["kq0"],
         "passive_viscous_friction": lambda v: v["Fv"] * speed,
     }
-    return np.asarray(motion.jacobian[0, joint.v.start] * laws[one.name](one.values))
+    return np.asarray(motion.jacobian[0, joint.v.start] * laws[effect.name](effect.values))

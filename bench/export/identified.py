@@ -71,11 +71,11 @@ class IdentifiedModel:
     def effects_in(self, log: str = "") -> tuple[EffectValues, ...]:
         """The effects as they are in a recording: with its own values where each has some, else with their mean."""
         merged: dict[tuple[str, str], EffectValues] = {}
-        for one in self.effects:
-            share, key = one.instance.share(log), (one.name, one.place)
-            before = merged[key].values if key in merged else dict.fromkeys(one.values, 0.0)
-            values = {name: before[name] + share * value for name, value in one.values.items()}
-            everywhere = one.instance.everywhere()
+        for effect in self.effects:
+            share, key = effect.instance.share(log), (effect.name, effect.place)
+            before = merged[key].values if key in merged else dict.fromkeys(effect.values, 0.0)
+            values = {name: before[name] + share * value for name, value in effect.values.items()}
+            everywhere = effect.instance.everywhere()
             shaped = replace(everywhere, effect=everywhere.effect.about(values))
             merged[key] = EffectValues(shaped, values)
         return tuple(merged.values())
@@ -89,10 +89,10 @@ class IdentifiedModel:
         weights = np.linalg.lstsq(correlation, step[free] / std[free], rcond=1e-10)[0] / std[free]
         along = self.covariance[nz:][:, free] @ weights
         effects, start = [], 0
-        for one in self.effects:
-            shift = along[start : start + len(one.values)]
-            values = {name: float(v + d) for (name, v), d in zip(one.values.items(), shift, strict=True)}
-            instance = replace(one.instance, effect=one.instance.effect.about(values))
+        for effect in self.effects:
+            shift = along[start : start + len(effect.values)]
+            values = {name: float(v + d) for (name, v), d in zip(effect.values.items(), shift, strict=True)}
+            instance = replace(effect.instance, effect=effect.instance.effect.about(values))
             effects.append(EffectValues(instance, values))
             start += len(shift)
         loads, place = {}, len(self.base)
@@ -170,13 +170,13 @@ def identified_model(
             "geometry has changed since"
         )
     loads = {**_moving_nothing(model, payloads), **_payload_values(saved, names)}
-    weighed = [name for name, one in payloads.items() if one.mass is not None]
+    weighed = [name for name, payload in payloads.items() if payload.mass is not None]
     instances = select_effects(
         saved.model.effects, places_in(model.geometry, weighed), catalogue, saved.fitted
     )
-    effects = tuple(_with_values(path, saved, one) for one in instances)
+    effects = tuple(_with_values(path, saved, instance) for instance in instances)
     every = (*names, *(f"{PARAMETERS[i]}({load})" for load, values in loads.items() for i in values))
-    count = len(every) + sum(len(one.values) for one in effects) + len(robot.joints)
+    count = len(every) + sum(len(effect.values) for effect in effects) + len(robot.joints)
     return IdentifiedModel(
         path=path,
         saved=saved,
@@ -207,7 +207,9 @@ def _moving_nothing(
 ) -> dict[str, dict[int, float]]:
     """Payloads whose unknown parameters move no motor, as those of a platform that does not turn: none is estimated."""
     weighed = [
-        name for name, one in payloads.items() if one.mass is not None and len(payload_columns(one).unknown)
+        name
+        for name, payload in payloads.items()
+        if payload.mass is not None and len(payload_columns(payload).unknown)
     ]
     seen = parameter_layout(model, payloads, weighed, 0).payloads
     return {name: {} for name in weighed if not len(seen[name])}
@@ -216,13 +218,13 @@ def _moving_nothing(
 def _with_values(path: Path, saved: SavedModel, instance: EffectInstance) -> EffectValues:
     effect = instance.effect
     known = saved.model.effect_parameters.get(effect.name, {}).get(instance.place, {})
-    given = {name: one.value for name, one in known.items()}
-    wanted = [one.name for one in effect.shape] + [one.name for one in effect.parameters]
+    given = {name: quantity.value for name, quantity in known.items()}
+    wanted = [shape.name for shape in effect.shape] + [parameter.name for parameter in effect.parameters]
     for name in wanted:
         if name not in given:
             raise BenchError(f"{path}: no {name} of {effect.name} at {instance.place!r}")
-    linear = {one.name: given[one.name] for one in effect.parameters}
-    shaped = replace(effect, **{one.name: given[one.name] for one in effect.shape}).about(linear)
+    linear = {parameter.name: given[parameter.name] for parameter in effect.parameters}
+    shaped = replace(effect, **{shape.name: given[shape.name] for shape in effect.shape}).about(linear)
     return EffectValues(replace(instance, effect=shaped), linear)
 
 

@@ -107,7 +107,7 @@ def _find_files_from(spec: mujoco.MjSpec, source: Path, folder: Path) -> None:
         ("meshdir", (*spec.meshes, *spec.hfields, *spec.skins)),
         ("texturedir", spec.textures),
     ):
-        if any(one.file for one in listed):
+        if any(entry.file for entry in listed):
             setattr(spec.compiler, kind, os.path.relpath(source / getattr(spec.compiler, kind), folder))
 
 
@@ -237,7 +237,7 @@ def _comment(physical: PhysicalSet, placed: Placed) -> str:
     lines = [
         f"Identified: {model.path.name}, robot {model.robot.name}.",
         "The control of a motor is its current reference: "
-        + ", ".join(f"{one.joint} {one.gain_unit}" for one in model.robot.actuators),
+        + ", ".join(f"{actuator.joint} {actuator.gain_unit}" for actuator in model.robot.actuators),
         f"Bodies: real ones with the identified base parameters, otherwise near {physical.prior}.",
     ]
     if placed.left:
@@ -263,10 +263,12 @@ def _with_all_digits(text: str, exact: Mapping[str, Mapping[str, str]]) -> str:
                 if joint.get(name) is not None:
                     joint.set(name, value)
     for kind in ("actuator", "keyframe"):
-        for one in root.findall(f"{kind}/*"):
+        for element in root.findall(f"{kind}/*"):
             what = "key" if kind == "keyframe" else kind
-            entries = exact.get(f"{what} {one.get('name')}", {})
-            one.attrib.update({name: value for name, value in entries.items() if one.get(name) is not None})
+            entries = exact.get(f"{what} {element.get('name')}", {})
+            element.attrib.update(
+                {name: value for name, value in entries.items() if element.get(name) is not None}
+            )
     return ET.tostring(root, encoding="unicode") + "\n"
 
 

@@ -25,22 +25,26 @@ def set_motors(
     they stood for; a servo becomes a motor. changed: what is told. Returns the motors in the order of the joints.
     """
     motors = []
-    for one in driven:
+    for driven_joint in driven:
         own = [
             actuator
             for actuator in spec.actuators
-            if actuator.target == one.joint and actuator.trntype == mujoco.mjtTrn.mjTRN_JOINT
+            if actuator.target == driven_joint.joint and actuator.trntype == mujoco.mjtTrn.mjTRN_JOINT
         ]
         if not own:
-            motors.append(spec.add_actuator(name=_free_name(spec, one.joint), target=one.joint))
-            _fill(motors[-1], one, 1.0)
+            motors.append(
+                spec.add_actuator(name=_free_name(spec, driven_joint.joint), target=driven_joint.joint)
+            )
+            _fill(motors[-1], driven_joint, 1.0)
             continue
         motor, *others = own
         for other in others:
-            changed.append(f"actuator {other.name!r} is gone: {motor.name!r} drives joint {one.joint} too")
+            changed.append(
+                f"actuator {other.name!r} is gone: {motor.name!r} drives joint {driven_joint.joint} too"
+            )
             spec.delete(other)
-        _refill(motor, compiled, one, changed)
-        motor.name = motor.name or _free_name(spec, one.joint)
+        _refill(motor, compiled, driven_joint, changed)
+        motor.name = motor.name or _free_name(spec, driven_joint.joint)
         motors.append(motor)
     for key in spec.keys:
         if len(key.ctrl):
@@ -52,7 +56,7 @@ def set_motors(
 
 
 def _refill(
-    motor: mujoco.MjsActuator, compiled: mujoco.MjModel, one: DrivenJoint, changed: list[str]
+    motor: mujoco.MjsActuator, compiled: mujoco.MjModel, driven: DrivenJoint, changed: list[str]
 ) -> None:
     """An actuator of the file with the identified gain; its limits keep the torque that they stood for."""
     place, gear = motor.id, float(motor.gear[0])
@@ -66,17 +70,17 @@ def _refill(
     before = float(compiled.actuator_gainprm[place, 0])
     if not plain:
         changed.append(f"actuator {motor.name!r} is a motor now, its control a current: the file had a servo")
-    _fill(motor, one, gear)
+    _fill(motor, driven, gear)
     motor.ctrllimited = limited and plain
-    motor.ctrlrange = np.sort(limits * before * gear / one.gain) if limited and plain else [0.0, 0.0]
+    motor.ctrlrange = np.sort(limits * before * gear / driven.gain) if limited and plain else [0.0, 0.0]
 
 
-def _fill(motor: mujoco.MjsActuator, one: DrivenJoint, gear: float) -> None:
+def _fill(motor: mujoco.MjsActuator, driven: DrivenJoint, gear: float) -> None:
     motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
     motor.dyntype = mujoco.mjtDyn.mjDYN_NONE
     motor.gaintype, motor.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
     gains, biases = np.zeros(len(motor.gainprm)), np.zeros(len(motor.biasprm))
-    gains[0], biases[0] = one.gain / gear, -one.offset / gear
+    gains[0], biases[0] = driven.gain / gear, -driven.offset / gear
     motor.gainprm, motor.biasprm = gains, biases
     motor.ctrllimited = False
 

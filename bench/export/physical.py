@@ -122,4 +122,4 @@ def contradiction_of(
     if distance <= expected:
         return None
     left = [(body.name, programs.nearest(without=i).distance) for i, body in enumerate(equations.bodies)]
-    return Contradiction(distance, expected, tuple(sorted(left, key=lambda one: one[1])))
+    return Contradiction(distance, expected, tuple(sorted(left, key=lambda pair: pair[1])))

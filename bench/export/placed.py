@@ -135,9 +135,9 @@ RULES: dict[str, Rule] = {
 def left_lines(left: Iterable[NotPlaced]) -> list[str]:
     """What is left, a line each, with its values."""
     lines = []
-    for one in left:
-        values = {**one.effect.instance.effect.shape_values(), **one.effect.values}
+    for unplaced in left:
+        values = {**unplaced.effect.instance.effect.shape_values(), **unplaced.effect.values}
         listed = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
-        at = f" at {one.effect.place}" if one.effect.place else ""
-        lines.append(f"{one.effect.name}{at} ({listed}): {one.why}")
+        at = f" at {unplaced.effect.place}" if unplaced.effect.place else ""
+        lines.append(f"{unplaced.effect.name}{at} ({listed}): {unplaced.why}")
     return lines

@@ -109,7 +109,7 @@ class Programs:
         cp = self._cvxpy
         bodies = [cp.Variable((4, 4), symmetric=True) for _ in self.equations.bodies]
         rotors = cp.Variable(len(self._moving)) if len(self._moving) else None
-        listed = [cp.vec(one, order="C") for one in bodies]
+        listed = [cp.vec(body, order="C") for body in bodies]
         return bodies, rotors, cp.hstack([*listed, rotors] if rotors is not None else listed)
 
     def nearest(self, without: int | None = None) -> Nearest:
@@ -118,9 +118,9 @@ class Programs:
         bodies, rotors, x = self._unknowns()
         known = self._whitening
         scale = 1.0 / self._steepness
-        real = [one >> LEAST * np.eye(4) for i, one in enumerate(bodies) if i != without]
+        real = [body >> LEAST * np.eye(4) for i, body in enumerate(bodies) if i != without]
         real += [] if rotors is None else [rotors >= 0.0]
-        finite = [one << MOST * np.eye(4) for one in bodies]
+        finite = [body << MOST * np.eye(4) for body in bodies]
         finite += [] if rotors is None else [rotors <= MOST]
         off = scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
         problem = cp.Problem(cp.Minimize(cp.norm(off)), [*real, *finite, *self._held_conditions(x)])
@@ -128,7 +128,7 @@ class Programs:
         estimated = self._map @ x.value
         distance = float(np.linalg.norm(known @ (estimated - self.equations.estimated)))
         pressing = [_pressures(condition.dual_value) for condition in real]
-        least = AT_LIMIT * max((float(one.max(initial=0.0)) for one, _ in pressing), default=0.0)
+        least = AT_LIMIT * max((float(values.max(initial=0.0)) for values, _ in pressing), default=0.0)
         freedom = 0
         for pressures, matrix in pressing:
             rank = int((pressures > least).sum()) if least > 0.0 else 0
@@ -152,7 +152,7 @@ class Programs:
             length[length == 0.0] = 1.0
             reproduced = (self._map / length[:, None]) @ x == self.equations.estimated / length
             conditions = [reproduced, *self._held_conditions(x)]
-        far = sum(cp.trace(one) - cp.log_det(one) for one in bodies)
+        far = sum(cp.trace(body) - cp.log_det(body) for body in bodies)
         if rotors is not None:
             conditions.append(rotors >= 0.0)
             given = self.equations.rotor_prior[self._moving] > 0.0
@@ -166,7 +166,7 @@ class Programs:
         """The bodies moved the least way onto the estimate, to rounding; None if they are real no longer."""
         parameters, rotors = reached
         bodies = self.equations.bodies
-        columns = [from_scaled(np.linalg.cholesky(pseudo_inertia(one))) for one in parameters]
+        columns = [from_scaled(np.linalg.cholesky(pseudo_inertia(parameter))) for parameter in parameters]
         held = block_diag(*(body.held @ own for body, own in zip(bodies, columns, strict=True)))
         rows = [body.rows @ own for body, own in zip(bodies, columns, strict=True)]
         whole = np.vstack((np.hstack(rows), held))
@@ -176,7 +176,7 @@ class Programs:
         length[length == 0.0] = 1.0
         step = np.linalg.lstsq(whole / length[:, None], off / length, rcond=1e-12)[0].reshape(-1, 16)
         moved = [p + own @ s for p, own, s in zip(parameters, columns, step, strict=True)]
-        if min(np.linalg.eigvalsh(pseudo_inertia(one))[0] for one in moved) <= 0.0:
+        if min(np.linalg.eigvalsh(pseudo_inertia(entry))[0] for entry in moved) <= 0.0:
             return None
         return moved, rotors
 
@@ -196,7 +196,7 @@ class Programs:
     def _split(self, x: np.ndarray) -> Reached:
         count = len(self.equations.bodies)
         entries = x[: 16 * count].reshape(count, 16)
-        parameters = [m @ one for m, one in zip(self._columns, entries, strict=True)]
+        parameters = [m @ column for m, column in zip(self._columns, entries, strict=True)]
         rotors = np.zeros(self.equations.rotors.shape[1])
         rotors[self._moving] = np.maximum(x[16 * count :], 0.0) * self._unit[self._moving]
         return parameters, rotors
@@ -212,7 +212,10 @@ class Programs:
         except cp.error.SolverError as error:
             raise BenchError(f"the search for real bodies failed: {error}") from None
         reached = problem.status in ("optimal", "optimal_inaccurate")
-        if not reached or max(float(np.max(one.violation())) for one in problem.constraints) > VIOLATED:
+        if (
+            not reached
+            or max(float(np.max(constraint.violation())) for constraint in problem.constraints) > VIOLATED
+        ):
             left_out = " (base parameters were left out as not needed: identify without --essential)"
             raise BenchError(
                 f"the search for real bodies failed: {problem.status}"

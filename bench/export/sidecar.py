@@ -16,19 +16,21 @@ def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:
         "format": FORMAT,
         "robot": model.robot.name,
         "motors": [
-            {"joint": one.joint, "gain": float(gain), "unit": one.gain_unit, "actuator": name}
-            for one, gain, name in zip(model.robot.actuators, model.gains, exported.actuators, strict=True)
+            {"joint": actuator.joint, "gain": float(gain), "unit": actuator.gain_unit, "actuator": name}
+            for actuator, gain, name in zip(
+                model.robot.actuators, model.gains, exported.actuators, strict=True
+            )
         ],
         "tool": model.robot.tool_site,
         "effects": [
             {
-                "effect": one.effect.name,
-                "place": one.effect.place,
-                "values": dict(one.effect.values),
-                "shape": one.effect.instance.effect.shape_values(),
-                "why": one.why,
+                "effect": unplaced.effect.name,
+                "place": unplaced.effect.place,
+                "values": dict(unplaced.effect.values),
+                "shape": unplaced.effect.instance.effect.shape_values(),
+                "why": unplaced.why,
             }
-            for one in exported.placed.left
+            for unplaced in exported.placed.left
         ],
         "effect_files": [str(file.resolve()) for file in model.effect_files],
         "bodies": {

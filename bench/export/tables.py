@@ -24,10 +24,10 @@ def table_rows(physical: PhysicalSet) -> list[dict[str, Any]]:
     """
     content = json.loads(physical.model.path.read_text(encoding="utf-8"))
     rows = [_row("drive gain", joint, "gain", quantity) for joint, quantity in content["drive_gains"].items()]
-    rows += [_row("base parameter", "", one["name"], one) for one in content["parameters"]]
+    rows += [_row("base parameter", "", parameter["name"], parameter) for parameter in content["parameters"]]
     for effect, places in content["effect_parameters"].items():
         for place, values in places.items():
-            rows += [_row(effect, place, name, one) for name, one in values.items()]
+            rows += [_row(effect, place, name, value) for name, value in values.items()]
     kinds = {joint.name: joint.kind for joint in physical.model.model.geometry.joints}
     for joint, rotor in zip(physical.model.robot.joints, physical.rotors, strict=True):
         unit = "kg" if kinds[joint] == "slide" else "kg*m^2"

@@ -62,7 +62,10 @@ def write_urdf(path: Path, physical: PhysicalSet) -> Urdf:
 
 def _check_tree(geometry: Geometry) -> None:
     if geometry.closed:
-        closed = (*(loop.name for loop in geometry.loops), *(one.name for one in geometry.couplings))
+        closed = (
+            *(loop.name for loop in geometry.loops),
+            *(coupling.name for coupling in geometry.couplings),
+        )
         raise BenchError(
             f"robot {geometry.robot.name}: URDF has no loops and no couplings ({closed[0]}); use mjcf"
         )

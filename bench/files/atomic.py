@@ -77,9 +77,9 @@ def write_text_atomically(path: str | Path, text: str) -> None:
 def finite(value: Any) -> Any:
     """Plain data with null in place of numbers that JSON does not have: NaN and infinity."""
     if isinstance(value, dict):
-        return {key: finite(one) for key, one in value.items()}
+        return {key: finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [finite(one) for one in value]
+        return [finite(entry) for entry in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

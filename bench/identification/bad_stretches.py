@@ -23,14 +23,19 @@ def bad_stretches(
     """
     found: list[tuple[int, Finding]] = []
     start = 0
-    for one in observations:
-        own = counted[start : start + len(one.time)]
-        start += len(one.time)
+    for observation in observations:
+        own = counted[start : start + len(observation.time)]
+        start += len(observation.time)
         for j, joint in enumerate(joints):
-            little = np.flatnonzero((own[:, j] < LITTLE) & one.moving[:, j])
+            little = np.flatnonzero((own[:, j] < LITTLE) & observation.moving[:, j])
             for part in np.split(little, np.flatnonzero(np.diff(little) > BRIDGED) + 1):
                 if len(part) >= FEWEST:
-                    numbers = {"start": float(one.time[part[0]]), "end": float(one.time[part[-1]])}
-                    found.append((len(part), Finding(Code.BAD_STRETCH, (joint, one.name), numbers=numbers)))
+                    numbers = {
+                        "start": float(observation.time[part[0]]),
+                        "end": float(observation.time[part[-1]]),
+                    }
+                    found.append(
+                        (len(part), Finding(Code.BAD_STRETCH, (joint, observation.name), numbers=numbers))
+                    )
     longest = sorted(range(len(found)), key=lambda i: -found[i][0])[:MOST]
     return [found[i][1] for i in sorted(longest)]

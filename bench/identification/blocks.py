@@ -63,14 +63,14 @@ def block_scatter(blocks: list[Block]) -> Scatter | None:
     """
     if len(blocks) < FEWEST:
         return None
-    values, vectors = np.linalg.eigh(sum(one.normal for one in blocks))
+    values, vectors = np.linalg.eigh(sum(block.normal for block in blocks))
     seen = values > 1e-12 * values[-1]
     root = vectors[:, seen] / np.sqrt(values[seen])
     moved, squares = [], 0.0
-    for one in blocks:
-        share, turned = np.linalg.eigh(root.T @ one.normal @ root)
+    for block in blocks:
+        share, turned = np.linalg.eigh(root.T @ block.normal @ root)
         left = np.maximum(1.0 - share, ALL_OF_IT)
-        moved.append(root @ turned @ ((turned.T @ root.T @ one.score) / np.sqrt(left)))
+        moved.append(root @ turned @ ((turned.T @ root.T @ block.score) / np.sqrt(left)))
         squares += float((share**2).sum())
     shifts = np.array(moved)
     return Scatter(shifts.T @ shifts, int(seen.sum()) ** 2 / squares)

@@ -21,7 +21,9 @@ def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
     So are those whose motor's gain runs away beside them: the two grow together, or swing from one linearisation to the
     next and never settle, so that a few more are looked at.
     """
-    if not any(np.isfinite(one.below) for each in prepared.effects for one in each.effect.parameters):
+    if not any(
+        np.isfinite(parameter.below) for each in prepared.effects for parameter in each.effect.parameters
+    ):
         return ()
     before = None
     for _ in range(LINEARISATIONS):
@@ -40,7 +42,7 @@ def _outside(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ..
     ratios = dict(zip(robot.joints, (solution.gains / robot.nominal_gains).tolist(), strict=True))
     found, at = [], prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:
-        bounds = [one.below for one in instance.effect.parameters]
+        bounds = [parameter.below for parameter in instance.effect.parameters]
         values = solution.theta[at : at + len(bounds)]
         at += len(bounds)
         if not np.any(np.isfinite(bounds)):
@@ -59,14 +61,14 @@ def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, .
     whole = prepared = settled(prepared)
     gone: set[tuple[str, str]] = set()
     while beyond := beyond_bounds(prepared):
-        gone |= {_place(one) for one in beyond}
-        kept = [one for one in prepared.effects if _place(one) not in gone]
+        gone |= {_place(instance) for instance in beyond}
+        kept = [instance for instance in prepared.effects if _place(instance) not in gone]
         prepared = settled(with_effects(whole, kept))
     if not gone:
         return whole, ()
-    left = {_place(one): one for one in prepared.effects}
-    every = [left.get(_place(one)) or _nothing(one) for one in whole.effects]
-    outside = tuple(one for one in every if _place(one) in gone)
+    left = {_place(instance): instance for instance in prepared.effects}
+    every = [left.get(_place(instance)) or _nothing(instance) for instance in whole.effects]
+    outside = tuple(instance for instance in every if _place(instance) in gone)
     return replace(with_effects(prepared, every), settled=True), outside
 
 
@@ -74,9 +76,9 @@ def columns_of(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> np.
     """Where the parameters of some of a model's effects stand among its unknowns."""
     found: list[int] = []
     at = prepared.layout.size - prepared.layout.effects
-    for one in prepared.effects:
-        size = len(one.effect.parameters)
-        found += range(at, at + size) if one in instances else ()
+    for instance in prepared.effects:
+        size = len(instance.effect.parameters)
+        found += range(at, at + size) if instance in instances else ()
         at += size
     return np.array(found, dtype=int)
 
@@ -87,4 +89,4 @@ def _place(instance: EffectInstance) -> tuple[str, str]:
 
 def _nothing(instance: EffectInstance) -> EffectInstance:
     effect = instance.effect
-    return replace(instance, effect=effect.about({one.name: 0.0 for one in effect.parameters}))
+    return replace(instance, effect=effect.about({parameter.name: 0.0 for parameter in effect.parameters}))

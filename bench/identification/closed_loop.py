@@ -45,7 +45,9 @@ def output_error(stack: Stack, start: Solution, terms: np.ndarray, joints: Seque
         found = current_error(given, start)
         squares = squared_errors(given.factors, found.theta, found.gains) / len(current)
         precisions.append(1.0 / np.maximum(squares, current_floor(stack) ** 2))
-    current = sum(one * weight for one, weight in zip(readings, precisions, strict=True)) / sum(precisions)
+    current = sum(reading * weight for reading, weight in zip(readings, precisions, strict=True)) / sum(
+        precisions
+    )
 
     def made(given: Stack) -> Stack:
         return with_current(given, current)
@@ -90,10 +92,10 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
         )
     joints, decimation = dataset.robot.joints, prepared.settings.decimation
     found = []
-    for one in prepared.measured:
-        if one.recording.use == "identify":
-            terms = law_terms(dataset.controller, one, joints)
-            found.append(decimate(bridged(terms, one.gaps), decimation))
+    for measurement in prepared.measured:
+        if measurement.recording.use == "identify":
+            terms = law_terms(dataset.controller, measurement, joints)
+            found.append(decimate(bridged(terms, measurement.gaps), decimation))
     return np.concatenate(found)
 
 

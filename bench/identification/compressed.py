@@ -40,11 +40,14 @@ def stack_observations(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> Stack:
     """Put the equations of several recordings under each other."""
-    moving = np.concatenate([one.moving for one in observations])
-    phi = np.concatenate([regressor_rows(one, layout) for one in observations]) * moving[:, :, None]
-    kappa = np.concatenate([known_rows(one, payloads) for one in observations]) * moving
-    current = np.concatenate([one.current for one in observations]) * moving
-    lengths = [len(one.time) for one in observations]
+    moving = np.concatenate([observation.moving for observation in observations])
+    phi = (
+        np.concatenate([regressor_rows(observation, layout) for observation in observations])
+        * moving[:, :, None]
+    )
+    kappa = np.concatenate([known_rows(observation, payloads) for observation in observations]) * moving
+    current = np.concatenate([observation.current for observation in observations]) * moving
+    lengths = [len(observation.time) for observation in observations]
     starts = tuple(int(start) for start in np.cumsum([0, *lengths[:-1]]))
     return Stack(phi, kappa, current, moving, starts, compress(phi, kappa, current))
 

@@ -162,9 +162,9 @@ def _redundant_signals(
 def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
     """Of the present model's encoders in a recording, by joint."""
     offsets: dict[str, float] = {}
-    for one, values in present.effects:
-        if offset := one.share(log) * one.effect.position_offset(values):
-            offsets[one.joint] = offsets.get(one.joint, 0.0) + offset
+    for instance, values in present.effects:
+        if offset := instance.share(log) * instance.effect.position_offset(values):
+            offsets[instance.joint] = offsets.get(instance.joint, 0.0) + offset
     return offsets
 
 

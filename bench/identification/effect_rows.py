@@ -19,16 +19,16 @@ TOGETHER = 8_000_000  # bytes of columns that are filtered together, at most
 
 def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]) -> np.ndarray:
     """The columns of effects in one recording, filtered and decimated like the currents, (M, n, ne)."""
-    count = sum(len(one.effect.parameters) for one in effects)
+    count = sum(len(effect_instance.effect.parameters) for effect_instance in effects)
     kept = len(decimated_indices(signals.length, decimation))
     rows = np.zeros((kept, len(signals.joints), count))
-    made_of = [_made_of(signals, one) for one in effects]
-    parts = iter(_kept_or_computed(signals, decimation, [part for one in made_of for part, _ in one]))
+    made_of = [_made_of(signals, effect_instance) for effect_instance in effects]
+    parts = iter(_kept_or_computed(signals, decimation, [part for entry in made_of for part, _ in entry]))
     at = 0
-    for one, instance in zip(made_of, effects, strict=True):
+    for entry, instance in zip(made_of, effects, strict=True):
         own = rows[:, :, at : at + len(instance.effect.parameters)]
         at += own.shape[2]
-        for _, share in one:
+        for _, share in entry:
             own += share * next(parts)
     return rows
 
@@ -39,7 +39,14 @@ def _made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[Effe
     """
     if instance.recording:
         share = instance.share(signals.log)
-        return [(one, share * own) for one, own in _made_of(signals, instance.everywhere())] if share else []
+        return (
+            [
+                (effect_instance, share * own)
+                for effect_instance, own in _made_of(signals, instance.everywhere())
+            ]
+            if share
+            else []
+        )
     nodes = instance.effect.nodes(signals, instance.joint) if signals.expands else None
     if nodes is None:
         return [(instance, 1.0)]
@@ -57,8 +64,8 @@ def _kept_or_computed(
 
     In a search, those that are tried with many shapes or about many models are computed at few samples.
     """
-    sources = [_seen_by(signals, one.effect) for one in effects]
-    found = [_kept(seen, decimation, one) for seen, one in zip(sources, effects, strict=True)]
+    sources = [_seen_by(signals, instance.effect) for instance in effects]
+    found = [_kept(seen, decimation, instance) for seen, instance in zip(sources, effects, strict=True)]
     missing = [i for i, rows in enumerate(found) if rows is None]
     for seen in {id(sources[i]): sources[i] for i in missing}.values():
         own = [i for i in missing if sources[i] is seen]
@@ -96,12 +103,12 @@ def _filtered(
         ]
         if own:
             decimated = _decimated(
-                signals, decimation, np.concatenate([one for _, one in own], axis=1), motor
+                signals, decimation, np.concatenate([values for _, values in own], axis=1), motor
             )
             at = 0
-            for i, one in own:
-                rows[i][:, motor] = decimated[:, at : at + one.shape[1]]
-                at += one.shape[1]
+            for i, values in own:
+                rows[i][:, motor] = decimated[:, at : at + values.shape[1]]
+                at += values.shape[1]
     yield from rows.items()
 
 

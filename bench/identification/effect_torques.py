@@ -24,4 +24,4 @@ class EffectTorques:
 
 def effect_torques(recordings: Sequence[CurrentSeries]) -> tuple[EffectTorques, ...]:
     """What the motors have to supply for the effects of a model, in each recording."""
-    return tuple(EffectTorques(one.name, one.time, one.by_effect) for one in recordings)
+    return tuple(EffectTorques(trace.name, trace.time, trace.by_effect) for trace in recordings)

@@ -27,124 +27,128 @@ MEND_FIRST = UNBELIEVABLE | {
 """What is to be mended before anything else is asked of the data."""
 
 
-def note(one: Finding) -> str:
+def note(finding: Finding) -> str:
     """A finding as it stands among the notes on an answer."""
-    said = sentence(one)
-    return f"This answer is not to be believed. {said}" if one.code in UNBELIEVABLE else said
+    said = sentence(finding)
+    return f"This answer is not to be believed. {said}" if finding.code in UNBELIEVABLE else said
 
 
-def sentence(one: Finding) -> str:
+def sentence(finding: Finding) -> str:
     """A finding by itself."""
-    return WORDS[one.code](one)
+    return WORDS[finding.code](finding)
 
 
-def _gain_runaway(one: Finding) -> str:
+def _gain_runaway(finding: Finding) -> str:
     return (
-        f"{_gain_came_out(one)}, where {one.numbers['nominal']:.3g} is nominal: no drive is that far from its sheet, "
-        "if that is right."
+        f"{_gain_came_out(finding)}, where {finding.numbers['nominal']:.3g} is nominal: no drive is that "
+        "far from its sheet, if that is right."
     )
 
 
-def _gain_far(one: Finding) -> str:
+def _gain_far(finding: Finding) -> str:
     return (
-        f"{_gain_came_out(one)}, far from its nominal {one.numbers['nominal']:.3g}: a physical effect is missing in "
-        "the model, or the payload is not as declared."
+        f"{_gain_came_out(finding)}, far from its nominal {finding.numbers['nominal']:.3g}: a physical "
+        "effect is missing in the model, or the payload is not as declared."
     )
 
 
-def _gain_came_out(one: Finding) -> str:
-    unit = one.unit.replace("*", "·")
-    return f"The drive gain of {one.names[0]} came out at {one.numbers['value']:.3g} {unit}"
+def _gain_came_out(finding: Finding) -> str:
+    unit = finding.unit.replace("*", "·")
+    return f"The drive gain of {finding.names[0]} came out at {finding.numbers['value']:.3g} {unit}"
 
 
-def _without_deviation(one: Finding) -> str:
+def _without_deviation(finding: Finding) -> str:
     return (
-        f"{one.of[0].name} came out at {one.numbers['value']:.3g} {one.unit} with no standard error that is known: the "
-        "data do not tell it."
+        f"{finding.of[0].name} came out at {finding.numbers['value']:.3g} {finding.unit} with no standard "
+        "error that is known: the data do not tell it."
     )
 
 
-def _rounding(one: Finding) -> str:
+def _rounding(finding: Finding) -> str:
     return (
-        f"The scaled observation matrix has a condition number of {one.numbers['condition']:.0e}: rounding decides "
+        f"The scaled observation matrix has a condition number of {finding.numbers['condition']:.0e}: rounding decides "
         "what some parameters are."
     )
 
 
-def _ill_conditioned(one: Finding) -> str:
+def _ill_conditioned(finding: Finding) -> str:
     return (
-        f"The scaled observation matrix has a condition number of {one.numbers['condition']:.0f}: some "
+        f"The scaled observation matrix has a condition number of {finding.numbers['condition']:.0f}: some "
         "parameters cannot be told apart well; a more exciting trajectory helps."
     )
 
 
-def _swapped(one: Finding) -> str:
-    first, second, *recording = one.names
+def _swapped(finding: Finding) -> str:
+    first, second, *recording = finding.names
     where = f" in {recording[0]}" if recording else ""
     return (
         f"The columns of {first} and {second}{where} are probably swapped: with current.{first} and current.{second} "
         f"exchanged (or their positions, on a symmetric robot), and with friction, the error falls to "
-        f"{in_percent(one.numbers['error'])}. Exchange the names in the header."
+        f"{in_percent(finding.numbers['error'])}. Exchange the names in the header."
     )
 
 
-def _other_load(one: Finding) -> str:
-    name, joint, declared, other = one.names
+def _other_load(finding: Finding) -> str:
+    name, joint, declared, other = finding.names
     was = f"the payload {declared}" if declared else "no payload"
     load = f"the payload {other}" if other else "no payload"
-    before, after = (in_percent(one.numbers[key]) for key in ("before", "after"))
+    before, after = (in_percent(finding.numbers[key]) for key in ("before", "after"))
     return (
         f"{name} is declared to carry {was}, and probably carries {load}: with that, the error of {joint} over all "
         f"recordings falls from {before} to {after}. Correct its `payload` in dataset.toml."
     )
 
 
-def _physical(one: Finding) -> str:
-    if not one.numbers["distance"]:
+def _physical(finding: Finding) -> str:
+    if not finding.numbers["distance"]:
         return "Real bodies can have these parameters as the data say them."
     return (
         "Of the parameters that real bodies can have, these are the nearest to what the data say: "
-        f"{one.numbers['distance']:.1f} standard errors away, where noise explains {one.numbers['expected']:.1f}. "
+        f"{finding.numbers['distance']:.1f} standard errors away, where noise explains "
+        f"{finding.numbers['expected']:.1f}. "
         "Standard errors are those without that condition; with it they are no larger."
     )
 
 
-def _not_from_gain(one: Finding) -> str:
+def _not_from_gain(finding: Finding) -> str:
     return (
-        f"These data cannot tell {spoken(one.of[0].effect)} at {', '.join(at.place for at in one.of)} from the drive "
+        f"These data cannot tell {spoken(finding.of[0].effect)} at "
+        f"{', '.join(at.place for at in finding.of)} from the drive "
         "gain there: it is left out, and the gain is what it would be without it. Record a payload that loads that "
         "joint more."
     )
 
 
-def _rank(one: Finding) -> str:
+def _rank(finding: Finding) -> str:
     return (
-        f"The data determine only {one.numbers['rank']:.0f} of {one.numbers['unknowns']:.0f} unknowns: move all "
+        f"The data determine only {finding.numbers['rank']:.0f} of {finding.numbers['unknowns']:.0f} "
+        "unknowns: move all "
         "joints together, with larger and faster movements, or record an unloaded and a loaded trajectory."
     )
 
 
-def _taken_up(one: Finding) -> str:
-    names = ", ".join(map(_of_effect, one.of))
+def _taken_up(finding: Finding) -> str:
+    names = ", ".join(map(_of_effect, finding.of))
     return (
         f"These data cannot show {names}: other parameters of the model do the same, and take up the effect."
     )
 
 
-def _hardly_apart(one: Finding) -> str:
-    *others, last = map(_of_effect, one.of)
+def _hardly_apart(finding: Finding) -> str:
+    *others, last = map(_of_effect, finding.of)
     return (
-        f"These data tell {', '.join(others)} and {last} only together: each by itself is {one.numbers['wider']:.0f} "
+        f"These data tell {', '.join(others)} and {last} only together: each by itself is "
+        f"{finding.numbers['wider']:.0f} "
         "times less certain than what they do together. Leave one out, or measure it another way."
     )
 
 
-def _of_effect(one: Unknown) -> str:
-    return f"{one.name} of {one.effect}" + ("" if one.place == ROBOT else f" at {one.place}")
+def _of_effect(unknown: Unknown) -> str:
+    return f"{unknown.name} of {unknown.effect}" + ("" if unknown.place == ROBOT else f" at {unknown.place}")
 
 
-def _sign(one: Finding) -> str:
-    joint = one.names[0]
+def _sign(finding: Finding) -> str:
+    joint = finding.names[0]
     return (
         f"The drive gain of {joint} came out negative, which cannot be: the sign of current.{joint}, or of "
         f"position.{joint}, is probably reversed (`bench import ... --scale current.{joint}=-1`), or its column is "
@@ -152,8 +156,8 @@ def _sign(one: Finding) -> str:
     )
 
 
-def _negative(one: Finding) -> str:
-    joint = one.names[0]
+def _negative(finding: Finding) -> str:
+    joint = finding.names[0]
     return (
         f"The drive gain of {joint} came out negative, which cannot be: with the sign of current.{joint} reversed its "
         "current is not explained either. The payload is probably not as declared or mounted another way, an effect "
@@ -161,9 +165,9 @@ def _negative(one: Finding) -> str:
     )
 
 
-def _contradicted(one: Finding) -> str:
-    joint, recording = one.names
-    n, unit = one.numbers, one.unit
+def _contradicted(finding: Finding) -> str:
+    joint, recording = finding.names
+    n, unit = finding.numbers, finding.unit
     return (
         f"The loop closures put {joint} elsewhere than its own encoder says: by {n['difference']:.2g} {unit} RMS in "
         f"{recording}, {n['mean']:+.2g} {unit} in the mean, where it travels {n['travel']:.2g} {unit}. The zero or the "
@@ -171,59 +175,60 @@ def _contradicted(one: Finding) -> str:
     )
 
 
-def _unlike(one: Finding) -> str:
-    worst, *payload = one.names
+def _unlike(finding: Finding) -> str:
+    worst, *payload = finding.names
     load = f"the payload {payload[0]}" if payload else "no payload"
     return (
-        f"{_far_worse(one)}, {worst} worst: it is declared to carry {load}; check that and its columns, or move the "
-        "fitted recordings over the same range."
+        f"{_far_worse(finding)}, {worst} worst: it is declared to carry {load}; check that and its "
+        "columns, or move the fitted recordings over the same range."
     )
 
 
-def _other_values(one: Finding) -> str:
-    worst, *effects = one.names
-    return f"{_far_worse(one)}, {worst} worst: there {', '.join(effects)} may have yet another value."
+def _other_values(finding: Finding) -> str:
+    worst, *effects = finding.names
+    return f"{_far_worse(finding)}, {worst} worst: there {', '.join(effects)} may have yet another value."
 
 
-def _far_worse(one: Finding) -> str:
-    checked, fitted = (in_percent(one.numbers[name]) for name in ("checked", "fitted"))
+def _far_worse(finding: Finding) -> str:
+    checked, fitted = (in_percent(finding.numbers[name]) for name in ("checked", "fitted"))
     return (
         f"Recordings that were not fitted are modelled far worse ({checked}) than those that were ({fitted})"
     )
 
 
-def _poorly(one: Finding) -> str:
-    verb = "is" if one.numbers["count"] == 1 else "are"
+def _poorly(finding: Finding) -> str:
+    verb = "is" if finding.numbers["count"] == 1 else "are"
     return (
-        f"{one.numbers['count']:.0f} of {one.numbers['of']:.0f} parameters {verb} poorly determined (standard error "
-        f"above {in_percent(one.numbers['limit'])} of the value); `bench identify --essential` leaves out what "
+        f"{finding.numbers['count']:.0f} of {finding.numbers['of']:.0f} parameters {verb} poorly "
+        "determined (standard error "
+        f"above {in_percent(finding.numbers['limit'])} of the value); `bench identify --essential` leaves out what "
         "does not matter."
     )
 
 
-def _short(one: Finding) -> str:
-    shortest, cutoff, settling = (one.numbers[name] for name in ("shortest", "cutoff", "settling"))
-    many = len(one.names) > 1
+def _short(finding: Finding) -> str:
+    shortest, cutoff, settling = (finding.numbers[name] for name in ("shortest", "cutoff", "settling"))
+    many = len(finding.names) > 1
     return (
-        f"{', '.join(one.names)} {'last' if many else 'lasts'} {shortest:.2g} s{' and more' if many else ''}, "
+        f"{', '.join(finding.names)} {'last' if many else 'lasts'} {shortest:.2g} s{' and more' if many else ''}, "
         f"{shortest * cutoff:.0f} periods of the filter on positions ({cutoff:.3g} Hz), which needs {settling:g} to "
         "settle at either end: a tenth of the rows and more are disturbed. Record "
-        f"{one.numbers['needed']:.2g} s at least."
+        f"{finding.numbers['needed']:.2g} s at least."
     )
 
 
-def _no_value(one: Finding) -> str:
-    value = "the mean of the values of these" if len(one.of) > 1 else "the value of that one"
-    has, its, it_is = ("has", "its", "it is") if len(one.names) == 1 else ("have", "their", "they are")
+def _no_value(finding: Finding) -> str:
+    value = "the mean of the values of these" if len(finding.of) > 1 else "the value of that one"
+    has, its, it_is = ("has", "its", "it is") if len(finding.names) == 1 else ("have", "their", "they are")
     return (
-        f"{', '.join(one.names)} {has} no {spoken(one.of[0].effect)} of {its} own, as the fitted recordings have "
-        f"({', '.join(log.place for log in one.of)}): {it_is} modelled with {value}."
+        f"{', '.join(finding.names)} {has} no {spoken(finding.of[0].effect)} of {its} own, as the fitted "
+        f"recordings have ({', '.join(log.place for log in finding.of)}): {it_is} modelled with {value}."
     )
 
 
-def _mounted_otherwise(one: Finding) -> str:
-    payload, parameter, first, second = one.names
-    unit, n = one.unit.replace("*", "·").replace("^2", "²"), one.numbers
+def _mounted_otherwise(finding: Finding) -> str:
+    payload, parameter, first, second = finding.names
+    unit, n = finding.unit.replace("*", "·").replace("^2", "²"), finding.numbers
     return (
         f"The payload {payload} is not mounted the same way in all recordings: {parameter}({payload}), estimated for "
         f"each by itself, is {n['first']:.3g} ± {n['first_std']:.1g} {unit} in {first} and {n['second']:.3g} ± "
@@ -231,17 +236,17 @@ def _mounted_otherwise(one: Finding) -> str:
     )
 
 
-def _impossible_inertia(one: Finding) -> str:
-    unit, n = one.unit.replace("*", "·").replace("^2", "²"), one.numbers
+def _impossible_inertia(finding: Finding) -> str:
+    unit, n = finding.unit.replace("*", "·").replace("^2", "²"), finding.numbers
     return (
-        f"The inertia of the payload {one.names[0]} came out such as no body has: a second moment of its mass of "
+        f"The inertia of the payload {finding.names[0]} came out such as no body has: a second moment of its mass of "
         f"{n['least']:.2g} ± {n['std']:.1g} {unit}. What the model lacks is in it, or its centre is not as declared."
     )
 
 
-def _taken_as_point(one: Finding) -> str:
+def _taken_as_point(finding: Finding) -> str:
     return (
-        f"{_impossible_inertia(one)} The payload is taken as a point there, with which the error is as small; the "
+        f"{_impossible_inertia(finding)} The payload is taken as a point there, with which the error is as small; the "
         "gains' standard errors hold the answer without that. Declare its inertia in dataset.toml."
     )
 
@@ -256,13 +261,13 @@ def _not_whole(told: Finding) -> str:
     )
 
 
-def _noise_through(one: Finding) -> str:
-    unit, n = one.unit.replace("*", "·"), one.numbers
+def _noise_through(finding: Finding) -> str:
+    unit, n = finding.unit.replace("*", "·"), finding.numbers
     return (
         "The filters let the encoders' noise through: within the band of the fit it has "
         f"{in_percent(n['share'])} of an acceleration's power. By instrumental variables, which it does not bias, the "
-        f"drive gain of {one.names[0]} is {n['other']:.4g} {unit} instead of {n['value']:.4g}. Leave the filters to be "
-        "chosen, or take `--method iv`."
+        f"drive gain of {finding.names[0]} is {n['other']:.4g} {unit} instead of {n['value']:.4g}. Leave "
+        "the filters to be chosen, or take `--method iv`."
     )
 
 
@@ -272,21 +277,24 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.ROUNDING_DECIDES: _rounding,
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
-    Code.NOT_REAL: lambda one: (
-        f"Real bodies cannot have what the data say: the nearest, which stand here, are {one.numbers['distance']:.1f} "
-        f"standard errors away, where noise explains {one.numbers['expected']:.1f}; {one.names[0]} would need a "
+    Code.NOT_REAL: lambda finding: (
+        "Real bodies cannot have what the data say: the nearest, which stand here, are "
+        f"{finding.numbers['distance']:.1f} "
+        f"standard errors away, where noise explains {finding.numbers['expected']:.1f}; "
+        f"{finding.names[0]} would need a "
         "negative mass or inertia most of all. An effect may be missing from the model."
     ),
     Code.NOT_FROM_GAIN: _not_from_gain,
     Code.NOISE_DECIDES: _noise_through,
     Code.NOISE_LET_THROUGH: _noise_through,
-    Code.PAYLOAD_NOT_DECLARED: lambda one: (
-        f"Left aside: {', '.join(one.names)}. What {'they carry' if len(one.names) > 1 else 'it carries'} is not "
+    Code.PAYLOAD_NOT_DECLARED: lambda finding: (
+        f"Left aside: {', '.join(finding.names)}. What "
+        f"{'they carry' if len(finding.names) > 1 else 'it carries'} is not "
         "declared in full, and no fitted recording carries it."
     ),
-    Code.REDUNDANT: lambda one: (
-        f"The robot has more motors than degrees of freedom: the currents of {', '.join(one.names)} are taken as they "
-        "were logged, and errors are those of the other motors."
+    Code.REDUNDANT: lambda finding: (
+        f"The robot has more motors than degrees of freedom: the currents of {', '.join(finding.names)} "
+        "are taken as they were logged, and errors are those of the other motors."
     ),
     Code.GAINS_NOMINAL: lambda _: (
         "No fitted recording carries a payload of known mass: the drive gains stay at their nominal values, and every "
@@ -297,9 +305,9 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.ILL_CONDITIONED: _ill_conditioned,
     Code.TAKEN_UP: _taken_up,
     Code.HARDLY_APART: _hardly_apart,
-    Code.NOT_SETTLED: lambda one: (
-        f"The search for {', '.join(map(_of_effect, one.of))} did not come to an end: their values say nothing. They "
-        "probably do the same to these data: leave one out, or measure it another way."
+    Code.NOT_SETTLED: lambda finding: (
+        f"The search for {', '.join(map(_of_effect, finding.of))} did not come to an end: their values "
+        "say nothing. They probably do the same to these data: leave one out, or measure it another way."
     ),
     Code.GAINS_A_THOUSAND: lambda _: (
         "The drive gains came out at about a thousand times the nominal ones: is the payload's mass in grams? It must "
@@ -309,9 +317,9 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         "The drive gains came out at about a thousandth of the nominal ones: is the payload's mass in tonnes, or are "
         "the currents in mA?"
     ),
-    Code.NO_MODEL_IS_BETTER: lambda one: (
-        f"The error is {in_percent(one.numbers['error'])} of the current, more than with no model at all: columns may "
-        "be swapped, a sign wrong, or the robot another one."
+    Code.NO_MODEL_IS_BETTER: lambda finding: (
+        f"The error is {in_percent(finding.numbers['error'])} of the current, more than with no model at "
+        "all: columns may be swapped, a sign wrong, or the robot another one."
     ),
     Code.SIGN_REVERSED: _sign,
     Code.GAIN_NEGATIVE: _negative,
@@ -324,12 +332,12 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.CHECKED_UNLIKE_FITTED: _unlike,
     Code.CHECKED_HAS_OTHER_VALUES: _other_values,
     Code.PHYSICAL: _physical,
-    Code.BAD_STRETCH: lambda one: (
-        f"The current of {one.names[0]} in {one.names[1]} counts little from {one.numbers['start']:.4g} to "
-        f"{one.numbers['end']:.4g} s: it is far from the model there. Look at it, or `exclude` it."
+    Code.BAD_STRETCH: lambda finding: (
+        f"The current of {finding.names[0]} in {finding.names[1]} counts little from {finding.numbers['start']:.4g} to "
+        f"{finding.numbers['end']:.4g} s: it is far from the model there. Look at it, or `exclude` it."
     ),
-    Code.NEVER_REVERSES: lambda one: (
-        f"Joint {one.names[0]} never reverses: move it through zero velocity to tell friction apart."
+    Code.NEVER_REVERSES: lambda finding: (
+        f"Joint {finding.names[0]} never reverses: move it through zero velocity to tell friction apart."
     ),
     Code.POORLY_DETERMINED: _poorly,
     Code.SHORT: _short,
@@ -337,5 +345,5 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.PAYLOAD_IMPOSSIBLE: _impossible_inertia,
     Code.PAYLOAD_TAKEN_AS_POINT: _taken_as_point,
     Code.MOUNTED_OTHERWISE: _mounted_otherwise,
-    Code.TOLD: lambda one: one.names[0],
+    Code.TOLD: lambda finding: finding.names[0],
 }

@@ -45,21 +45,26 @@ def with_findings(
         found.append(Finding(Code.RANK_DEFICIENT, numbers=rank))
     if result.scaled_condition > ILL_CONDITIONED:
         found.append(Finding(Code.ILL_CONDITIONED, numbers={"condition": result.scaled_condition}))
-    apart = {(one.effect.name, one.place) for one in outside}
-    apart |= {(one.effect, one.place) for each in more if each.code == Code.NOT_SETTLED for one in each.of}
+    apart = {(instance.effect.name, instance.place) for instance in outside}
+    apart |= {
+        (unknown.effect, unknown.place)
+        for each in more
+        if each.code == Code.NOT_SETTLED
+        for unknown in each.of
+    }
     taken_up = tuple(
         Unknown("effect", name, place, effect)
         for effect, places in result.effect_parameters.items()
         for place, values in places.items()
-        for name, one in values.items()
-        if not np.isfinite(one.std) and (effect, place) not in apart
+        for name, value in values.items()
+        if not np.isfinite(value.std) and (effect, place) not in apart
     )
     if taken_up:
         found.append(Finding(Code.TAKEN_UP, of=taken_up))
     found += periods_not_whole(result)
     found += _implausible(result)
     for j, joint in enumerate(result.joints):
-        reverses = any(np.ptp(np.sign(one.velocity[:, j])) > 0 for one in result.recordings)
+        reverses = any(np.ptp(np.sign(recording.velocity[:, j])) > 0 for recording in result.recordings)
         if not reverses:
             found.append(Finding(Code.NEVER_REVERSES, (joint,)))
     loose = sum(parameter.relative_std > LOOSE for parameter in result.parameters)
@@ -72,8 +77,10 @@ def with_findings(
 def _beyond(outside: Sequence[EffectInstance]) -> list[Finding]:
     """Effects that would be so large that they are another name for the drive gain."""
     places: dict[str, list[Unknown]] = {}
-    for one in outside:
-        places.setdefault(one.effect.name, []).append(Unknown("effect", "", one.place, one.effect.name))
+    for instance in outside:
+        places.setdefault(instance.effect.name, []).append(
+            Unknown("effect", "", instance.place, instance.effect.name)
+        )
     return [Finding(Code.NOT_FROM_GAIN, of=tuple(at)) for at in places.values()]
 
 
@@ -84,8 +91,8 @@ def unlike(result: Identification) -> Finding | None:
         return None
     by_recording = result.error.by_recording
     worst = max(by_recording, key=lambda name: by_recording[name])
-    carried = {one.name: one.payload for one in result.recordings}.get(worst)
-    own = [one.removesuffix(TAG) for one in result.effects if one.endswith(TAG)]
+    carried = {recording.name: recording.payload for recording in result.recordings}.get(worst)
+    own = [effect.removesuffix(TAG) for effect in result.effects if effect.endswith(TAG)]
     numbers = {"fitted": fitted, "checked": checked}
     if own:
         return Finding(Code.CHECKED_HAS_OTHER_VALUES, (worst, *own), numbers=numbers)
@@ -101,10 +108,12 @@ def runaway(result: Identification) -> Finding | None:
     for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
         if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
             return _gain(Code.GAIN_RUNAWAY, joint, gain)
-    for one in result.parameters:
-        if one.value and not 0.0 < one.std < np.inf:
-            unknown = (Unknown("parameter", one.name),)
-            return Finding(Code.PARAMETER_WITHOUT_DEVIATION, (), unknown, {"value": one.value}, one.unit)
+    for parameter in result.parameters:
+        if parameter.value and not 0.0 < parameter.std < np.inf:
+            unknown = (Unknown("parameter", parameter.name),)
+            return Finding(
+                Code.PARAMETER_WITHOUT_DEVIATION, (), unknown, {"value": parameter.value}, parameter.unit
+            )
     if result.scaled_condition > HOPELESS_CONDITION:
         return Finding(Code.ROUNDING_DECIDES, numbers={"condition": result.scaled_condition})
     return None
@@ -143,11 +152,14 @@ def _error_turned(result: Identification, joint: str) -> float:
     """Relative error of a joint's current with its sign reversed and the nominal drive gain."""
     j, gain = result.joints.index(joint), result.drive_gains[joint]
     left = all_squares = 0.0
-    for one in result.recordings:
-        if one.use != "identify":
+    for recording in result.recordings:
+        if recording.use != "identify":
             continue
-        moving = one.moving[:, j]
-        measured, modelled = -one.measured[moving, j], one.modelled[moving, j] * gain.value / gain.nominal
+        moving = recording.moving[:, j]
+        measured, modelled = (
+            -recording.measured[moving, j],
+            recording.modelled[moving, j] * gain.value / gain.nominal,
+        )
         left += float(((measured - modelled) ** 2).sum())
         all_squares += float(measured @ measured)
     return float(np.sqrt(left / all_squares)) if all_squares else float("inf")

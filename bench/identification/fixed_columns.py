@@ -32,7 +32,7 @@ def fixed_columns(
 ) -> FixedColumns | None:
     """None where they are too many to be kept, or fewer rows than columns."""
     stack = stack_observations(
-        [replace(one, effects=one.effects[:, :, :0]) for one in observations],
+        [replace(observation, effects=observation.effects[:, :, :0]) for observation in observations],
         replace(layout, effects=0),
         payloads,
     )
@@ -60,7 +60,7 @@ def fits(
 def stacked_beside(fixed: FixedColumns, observations: Sequence[Observation]) -> Stack:
     """As `stack_observations`, of observations with other effects."""
     stack = fixed.stack
-    effects = np.concatenate([one.effects for one in observations]) * stack.moving[:, :, None]
+    effects = np.concatenate([observation.effects for observation in observations]) * stack.moving[:, :, None]
     n, p, e = stack.phi.shape[1], stack.phi.shape[2], effects.shape[2]
     factors = np.zeros((n, p + 2 + e, p + e + 2))
     factors[:, : p + 2, :p], factors[:, : p + 2, p + e :] = (
@@ -84,5 +84,8 @@ def _made_of(
     observations: Sequence[Observation], layout: ParameterLayout, payloads: Mapping[str, Payload]
 ) -> tuple[Hashable, ...]:
     carried = tuple((name, index.tobytes(), id(payloads[name])) for name, index in layout.payloads.items())
-    seen = ((id(one.rigid), id(one.payload), id(one.redundant), one.payload_name) for one in observations)
+    seen = (
+        (id(observation.rigid), id(observation.payload), id(observation.redundant), observation.payload_name)
+        for observation in observations
+    )
     return layout.redundant, carried, *seen

@@ -24,7 +24,9 @@ def hardly_apart(
     covariance (P, P), its rows named. The eigenvector of a small eigenvalue of the correlation between them is the
     combination that is known; what is known of each by itself is 1 / sqrt(eigenvalue) times less.
     """
-    changing = {(one.effect.name, one.place) for one in effects if one.effect.depends_on_model}
+    changing = {
+        (instance.effect.name, instance.place) for instance in effects if instance.effect.depends_on_model
+    }
     own = [
         i
         for i, row in enumerate(rows)
@@ -40,7 +42,7 @@ def hardly_apart(
             break
         part = np.flatnonzero(np.abs(vector) >= TAKES_PART * np.abs(vector).max())
         together = tuple(rows[own[i]] for i in part)
-        if len({(one.effect, one.place) for one in together}) > 1:
+        if len({(unknown.effect, unknown.place) for unknown in together}) > 1:
             wider = float(1.0 / np.sqrt(max(value, np.finfo(float).eps)))
             found.append(Finding(Code.HARDLY_APART, of=together, numbers={"wider": wider}))
     return found
@@ -54,12 +56,14 @@ def unsettled(
     values, std (k,): of all parameters of all effects, one effect after the other.
     """
     found, at = [], 0
-    for one in effects:
-        about = one.effect.about_values()
-        for k, parameter in enumerate(one.effect.parameters):
+    for instance in effects:
+        about = instance.effect.about_values()
+        for k, parameter in enumerate(instance.effect.parameters):
             value, place = float(values[at + k]), about.get(parameter.name, 0.0)
             off = abs(value - place)
             if place and off > ELSEWHERE * std[at + k] and off > SHARE * max(abs(value), abs(place)):
-                found.append((at + k, Unknown("effect", parameter.name, one.place, one.effect.name)))
-        at += len(one.effect.parameters)
+                found.append(
+                    (at + k, Unknown("effect", parameter.name, instance.place, instance.effect.name))
+                )
+        at += len(instance.effect.parameters)
     return found

@@ -38,7 +38,7 @@ def check_gains_identifiable(
     blocks = []
     for name in dict.fromkeys(loaded):
         torque = rigid @ (base.grouping @ guessed_parameters(geometry))
-        torque = torque + unit @ np.array([one.gain for one in extra])
+        torque = torque + unit @ np.array([actuator.gain for actuator in extra])
         block = np.zeros((len(rigid), n, layout.size - layout.effects + n))
         block[:, :, : layout.base] = rigid
         block[:, :, block.shape[2] - n - len(extra) : block.shape[2] - n] = unit

@@ -41,8 +41,8 @@ def identify(
     and the answer against what the noise that filters let through does to it.
     """
 
-    def fitted(one: Prepared, by: str = method) -> Identification:
-        return fit(one, by, deviations=deviations, essential=essential)
+    def fitted(recording: Prepared, by: str = method) -> Identification:
+        return fit(recording, by, deviations=deviations, essential=essential)
 
     return with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
 
@@ -108,5 +108,7 @@ def _column_errors(prepared: Prepared) -> np.ndarray:
         found = columns_at(prepared, measure(prepared.model, recording, prepared.settings))
         return found[:, :, :-1], found[:, :, -1]
 
-    recordings = [one.recording for one in prepared.measured if one.recording.use == "identify"]
+    recordings = [
+        measurement.recording for measurement in prepared.measured if measurement.recording.use == "identify"
+    ]
     return column_errors(recordings, prepared.settings, columns)

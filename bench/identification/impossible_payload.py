@@ -48,7 +48,7 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
     if not result.gains_fitted:
         return result
     spreads = {name: _least_spread(prepared, result, name) for name in prepared.layout.payloads}
-    found = {name: one for name, one in spreads.items() if one is not None and one.impossible}
+    found = {name: spread for name, spread in spreads.items() if spread is not None and spread.impossible}
     if not found:
         return result
     payloads = {name: replace(prepared.dataset.payloads[name], inertia=np.zeros(6)) for name in found}
@@ -63,17 +63,17 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
         )
     }
     as_small = (other.error.identify or 0.0) <= (1.0 + MATERIAL) * (result.error.identify or 0.0)
-    taken = as_small and {one.name for one in other.parameters} | set(known) == {
-        one.name for one in result.parameters
+    taken = as_small and {parameter.name for parameter in other.parameters} | set(known) == {
+        parameter.name for parameter in result.parameters
     }
     told = tuple(
         Finding(
             Code.PAYLOAD_TAKEN_AS_POINT if taken else Code.PAYLOAD_IMPOSSIBLE,
             (name,),
-            numbers={"least": one.value, "std": one.std},
+            numbers={"least": spread.value, "std": spread.std},
             unit=UNITS[INERTIA[0]],
         )
-        for name, one in found.items()
+        for name, spread in found.items()
     )
     answer = _with_values(result, other, known) if taken else gains_widened(result, [other])
     return replace(answer, findings=(*told, *result.findings))
@@ -84,14 +84,17 @@ def _with_values(result: Identification, other: Identification, known: Mapping[s
 
     Its own deviations stay, or grow to what the values differ by; covariances grow with them.
     """
-    values = {**{one.name: one.value for one in other.parameters}, **known}
-    parameters = tuple(_moved(one, values[one.name]) for one in result.parameters)
-    gains = {joint: _moved(one, other.drive_gains[joint].value) for joint, one in result.drive_gains.items()}
+    values = {**{parameter.name: parameter.value for parameter in other.parameters}, **known}
+    parameters = tuple(_moved(parameter, values[parameter.name]) for parameter in result.parameters)
+    gains = {
+        joint: _moved(drive_gain, other.drive_gains[joint].value)
+        for joint, drive_gain in result.drive_gains.items()
+    }
     effects = {
         effect: {
             place: {
-                name: _moved(one, other.effect_parameters[effect][place][name].value)
-                for name, one in each.items()
+                name: _moved(quantity, other.effect_parameters[effect][place][name].value)
+                for name, quantity in each.items()
             }
             for place, each in places.items()
         }
@@ -100,7 +103,10 @@ def _with_values(result: Identification, other: Identification, known: Mapping[s
     moved = replace(result, parameters=parameters, drive_gains=gains, effect_parameters=effects)
     old, new = _deviations(result), _deviations(moved)
     times = np.array(
-        [new[one] / old[one] if 0.0 < old.get(one, 0.0) < np.inf else 1.0 for one in result.covariance_rows]
+        [
+            new[unknown] / old[unknown] if 0.0 < old.get(unknown, 0.0) < np.inf else 1.0
+            for unknown in result.covariance_rows
+        ]
     )
     return replace(
         moved,
@@ -116,20 +122,22 @@ def _moved(quantity: Q, value: float) -> Q:
 
 
 def _deviations(result: Identification) -> dict[Unknown, float]:
-    found = {Unknown("parameter", one.name): one.std for one in result.parameters}
-    found |= {Unknown("gain", "gain", joint): one.std for joint, one in result.drive_gains.items()}
+    found = {Unknown("parameter", parameter.name): parameter.std for parameter in result.parameters}
+    found |= {
+        Unknown("gain", "gain", joint): drive_gain.std for joint, drive_gain in result.drive_gains.items()
+    }
     return found | {
-        Unknown("effect", name, place, effect): one.std
+        Unknown("effect", name, place, effect): quantity.std
         for effect, places in result.effect_parameters.items()
         for place, each in places.items()
-        for name, one in each.items()
+        for name, quantity in each.items()
     }
 
 
 def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:
     """The same recordings and effects with some payloads declared otherwise."""
     dataset = replace(prepared.dataset, payloads={**prepared.dataset.payloads, **payloads})
-    fitted_only = any(one.use == "identify" for one in dataset.recordings)
+    fitted_only = any(recording.use == "identify" for recording in dataset.recordings)
     problem = Problem(dataset, {}, filters=prepared.settings, fit_gains=prepared.fit_gains)
     plain = prepare(problem, fitted_only=fitted_only)
     return with_effects(plain, prepared.effects)
@@ -140,19 +148,21 @@ def _least_spread(prepared: Prepared, result: Identification, name: str) -> _Spr
     payload, index = prepared.dataset.payloads[name], prepared.layout.payloads[name]
     if payload.mass is None or payload.center_of_mass is None or not np.array_equal(index, INERTIA):
         return None
-    rows = {one.name: i for i, one in enumerate(result.covariance_rows) if one.kind == "parameter"}
+    rows = {
+        unknown.name: i for i, unknown in enumerate(result.covariance_rows) if unknown.kind == "parameter"
+    }
     names = payload_parameter_names(name, index)
-    values = {one.name: one.value for one in result.parameters}
-    if any(one not in values for one in names):
+    values = {parameter.name: parameter.value for parameter in result.parameters}
+    if any(word not in values for word in names):
         return None
-    at = [rows[one] for one in names]
+    at = [rows[word] for word in names]
     covariance = result.covariance[np.ix_(at, at)]
     c = np.asarray(payload.center_of_mass)
-    own = _tensor(np.array([values[one] for one in names]))
+    own = _tensor(np.array([values[word] for word in names]))
     own -= payload.mass * (np.dot(c, c) * np.eye(3) - np.outer(c, c))
     moments, axes = np.linalg.eigh(0.5 * np.trace(own) * np.eye(3) - own)
     axis = axes[:, 0]
-    towards = np.array([0.5 * np.trace(one) - axis @ one @ axis for one in map(_tensor, np.eye(6))])
+    towards = np.array([0.5 * np.trace(column) - axis @ column @ axis for column in map(_tensor, np.eye(6))])
     return _Spread(float(moments[0]), float(np.sqrt(towards @ covariance @ towards)))
 
 

@@ -19,16 +19,16 @@ def joint_samples(
         return ()
     j = names.index(instance.joint)
     error = -partial.remainder[:, j] / partial.weights[j]
-    travel = np.ptp(np.concatenate([one.position[:, j] for one in prepared.fitted]))
+    travel = np.ptp(np.concatenate([observation.position[:, j] for observation in prepared.fitted]))
     found, start = [], 0
-    for one in prepared.fitted:
-        own = next(seen for seen in prepared.measured if seen.recording.name == one.name)
+    for observation in prepared.fitted:
+        own = next(seen for seen in prepared.measured if seen.recording.name == observation.name)
         found.append(
             JointSamples(
-                position=one.position[:, j],
-                velocity=one.velocity[:, j],
-                motor_torque=one.current[:, j] * prepared.present.gains[j],
-                error=error[start : start + len(one.time)] * one.moving[:, j],
+                position=observation.position[:, j],
+                velocity=observation.velocity[:, j],
+                motor_torque=observation.current[:, j] * prepared.present.gains[j],
+                error=error[start : start + len(observation.time)] * observation.moving[:, j],
                 duration=float(own.time[-1] - own.time[0]),
                 speed=float(prepared.present.speeds[j]),
                 travel=float(travel),
@@ -36,7 +36,7 @@ def joint_samples(
                 rotates=prepared.signals[0].joints[instance.joint].rotates,
             )
         )
-        start += len(one.time)
+        start += len(observation.time)
     return tuple(found)
 
 
@@ -45,13 +45,15 @@ def _at_redundant(prepared: Prepared, joint: str, partial: PartialRegression) ->
     index = prepared.model.geometry.redundant[list(prepared.signals[0].redundant).index(joint)]
     found, start = [], 0
     travel = np.ptp(np.concatenate([seen.redundant[joint].position for seen in prepared.signals]))
-    for seen, own, one in zip(prepared.signals, prepared.measured, prepared.observations, strict=True):
-        if one.use != "identify":
+    for seen, own, observation in zip(
+        prepared.signals, prepared.measured, prepared.observations, strict=True
+    ):
+        if observation.use != "identify":
             continue
         at = decimated_indices(len(own.time), prepared.settings.decimation)
         signals, follow = seen.redundant[joint], seen.tree.jacobian[at, index]
         rows = slice(start, start + len(at))
-        error = -partial.remainder[rows] / partial.weights * one.moving
+        error = -partial.remainder[rows] / partial.weights * observation.moving
         power = (follow**2).sum(axis=1)
         found.append(
             JointSamples(

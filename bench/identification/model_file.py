@@ -51,7 +51,7 @@ class SavedModel:
     @property
     def parameters(self) -> dict[str, float]:
         """The values of the base and payload parameters by name."""
-        return {one.name: one.value for one in self.model.parameters}
+        return {parameter.name: parameter.value for parameter in self.model.parameters}
 
     def beside(self, dataset: Dataset, series: Sequence[CurrentSeries]) -> Identification:
         """The answer with the currents that it gives in a dataset's recordings."""
@@ -92,7 +92,7 @@ def save_model(
     answer = model_json(result, dataset)
     if effect_files:
         folder = Path(path).resolve().parent
-        answer["effect_files"] = [_named_from(folder, one.resolve()) for one in effect_files]
+        answer["effect_files"] = [_named_from(folder, file.resolve()) for file in effect_files]
     write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 
@@ -121,8 +121,10 @@ def load_model(path: str | Path) -> SavedModel:
         raise BenchError(f"{path}: not a model file that `bench identify --json` wrote")
     try:
         dataset = Path(content["dataset"]) if content.get("dataset") else None
-        fitted = tuple(str(one["name"]) for one in content["recordings"] if one["use"] == "identify")
-        files = tuple(path.parent / str(one) for one in content.get("effect_files", ()))
+        fitted = tuple(
+            str(recording["name"]) for recording in content["recordings"] if recording["use"] == "identify"
+        )
+        files = tuple(path.parent / str(file) for file in content.get("effect_files", ()))
         return SavedModel(path, from_json(content), dataset, fitted, files)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
@@ -144,7 +146,7 @@ def apply_model(problem: Problem, saved: SavedModel) -> Comparison:
     """
     prepared, solution = applied(problem, saved)
     dataset = problem.dataset
-    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    series = tuple(modelled_series(prepared, observation, solution) for observation in prepared.observations)
     joints = [actuator.joint for actuator in dataset.robot.actuators]
     findings = tuple(without_own_values(prepared))
     return Comparison(dataset.robot.name, str(saved.path), series, error_summary(series, joints), findings)
@@ -161,7 +163,10 @@ def applied(problem: Problem, saved: SavedModel) -> tuple[Prepared, Solution]:
             f"{dataset.robot.name} ({', '.join(dataset.robot.driven)})"
         )
     if not _own(dataset, saved):  # a log of another folder is another log, whatever its name
-        strangers = tuple(replace(one, part_of=str(dataset.folder / one.log)) for one in dataset.recordings)
+        strangers = tuple(
+            replace(recording, part_of=str(dataset.folder / recording.log))
+            for recording in dataset.recordings
+        )
         dataset = replace(dataset, recordings=strangers)
     known = with_own_effects(problem.catalogue, saved)
     prepared = prepare(
@@ -183,7 +188,7 @@ def with_own_effects(catalogue: Mapping[str, Effect], saved: SavedModel) -> Mapp
 
     Raises BenchError that names the model and a file that cannot be read.
     """
-    if {one.partition(":")[0].partition("@")[0] for one in saved.model.effects} <= set(catalogue):
+    if {effect.partition(":")[0].partition("@")[0] for effect in saved.model.effects} <= set(catalogue):
         return catalogue
     own: dict[str, Effect] = {}
     for file in saved.effect_files:
@@ -211,7 +216,7 @@ def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
                 )
             values.append(known[name])
     extra = prepared.dataset.robot.redundant[: prepared.layout.redundant]
-    values += [saved.model.drive_gains[one.joint].value - one.gain for one in extra]
+    values += [saved.model.drive_gains[actuator.joint].value - actuator.gain for actuator in extra]
     for instance in prepared.effects:
         values += [_effect_value(instance, parameter.name, saved) for parameter in instance.effect.parameters]
     return np.array(values)
@@ -220,7 +225,9 @@ def _theta(prepared: Prepared, saved: SavedModel) -> np.ndarray:
 def _shaped(instance: EffectInstance, saved: SavedModel) -> EffectInstance:
     effect = instance.effect
     values = {shape.name: _effect_value(instance, shape.name, saved) for shape in effect.shape}
-    linear = {one.name: _effect_value(instance, one.name, saved) for one in effect.parameters}
+    linear = {
+        parameter.name: _effect_value(instance, parameter.name, saved) for parameter in effect.parameters
+    }
     return replace(instance, effect=replace(effect, **values).about(linear))
 
 
@@ -252,7 +259,8 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             "model": comparison.model,
             "error": asdict(comparison.error),
             "recordings": [
-                {"name": one.name, "use": one.use, "payload": one.payload} for one in comparison.recordings
+                {"name": trace.name, "use": trace.use, "payload": trace.payload}
+                for trace in comparison.recordings
             ],
             "notes": list(comparison.notes),
         }

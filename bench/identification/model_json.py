@@ -17,8 +17,8 @@ FORMAT = 1
 def to_json(result: Identification) -> dict[str, Any]:
     """The answer as plain data, ready for JSON; a number that is not finite becomes null."""
 
-    def quantity(one: Quantity) -> dict[str, Any]:
-        return {"value": one.value, "std": one.std, "unit": one.unit}
+    def quantity(quantity: Quantity) -> dict[str, Any]:
+        return {"value": quantity.value, "std": quantity.std, "unit": quantity.unit}
 
     answer = {
         "format": FORMAT,
@@ -31,7 +31,8 @@ def to_json(result: Identification) -> dict[str, Any]:
             joint: {**quantity(gain), "nominal": gain.nominal} for joint, gain in result.drive_gains.items()
         },
         "parameters": [
-            {"name": one.name, **quantity(one), "grouping": one.grouping} for one in result.parameters
+            {"name": parameter.name, **quantity(parameter), "grouping": parameter.grouping}
+            for parameter in result.parameters
         ],
         "left_out": list(result.left_out),
         "effect_parameters": {
@@ -50,12 +51,12 @@ def to_json(result: Identification) -> dict[str, Any]:
         "std_from": result.std_from,
         "settings": asdict(result.settings),
         "covariance": result.covariance.tolist(),
-        "covariance_rows": [asdict(one) for one in result.covariance_rows],
+        "covariance_rows": [asdict(unknown) for unknown in result.covariance_rows],
         "recordings": [
-            {"name": one.name, "use": one.use, "payload": one.payload} for one in result.recordings
+            {"name": trace.name, "use": trace.use, "payload": trace.payload} for trace in result.recordings
         ],
         "notes": list(result.notes),
-        "findings": [_finding(one) for one in result.findings],
+        "findings": [_finding(finding) for finding in result.findings],
     }
     return dict(finite(answer))
 
@@ -71,23 +72,23 @@ def from_json(content: dict[str, Any]) -> Identification:
         method=str(content["method"]),
         effects=tuple(content["effects"]),
         drive_gains={
-            joint: DriveGain(*_quantity(one), float(one["nominal"]))
-            for joint, one in content["drive_gains"].items()
+            joint: DriveGain(*_quantity(drive_gain), float(drive_gain["nominal"]))
+            for joint, drive_gain in content["drive_gains"].items()
         },
         gains_fitted=bool(content["gains_fitted"]),
         parameters=tuple(
-            Parameter(*_quantity(one), str(one["name"]), str(one["grouping"]))
-            for one in content["parameters"]
+            Parameter(*_quantity(parameter), str(parameter["name"]), str(parameter["grouping"]))
+            for parameter in content["parameters"]
         ),
         effect_parameters={
             effect: {
-                joint: {name: Quantity(*_quantity(one)) for name, one in values.items()}
+                joint: {name: Quantity(*_quantity(value)) for name, value in values.items()}
                 for joint, values in joints.items()
             }
             for effect, joints in content["effect_parameters"].items()
         },
         covariance=np.array(content["covariance"], dtype=float),
-        covariance_rows=tuple(Unknown(**one) for one in content.get("covariance_rows", ())),
+        covariance_rows=tuple(Unknown(**row) for row in content.get("covariance_rows", ())),
         rank=int(content["rank"]),
         unknowns=int(content["unknowns"]),
         condition=_or_infinite(content["condition"]),
@@ -103,24 +104,24 @@ def from_json(content: dict[str, Any]) -> Identification:
     )
 
 
-def _finding(one: Finding) -> dict[str, Any]:
+def _finding(finding: Finding) -> dict[str, Any]:
     """As JSON; a count is written as the number that it is read back as."""
-    return {**asdict(one), "numbers": {name: float(value) for name, value in one.numbers.items()}}
+    return {**asdict(finding), "numbers": {name: float(value) for name, value in finding.numbers.items()}}
 
 
 def _findings(content: dict[str, Any]) -> tuple[Finding, ...]:
     """What the file says that was found; of a file of an earlier version its sentences."""
     if "findings" not in content:
-        return tuple(Finding(Code.TOLD, (str(one),)) for one in content["notes"])
+        return tuple(Finding(Code.TOLD, (str(note),)) for note in content["notes"])
     return tuple(
         Finding(
-            Code(one["code"]),
-            tuple(one["names"]),
-            tuple(Unknown(**unknown) for unknown in one["of"]),
-            {name: _or_infinite(value) for name, value in one["numbers"].items()},
-            str(one["unit"]),
+            Code(finding["code"]),
+            tuple(finding["names"]),
+            tuple(Unknown(**unknown) for unknown in finding["of"]),
+            {name: _or_infinite(value) for name, value in finding["numbers"].items()},
+            str(finding["unit"]),
         )
-        for one in content["findings"]
+        for finding in content["findings"]
     )
 
 

@@ -50,8 +50,8 @@ def stepped(prepared: Prepared) -> tuple[Prepared, Stack, Solution] | None:
     while True:  # the others stay where they are searched no further
         theta = solved_with(system, np.append(kept, free), nominal, prepared.fit_gains, solution.gains).theta
         inside = [
-            not _leaves(prepared, *one, *reach, step)
-            for one, reach, step in zip(shapes, reaches, theta[added], strict=True)
+            not _leaves(prepared, *shape, *reach, step)
+            for shape, reach, step in zip(shapes, reaches, theta[added], strict=True)
         ]
         if np.all(inside):
             break
@@ -96,7 +96,7 @@ def _leaves(prepared: Prepared, i: int, name: str, low: float, high: float, step
 def _reach(prepared: Prepared, left: PartialRegression, i: int, name: str) -> tuple[float, float]:
     """Between which values a shape parameter may lie: where it is searched, and near its present value."""
     instance = prepared.effects[i]
-    parameter = next(one for one in instance.effect.shape if one.name == name)
+    parameter = next(shape for shape in instance.effect.shape if shape.name == name)
     value = instance.effect.shape_values()[name]
     brackets = instance.effect.beside(parameter, joint_samples(prepared, instance, left))
     return within_reach(value, brackets)
@@ -104,7 +104,7 @@ def _reach(prepared: Prepared, left: PartialRegression, i: int, name: str) -> tu
 
 def within_reach(value: float, brackets: Sequence[Bracket]) -> tuple[float, float]:
     """From where to where a shape parameter may go: as far as it is searched, or a little where it is beyond."""
-    low, high = min(one[0] for one in brackets), max(one[2] for one in brackets)
+    low, high = min(bracket[0] for bracket in brackets), max(bracket[2] for bracket in brackets)
     if low <= value <= high:
         return low, high
     ends = (value * (1.0 - NEARBY), value * (1.0 + NEARBY))
@@ -191,7 +191,7 @@ def _shape_derivatives(
     if not shapes:
         return shapes, np.zeros((*rows, 0))
     parts = np.split(
-        candidate_columns(prepared, ends), np.cumsum([2 * len(one) for one in values])[:-1], axis=2
+        candidate_columns(prepared, ends), np.cumsum([2 * len(column) for column in values])[:-1], axis=2
     )
     columns = [
         (both[:, :, len(own) :] @ own - both[:, :, : len(own)] @ own) / (2.0 * step)

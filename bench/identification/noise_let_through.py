@@ -30,10 +30,14 @@ def noise_share(prepared: Prepared) -> float:
     """Power of the encoders' noise in the band of the fit, as a share of the acceleration's; of the joint and recording
     with the largest.
     """
-    recordings = [one.recording for one in prepared.measured if one.recording.use == "identify"]
+    recordings = [
+        measurement.recording for measurement in prepared.measured if measurement.recording.use == "identify"
+    ]
     rate, settings = recordings[0].rate, prepared.settings
     bands = prepared.bands or signal_bands(
-        [one.position for one in recordings], [one.current for one in recordings], rate
+        [recording.position for recording in recordings],
+        [recording.current for recording in recordings],
+        rate,
     )
     band = min(settings.band(rate), settings.position_cutoff)
     return float(FIT_NOISE * (band / bands.fit_limit) ** 5)

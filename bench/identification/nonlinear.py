@@ -31,13 +31,13 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
             values[layout.payloads[name]] = solution.theta[layout.payload_slice(name)]
         payloads[name] = values
     base = solution.theta[: layout.base]
-    extra = np.array([one.gain for one in prepared.dataset.robot.redundant])
+    extra = np.array([actuator.gain for actuator in prepared.dataset.robot.redundant])
     if layout.redundant:
         extra = extra + solution.theta[layout.redundant_slice]
     effects, at = [], layout.size - layout.effects
-    for one in prepared.effects:
-        count = len(one.effect.parameters)
-        effects.append((one, solution.theta[at : at + count]))
+    for instance in prepared.effects:
+        count = len(instance.effect.parameters)
+        effects.append((instance, solution.theta[at : at + count]))
         at += count
     return replace(
         prepared.present,
@@ -57,7 +57,7 @@ def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
     the present model are nearly right, so that no search comes first.
     """
     instances = prepared.effects
-    curved = [one for one in instances if one.effect.shape or one.effect.depends_on_model]
+    curved = [instance for instance in instances if instance.effect.shape or instance.effect.depends_on_model]
     if prepared.settled or not curved:
         return prepared
     present = prepared.present
@@ -65,7 +65,7 @@ def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
     if nearly:
         before = _state(prepared, *solved_quickly(prepared))
     else:
-        straight = [one for one in instances if one not in curved]
+        straight = [instance for instance in instances if instance not in curved]
         plain = with_effects(prepared, straight, fitted_only=True)
         present = present_model(plain, solved_quickly(plain)[1])
     last = instances
@@ -93,7 +93,7 @@ def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
 
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
     """What must stay as it is for a model to be settled: gains, values that are not linear, and RMS errors."""
-    curves = [_curved_values(one) for one in prepared.effects]
+    curves = [_curved_values(instance) for instance in prepared.effects]
     return solution.gains, np.concatenate(curves), spread(stack, solution)
 
 
@@ -122,8 +122,8 @@ def _eased(
 ) -> tuple[EffectInstance, ...]:
     """What is found, but halfway back to the last where it turns back from there: it would swing to and fro."""
     eased = []
-    for one, two, three in zip(earlier, last, found, strict=True):
-        a, b, c = (each.effect.about_values() for each in (one, two, three))
+    for instance, two, three in zip(earlier, last, found, strict=True):
+        a, b, c = (each.effect.about_values() for each in (instance, two, three))
         halfway = {
             name: 0.5 * (b[name] + c[name]) for name in c if (c[name] - b[name]) * (b[name] - a[name]) < 0.0
         }

@@ -71,7 +71,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         payload=filtered[:, :, load] @ model.payload if loaded and model.payload is not None else None,
         effects=np.zeros((len(kept), n, 0)),
         redundant=np.ascontiguousarray(filtered[:, :, p - r :]),
-        nominal=np.array([one.gain for one in robot.redundant]),
+        nominal=np.array([actuator.gain for actuator in robot.redundant]),
         position=np.ascontiguousarray(position),
         velocity=np.ascontiguousarray(velocity),
         acceleration=np.ascontiguousarray(acceleration),

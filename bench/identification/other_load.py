@@ -40,7 +40,9 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
     if prepared is None:
         prepared = prepare(replace(problem, effects=(), filters=result.settings, fit_gains=True))
     trial = _Trial(prepared)
-    declared = {one.recording.name: one.recording.payload for one in prepared.measured}
+    declared = {
+        measurement.recording.name: measurement.recording.payload for measurement in prepared.measured
+    }
     before = trial.errors(declared)
     best: tuple[float, str, str | None, np.ndarray] | None = None
     for name, load in declared.items():
@@ -64,7 +66,7 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
 def _large(result: Identification) -> bool:
     """Whether some motor's error is large in some recording."""
     motors = range(len(result.joints))
-    return any((relative_error([one], j) or 0.0) > LARGE for one in result.recordings for j in motors)
+    return any((relative_error([trace], j) or 0.0) > LARGE for trace in result.recordings for j in motors)
 
 
 class _Trial:
@@ -76,8 +78,8 @@ class _Trial:
         self.prepared = prepared
         n = len(prepared.dataset.robot.nominal_gains)
         self.layout = replace(prepared.layout, effects=2 * n)
-        self.of = {one.recording.name: one for one in prepared.measured}
-        self.declared = {one.name: one for one in prepared.observations}
+        self.of = {measurement.recording.name: measurement for measurement in prepared.measured}
+        self.declared = {observation.name: observation for observation in prepared.observations}
         self.parts: dict[tuple[str, str | None], np.ndarray] = {}
 
     def errors(self, loads: dict[str, str | None]) -> np.ndarray:

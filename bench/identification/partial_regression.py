@@ -105,8 +105,8 @@ def partial_regression(stack: Stack, solution: Solution) -> PartialRegression:
     basis = _orthonormal(factors.reshape(-1, size))
     target = -(error * own)
     for _ in range(2):  # the second time for what rounding left of the first
-        explained = basis @ (basis.T @ sum(one.T @ target[:, j] for j, one in enumerate(columns)))
-        target = target - np.stack([one @ explained for one in columns], axis=1)
+        explained = basis @ (basis.T @ sum(column.T @ target[:, j] for j, column in enumerate(columns)))
+        target = target - np.stack([column @ explained for column in columns], axis=1)
     return PartialRegression(columns, basis, target, weights, stack.moving)
 
 

@@ -46,16 +46,16 @@ class Nearby:
     """
 
     def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
-        self.few = tuple(_few_samples(one) for one in measured)
+        self.few = tuple(_few_samples(measurement) for measurement in measured)
         ends = np.cumsum([0, *map(len, self.few)])
         self.part = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
         self._model = model
         every = list(zip(measured, self.few, strict=True))
         self._active = [
-            np.concatenate([getattr(one, name)[few] for one, few in every])
+            np.concatenate([getattr(measurement, name)[few] for measurement, few in every])
             for name in ("position", "velocity", "acceleration")
         ]
-        trees = [one.tree.at(few) for one, few in every]
+        trees = [measurement.tree.at(few) for measurement, few in every]
         parts = ("time", "q", "v", "a", "jacobian")
         self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
         self._kept = KeptRows(MOST_BYTES)
@@ -82,14 +82,16 @@ class Nearby:
         if len(found) == len(keys):
             return found
         motors = range(len(self._model.geometry.active)) if self._may_keep_all else [motor]
-        steps = [self._step(order, one) for one in motors]
-        moves = [(one, sign * step) for one, step in zip(motors, steps, strict=True) for sign in (1.0, -1.0)]
+        steps = [self._step(order, index) for index in motors]
+        moves = [
+            (index, sign * step) for index, step in zip(motors, steps, strict=True) for sign in (1.0, -1.0)
+        ]
         moved = self._moved(order, moves)
-        for one, step in zip(motors, steps, strict=True):
+        for index, step in zip(motors, steps, strict=True):
             both = next(moved), next(moved)
             out_of_reach = [each for each in both if isinstance(each, BenchError)]
             if out_of_reach:
-                if one == motor:
+                if index == motor:
                     raise out_of_reach[0]
                 continue
             more, less = map(np.asarray, both)
@@ -97,8 +99,8 @@ class Nearby:
             if not order:
                 differences.append(((more + less - 2.0 * self._own) / step**2).astype(KEPT))
             for (_, _, degree), rows in zip(keys, differences, strict=True):
-                self._kept.keep((order, one, degree), rows)
-            if one == motor:
+                self._kept.keep((order, index, degree), rows)
+            if index == motor:
                 found = differences
         return found
 
@@ -111,7 +113,7 @@ class Nearby:
     def signals(self, present: PresentModel, seen: Sequence[RobotSignals]) -> tuple[RobotSignals, ...]:
         """Every recording, `seen` beside the present model, as effects see it that are searched for."""
         if self._seen is None or self._seen[0] is not present:
-            self._seen = present, tuple(self._nearby(present, i, one) for i, one in enumerate(seen))
+            self._seen = present, tuple(self._nearby(present, i, signals) for i, signals in enumerate(seen))
         return self._seen[1]
 
     def sparsely(self, seen: "NearbySignals") -> RobotSignals:
@@ -122,7 +124,9 @@ class Nearby:
         return known[1]
 
     def _nearby(self, present: PresentModel, index: int, seen: RobotSignals) -> RobotSignals:
-        given = {one.name: getattr(seen, one.name) for one in fields(RobotSignals) if one.name not in OWN}
+        given = {
+            field.name: getattr(seen, field.name) for field in fields(RobotSignals) if field.name not in OWN
+        }
         load = np.zeros(10) if seen.payload is None else present.payloads[seen.payload]
         parameters = np.concatenate((present.base, load))
         few = self.few[index]
@@ -184,12 +188,12 @@ class Nearby:
                 if len(some) == 1:
                     yield error
                 else:
-                    for one in some:
-                        yield from self._moved(order, [one])
+                    for pair in some:
+                        yield from self._moved(order, [pair])
 
     def _together(self, order: int, moves: Sequence[tuple[int, float]]) -> list[np.ndarray]:
         count, samples = len(moves), len(self._tree.time)
-        moved = [np.tile(one, (count, 1)) for one in self._active]
+        moved = [np.tile(values, (count, 1)) for values in self._active]
         for k, (motor, step) in enumerate(moves):
             moved[order][k * samples : (k + 1) * samples, motor] += step
         tree = self._tree.at(np.tile(np.arange(samples), count))
@@ -333,6 +337,6 @@ def _few_samples(measured: Measured) -> np.ndarray:
     band = fit_band(rate, measured.settings.decimation)
     coarse = max(1, int(rate / (OVERSAMPLING * band)))
     velocity = measured.velocity[::coarse]
-    highest = max(motion_band(one, coarse / rate, band, MOTION) for one in velocity.T)
+    highest = max(motion_band(entry, coarse / rate, band, MOTION) for entry in velocity.T)
     step = coarse * max(1, int(rate / (FINENESS * highest) / coarse))
     return np.unique(np.append(np.arange(0, samples, step), samples - 1))

@@ -59,18 +59,18 @@ class Prepared:
     @property
     def left_aside(self) -> tuple[str, ...]:
         """Recordings whose payload nothing tells of: not declared in full, and carried by none that is fitted."""
-        used = {one.name for one in self.observations}
-        return tuple(one.name for one in self.dataset.recordings if one.name not in used)
+        used = {observation.name for observation in self.observations}
+        return tuple(recording.name for recording in self.dataset.recordings if recording.name not in used)
 
     @property
     def logs(self) -> tuple[str, ...]:
         """The fitted recordings, by name: of them effects may have a value each."""
-        return logs_of([one.recording for one in self.measured if one.recording.use == "identify"])
+        return logs_of([entry.recording for entry in self.measured if entry.recording.use == "identify"])
 
     @property
     def fitted(self) -> tuple[Observation, ...]:
         """The observations of recordings to identify from."""
-        return tuple(one for one in self.observations if one.use == "identify")
+        return tuple(observation for observation in self.observations if observation.use == "identify")
 
 
 @on_one_thread
@@ -83,7 +83,7 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
     Raises BenchError naming what in the data or the robot cannot be used.
     """
     dataset, filters = problem.dataset, problem.filters
-    fitted = [one for one in dataset.recordings if one.use == "identify" or not fitted_only]
+    fitted = [recording for recording in dataset.recordings if recording.use == "identify" or not fitted_only]
     if not fitted:
         raise BenchError(f'{dataset.folder}: no recording has use = "identify"')
     model = build_model(dataset.robot)
@@ -94,15 +94,21 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
     if isinstance(filters, FilterSettings):
         settings = filters
     else:
-        positions, currents = [one.position for one in fitted], [one.current for one in fitted]
+        positions, currents = [entry.position for entry in fitted], [entry.current for entry in fitted]
         bands = signal_bands(positions, currents, fitted[0].rate)
         settings = completed(filters or {}, positions, currents, fitted[0].rate, bands)
-    carried = [one.payload for one in fitted]
-    declared = [name for name, one in dataset.payloads.items() if not len(payload_columns(one).unknown)]
+    carried = [entry.payload for entry in fitted]
+    declared = [
+        name for name, payload in dataset.payloads.items() if not len(payload_columns(payload).unknown)
+    ]
     layout = parameter_layout(model, dataset.payloads, [*carried, *declared], 0)
     if any(name in weighed for name in carried):
         layout = replace(layout, redundant=len(dataset.robot.redundant))
-    usable = [one for one in dataset.recordings if one.payload is None or one.payload in layout.payloads]
+    usable = [
+        recording
+        for recording in dataset.recordings
+        if recording.payload is None or recording.payload in layout.payloads
+    ]
     measured = tuple(measure(model, recording, settings) for recording in usable)
     present = _first_model(dataset, model, measured)
     prepared = Prepared(
@@ -111,10 +117,10 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
         settings=settings,
         effects=(),
         measured=measured,
-        observations=tuple(observe(model, one) for one in measured),
+        observations=tuple(observe(model, entry) for entry in measured),
         layout=layout,
         present=present,
-        signals=tuple(robot_signals(model, one, present) for one in measured),
+        signals=tuple(robot_signals(model, entry, present) for entry in measured),
         contradicted=contradicted_closures(model.geometry, measured),
         bands=bands if fitted_only else None,
     )
@@ -127,21 +133,21 @@ def with_gains(prepared: Prepared, wanted: bool | None) -> Prepared:
     Raises BenchError where they are wanted and cannot be had.
     """
     dataset = prepared.dataset
-    scaled = any(np.any(payload_rows(one, dataset.payloads)) for one in prepared.fitted)
+    scaled = any(np.any(payload_rows(entry, dataset.payloads)) for entry in prepared.fitted)
     if wanted and not scaled:
         raise BenchError(
             f"{dataset.folder}: no fitted recording has a payload of known mass, which gives the gains' scale"
         )
     if wanted is False or not scaled:
         return replace(prepared, fit_gains=False)
-    carried = [one.payload_name for one in prepared.fitted]
+    carried = [entry.payload_name for entry in prepared.fitted]
     check_gains_identifiable(prepared.model, prepared.layout, dataset.payloads, carried)
     return replace(prepared, fit_gains=True)
 
 
 def logs_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
     """The logs of recordings or of parts of them, each once."""
-    return tuple(dict.fromkeys(one.log for one in recordings))
+    return tuple(dict.fromkeys(recording.log for recording in recordings))
 
 
 def with_effects(
@@ -159,7 +165,7 @@ def with_effects(
     if present is None or present is prepared.present:
         present = prepared.present
     else:
-        signals = tuple(robot_signals(prepared.model, one, present) for one in prepared.measured)
+        signals = tuple(robot_signals(prepared.model, entry, present) for entry in prepared.measured)
         if prepared.nearby is not None:
             signals = prepared.nearby.signals(present, signals)
     decimation = prepared.settings.decimation
@@ -172,7 +178,7 @@ def with_effects(
         )
         for seen, observation in zip(signals, prepared.observations, strict=True)
     )
-    count = sum(len(one.effect.parameters) for one in effects)
+    count = sum(len(effect.effect.parameters) for effect in effects)
     layout = replace(prepared.layout, effects=count)
     return replace(
         prepared,
@@ -199,13 +205,13 @@ def _speeds(model: IdentificationModel, measured: Measured) -> np.ndarray:
 
 def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:
     """Nominal gains and guessed masses, until a fit has better ones."""
-    fitted = [one for one in measured if one.recording.use == "identify"] or list(measured)
+    fitted = [entry for entry in measured if entry.recording.use == "identify"] or list(measured)
     declared = declared_parameters(dataset.payloads)
     return PresentModel(
         gains=dataset.robot.nominal_gains,
         base=model.base.grouping @ guessed_parameters(model.geometry),
         payloads=declared,
         declared=declared,
-        speeds=np.sqrt(np.concatenate([_speeds(model, one) ** 2 for one in fitted]).mean(axis=0)),
-        redundant_gains=np.array([one.gain for one in dataset.robot.redundant]),
+        speeds=np.sqrt(np.concatenate([_speeds(model, entry) ** 2 for entry in fitted]).mean(axis=0)),
+        redundant_gains=np.array([entry.gain for entry in dataset.robot.redundant]),
     )

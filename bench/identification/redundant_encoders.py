@@ -26,11 +26,15 @@ def contradicted_closures(geometry: Geometry, measured: Sequence[Measured]) -> t
     found = []
     for actuator in geometry.robot.redundant:
         joint = geometry.joints[geometry.joint_index(actuator.joint)]
-        logged = [one for one in measured if position_column(actuator.joint) in one.recording.extra]
-        each = [_contradiction(joint, one) for one in logged]
-        clear = [one for one in each if one is not None]
+        logged = [
+            measurement
+            for measurement in measured
+            if position_column(actuator.joint) in measurement.recording.extra
+        ]
+        each = [_contradiction(joint, measurement) for measurement in logged]
+        clear = [finding for finding in each if finding is not None]
         if clear:
-            found.append(max(clear, key=lambda one: one.numbers["difference"]))
+            found.append(max(clear, key=lambda finding: finding.numbers["difference"]))
     return tuple(found)
 
 

@@ -135,9 +135,10 @@ class Identification:
 
     def __repr__(self) -> str:
         gains = ", ".join(
-            f"{joint} {one.value:.4g} ± {one.std:.2g}" for joint, one in self.drive_gains.items()
+            f"{joint} {drive_gain.value:.4g} ± {drive_gain.std:.2g}"
+            for joint, drive_gain in self.drive_gains.items()
         )
-        unit = next((one.unit for one in self.drive_gains.values()), "")
+        unit = next((drive_gain.unit for drive_gain in self.drive_gains.values()), "")
         error = self.error.identify if self.error.validate is None else self.error.validate
         left = "" if error is None else f", error {100.0 * error:.3g} %"
         return f"<{self.robot} with {', '.join(self.effects) or 'rigid bodies only'}: {gains} {unit}{left}>"
@@ -150,13 +151,13 @@ class Identification:
         named: list[tuple[str, str, Quantity]] = [
             ("drive gain", joint, gain) for joint, gain in self.drive_gains.items()
         ]
-        named += [("parameter", one.name, one) for one in self.parameters]
+        named += [("parameter", parameter.name, parameter) for parameter in self.parameters]
         for effect, joints in self.effect_parameters.items():
             for joint, values in joints.items():
                 named += [(effect, f"{name}({joint})", value) for name, value in values.items()]
         return [
-            {"kind": kind, "name": name, "value": one.value, "std": one.std, "unit": one.unit}
-            for kind, name, one in named
+            {"kind": kind, "name": name, "value": quantity.value, "std": quantity.std, "unit": quantity.unit}
+            for kind, name, quantity in named
         ]
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -170,15 +171,15 @@ def relative_error(series: Sequence[CurrentSeries], motor: int | None = None) ->
     if not series:
         return None
     chosen = slice(None) if motor is None else slice(motor, motor + 1)
-    error = sum(float(((one.error * one.moving)[:, chosen] ** 2).sum()) for one in series)
-    measured = sum(float(((one.measured * one.moving)[:, chosen] ** 2).sum()) for one in series)
+    error = sum(float(((trace.error * trace.moving)[:, chosen] ** 2).sum()) for trace in series)
+    measured = sum(float(((trace.measured * trace.moving)[:, chosen] ** 2).sum()) for trace in series)
     return float(np.sqrt(error / measured)) if measured else float("nan")
 
 
 def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> ErrorSummary:
     """Errors of all recordings by use, motor and recording."""
-    fitted = [one for one in series if one.use == "identify"]
-    checked = [one for one in series if one.use == "validate"]
+    fitted = [trace for trace in series if trace.use == "identify"]
+    checked = [trace for trace in series if trace.use == "validate"]
 
     def by_actuator(chosen: Sequence[CurrentSeries]) -> dict[str, float]:
         values = {joint: relative_error(chosen, j) for j, joint in enumerate(joints)}
@@ -189,5 +190,7 @@ def error_summary(series: Sequence[CurrentSeries], joints: Sequence[str]) -> Err
         validate=relative_error(checked),
         by_actuator=by_actuator(fitted),
         by_actuator_validate=by_actuator(checked),
-        by_recording={one.name: value for one in series if (value := relative_error([one])) is not None},
+        by_recording={
+            trace.name: value for trace in series if (value := relative_error([trace])) is not None
+        },
     )

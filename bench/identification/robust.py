@@ -49,8 +49,8 @@ def robust_error(stack: Stack, start: Solution, nominal: np.ndarray) -> Solution
     if start.gains_fitted:
         fixed = _likeliest(stack, scaled_theta(stack, nominal), nominal, False, FEW_ROUNDS)
         starts = ((theta, gains), (fixed.theta, nominal))
-        tried = [_likeliest(stack, *one, True, FEW_ROUNDS) for one in starts]
-        best = min(tried, key=lambda one: one.minus_likelihood)
+        tried = [_likeliest(stack, *pair, True, FEW_ROUNDS) for pair in starts]
+        best = min(tried, key=lambda fit: fit.minus_likelihood)
         theta, gains = best.theta, best.gains
     found = _likeliest(stack, theta, gains, start.gains_fitted)
     moving = stack.moving
@@ -124,8 +124,8 @@ def _typical(error: np.ndarray, moving: np.ndarray) -> np.ndarray:
     """Scale (n,) that bad rows do not change: the median of the errors' sizes, as a standard deviation of noise."""
     return np.array(
         [
-            1.4826 * np.median(np.abs(one[seen])) if seen.any() else 0.0
-            for one, seen in zip(error.T, moving.T, strict=True)
+            1.4826 * np.median(np.abs(entry[seen])) if seen.any() else 0.0
+            for entry, seen in zip(error.T, moving.T, strict=True)
         ]
     )
 

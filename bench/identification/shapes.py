@@ -28,10 +28,10 @@ def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialReg
     free = [parameter for parameter in shape if not parameter.discrete]
     if not free:
         free = list(shape)
-    choices = [list(one.candidates) for one in shape if one not in free]
+    choices = [list(shape_parameter.candidates) for shape_parameter in shape if shape_parameter not in free]
     best, least = instance, np.inf
     for chosen in product(*choices):
-        names = [one.name for one in shape if one not in free]
+        names = [shape_parameter.name for shape_parameter in shape if shape_parameter not in free]
         tried = reshaped(instance, dict(zip(names, chosen, strict=True)))
         for parameter in free:
             tried, cost = _searched(prepared, tried, parameter, samples, partial)
@@ -62,7 +62,7 @@ def _searched(
         near = (max(present * (1.0 - NEARBY), low), present, min(present * (1.0 + NEARBY), high))
         brackets = (*brackets, near)
     tried = np.split(columns([value for _, value, _ in brackets]), len(brackets), axis=2)
-    costs = [-partial.explained(one)[1] for one in tried]
+    costs = [-partial.explained(values)[1] for values in tried]
     best = int(np.argmin(costs))
     (low, found, high), cost = brackets[best], costs[best]
     if low < high:

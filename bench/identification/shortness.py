@@ -15,9 +15,9 @@ def short_recordings(recordings: Sequence[Recording], settings: FilterSettings) 
     """Where the ends that the filter disturbs are more than a twentieth of a fitted recording each."""
     settling = SETTLING / settings.position_cutoff
     short = {
-        one.name: float(np.ptp(one.time))
-        for one in recordings
-        if one.use == "identify" and settling > DISTURBED * float(np.ptp(one.time))
+        recording.name: float(np.ptp(recording.time))
+        for recording in recordings
+        if recording.use == "identify" and settling > DISTURBED * float(np.ptp(recording.time))
     }
     if not short:
         return []

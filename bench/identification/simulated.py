@@ -25,13 +25,13 @@ def simulated_columns(prepared: Prepared) -> np.ndarray:
     The twin follows the measured positions up to twice the band of the motion, read off the spectra, whatever the
     filters of the fit.
     """
-    fitted = [one for one in prepared.measured if one.recording.use == "identify"]
-    recordings = [one.recording for one in fitted]
+    fitted = [measurement for measurement in prepared.measured if measurement.recording.use == "identify"]
+    recordings = [measurement.recording for measurement in fitted]
     cutoff = followed_band(recordings)
     parts = []
-    for one in fitted:
-        settings = replace(prepared.settings, position_cutoff=min(cutoff, 0.4 * one.recording.rate))
-        motion = replace(measure(prepared.model, one.recording, settings), gaps=one.gaps)
+    for measurement in fitted:
+        settings = replace(prepared.settings, position_cutoff=min(cutoff, 0.4 * measurement.recording.rate))
+        motion = replace(measure(prepared.model, measurement.recording, settings), gaps=measurement.gaps)
         parts.append(columns_at(prepared, motion))
     return np.concatenate(parts)
 
@@ -39,7 +39,9 @@ def simulated_columns(prepared: Prepared) -> np.ndarray:
 def followed_band(recordings: Sequence[Recording]) -> float:
     """Up to which frequency the twin follows the recordings, Hz."""
     bands = signal_bands(
-        [one.position for one in recordings], [one.current for one in recordings], recordings[0].rate
+        [recording.position for recording in recordings],
+        [recording.current for recording in recordings],
+        recordings[0].rate,
     )
     return FOLLOWED * bands.motion
 

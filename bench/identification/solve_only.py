@@ -50,7 +50,7 @@ def solved_with(
     start = weighted_least_squares(smaller, nominal, fit_gains)
     if fit_gains and not np.array_equal(near, nominal):
         held = replace(weighted_least_squares(smaller, near, False), gains_fitted=True)
-        start = min(start, held, key=lambda one: _missed(smaller, one))
+        start = min(start, held, key=lambda candidate: _missed(smaller, candidate))
     solution = current_error(smaller, start, to_the_last_digit=False)
     return replace(solution, theta=with_zeros(solution.theta, kept, size))
 
@@ -70,10 +70,10 @@ def spread(stack: Stack, solution: Solution) -> np.ndarray:
 def linearised(instances: Sequence[EffectInstance], values: np.ndarray) -> tuple[EffectInstance, ...]:
     """The effects linearised about these values (k,) of their parameters, one after the other."""
     found, at = [], 0
-    for one in instances:
-        names = [parameter.name for parameter in one.effect.parameters]
+    for instance in instances:
+        names = [parameter.name for parameter in instance.effect.parameters]
         own = dict(zip(names, values[at : at + len(names)].tolist(), strict=True))
-        found.append(replace(one, effect=one.effect.about(own)))
+        found.append(replace(instance, effect=instance.effect.about(own)))
         at += len(names)
     return tuple(found)
 

@@ -118,7 +118,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
 
 def _widened(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
     """A covariance (P, P) with the deviations of another where these are larger, and its own correlations."""
-    own, larger = (np.sqrt(np.maximum(np.diag(one), 0.0)) for one in (covariance, other))
+    own, larger = (np.sqrt(np.maximum(np.diag(values), 0.0)) for values in (covariance, other))
     times = np.maximum(larger / np.where(own > 0.0, own, np.inf), 1.0)
     return covariance * np.outer(times, times)
 

@@ -39,7 +39,7 @@ def summarise(
     that the data ask to be beyond their bounds.
     """
     robot, layout, base = prepared.dataset.robot, prepared.layout, prepared.model.base
-    series = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    series = tuple(modelled_series(prepared, observation, solution) for observation in prepared.observations)
     std = np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
     p, n = layout.size, len(solution.gains)
     effects = slice(p - layout.effects, p)
@@ -87,14 +87,14 @@ def summarise(
             left_out=tuple(name for i, (name, _, _) in enumerate(names) if i not in kept),
             findings=(),
             std_from=spread.std_from,
-            redundant=tuple(one.joint for one in robot.redundant),
+            redundant=tuple(actuator.joint for actuator in robot.redundant),
         ),
         prepared.left_aside,
         outside,
         [
             *prepared.contradicted,
             *without_own_values(prepared),
-            *([Finding(Code.NOT_SETTLED, of=tuple(one for _, one in loose))] if loose else []),
+            *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),
             *hardly_apart(prepared.effects, spread.covariance, rows),
         ],
     )
@@ -107,8 +107,10 @@ def redundant_gains(prepared: Prepared, solution: Solution, std: np.ndarray) -> 
     if layout.redundant:
         changes, spreads = solution.theta[layout.redundant_slice], std[layout.redundant_slice]
     return {
-        one.joint: DriveGain(one.gain + float(change), float(spread), one.gain_unit, one.gain)
-        for one, change, spread in zip(actuators, changes, spreads, strict=True)
+        actuator.joint: DriveGain(
+            actuator.gain + float(change), float(spread), actuator.gain_unit, actuator.gain
+        )
+        for actuator, change, spread in zip(actuators, changes, spreads, strict=True)
     }
 
 
@@ -137,27 +139,33 @@ def _sharing(prepared: Prepared, name: str, solution: Solution) -> np.ndarray | 
     extra = prepared.model.geometry.redundant
     if not len(extra):
         return None
-    follow = next(one for one in prepared.measured if one.recording.name == name).tree.jacobian[:, extra]
-    gains = [one.value for one in redundant_gains(prepared, solution, np.zeros(len(solution.theta))).values()]
+    follow = next(
+        measurement for measurement in prepared.measured if measurement.recording.name == name
+    ).tree.jacobian[:, extra]
+    gains = [
+        gain.value for gain in redundant_gains(prepared, solution, np.zeros(len(solution.theta))).values()
+    ]
     return np.asarray(np.sqrt((follow**2).mean(axis=0)).T * gains / solution.gains[:, None])
 
 
 def _rows(prepared: Prepared, parameters: Sequence[str]) -> tuple[Unknown, ...]:
     """What the covariance's rows are of, in the order of [theta, gains, shape parameters]."""
     linear = [
-        Unknown("effect", one.name, instance.place, instance.effect.name)
+        Unknown("effect", parameter.name, instance.place, instance.effect.name)
         for instance in prepared.effects
-        for one in instance.effect.parameters
+        for parameter in instance.effect.parameters
     ]
     shapes = [
-        Unknown("effect", one.name, instance.place, instance.effect.name)
+        Unknown("effect", shape.name, instance.place, instance.effect.name)
         for instance in prepared.effects
-        for one in instance.effect.shape
-        if not one.discrete
+        for shape in instance.effect.shape
+        if not shape.discrete
     ]
     robot = prepared.dataset.robot
     gains = [Unknown("gain", "gain", joint) for joint in robot.joints]
-    extra = [Unknown("gain", "gain", one.joint) for one in robot.redundant[: prepared.layout.redundant]]
+    extra = [
+        Unknown("gain", "gain", actuator.joint) for actuator in robot.redundant[: prepared.layout.redundant]
+    ]
     return (*(Unknown("parameter", name) for name in parameters), *extra, *linear, *gains, *shapes)
 
 
@@ -181,7 +189,9 @@ def _effects(
     prepared: Prepared, solution: Solution, std: np.ndarray, kept: np.ndarray, shape_at: int
 ) -> dict[str, dict[str, dict[str, Quantity]]]:
     rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
-    drives = {one.joint: one.gain_unit.partition("/")[2] for one in prepared.dataset.robot.actuators}
+    drives = {
+        actuator.joint: actuator.gain_unit.partition("/")[2] for actuator in prepared.dataset.robot.actuators
+    }
     found: dict[str, dict[str, dict[str, Quantity]]] = {}
     at = prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:

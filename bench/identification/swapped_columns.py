@@ -76,15 +76,17 @@ class _Trial:
         self.fit_gains = prepared.fit_gains
         self.nominal = prepared.dataset.robot.nominal_gains
         self.parts: dict[str, np.ndarray] = {}
-        for one, measured in zip(prepared.observations, prepared.measured, strict=True):
-            if one.use != "identify":
+        for observation, measured in zip(prepared.observations, prepared.measured, strict=True):
+            if observation.use != "identify":
                 continue
-            rows = np.empty((len(one.time), n, self.size + 1 + n))
-            rows[:, :, : self.size] = regressor_rows(replace(one, effects=friction_columns(one)), layout)
-            rows[:, :, self.size] = known_rows(one, prepared.dataset.payloads)
+            rows = np.empty((len(observation.time), n, self.size + 1 + n))
+            rows[:, :, : self.size] = regressor_rows(
+                replace(observation, effects=friction_columns(observation)), layout
+            )
+            rows[:, :, self.size] = known_rows(observation, prepared.dataset.payloads)
             rows[:, :, self.size + 1 :] = all_currents(measured)
-            rows *= one.moving[:, :, None]
-            self.parts[one.name] = triangular_factors(rows)
+            rows *= observation.moving[:, :, None]
+            self.parts[observation.name] = triangular_factors(rows)
 
     def exchanged(self, names: Sequence[str], a: int, b: int) -> np.ndarray:
         """Factors (n, p + 2, p + 2) of [phi, kappa, current] with two motors' currents exchanged in some recordings."""

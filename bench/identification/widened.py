@@ -24,7 +24,10 @@ def gains_widened(result: Identification, others: Sequence[Identification]) -> I
     if not times:
         return result
     scale = np.array(
-        [times.get(one.place, 1.0) if one.kind == "gain" else 1.0 for one in result.covariance_rows]
+        [
+            times.get(unknown.place, 1.0) if unknown.kind == "gain" else 1.0
+            for unknown in result.covariance_rows
+        ]
     )
     covariance = result.covariance * np.outer(scale, scale)
     return replace(result, drive_gains=gains, covariance=covariance, std_from="models")
@@ -34,22 +37,25 @@ def all_widened(result: Identification, other: Identification) -> Identification
     """The answer with standard errors of its gains and parameters at least as large as what they differ by in another
     one of the same equations; correlations stay.
     """
-    there = {one.name: one.value for one in other.parameters}
+    there = {parameter.name: parameter.value for parameter in other.parameters}
     gains = {
         joint: replace(gain, std=max(gain.std, abs(other.drive_gains[joint].value - gain.value)))
         for joint, gain in result.drive_gains.items()
     }
     parameters = tuple(
-        replace(one, std=max(one.std, abs(there.get(one.name, one.value) - one.value)))
-        for one in result.parameters
+        replace(
+            parameter,
+            std=max(parameter.std, abs(there.get(parameter.name, parameter.value) - parameter.value)),
+        )
+        for parameter in result.parameters
     )
-    wanted = {("gain", joint): one.std for joint, one in gains.items()}
-    wanted |= {("parameter", one.name): one.std for one in parameters}
+    wanted = {("gain", joint): gain.std for joint, gain in gains.items()}
+    wanted |= {("parameter", parameter.name): parameter.std for parameter in parameters}
     std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     wide = np.array(
         [
-            wanted.get((one.kind, one.place if one.kind == "gain" else one.name), old)
-            for one, old in zip(result.covariance_rows, std, strict=True)
+            wanted.get((unknown.kind, unknown.place if unknown.kind == "gain" else unknown.name), old)
+            for unknown, old in zip(result.covariance_rows, std, strict=True)
         ]
     )
     if not (wide > std).any():

@@ -169,15 +169,15 @@ class Pages:
             }
         if name == "runs":
             paths = _texts(asked, "paths")
-            for one in paths:
-                inside(one)
+            for path in paths:
+                inside(path)
             return {"root": str(self.folder.root), "paths": paths}
         if name in ("dataset", "curves", "machine"):
             text = _text(asked, "dataset")
             data = self.folder.root if text == "." else inside(text)
             models = [
-                (str(inside(_text(one, "path"))), _text(one, "name"), _text(one, "role"))
-                for one in asked.get("models", [])
+                (str(inside(_text(model, "path"))), _text(model, "name"), _text(model, "role"))
+                for model in asked.get("models", [])
             ]
             known = {"dataset": str(data), "models": models}
             if name == "machine":
@@ -228,6 +228,6 @@ def _text(asked: Any, key: str) -> str:
 
 def _texts(asked: dict[str, Any], key: str) -> list[str]:
     value = asked.get(key)
-    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+    if not isinstance(value, list) or not all(isinstance(entry, str) for entry in value):
         raise BenchError(f"{key}: a list of texts is needed")
     return value

@@ -102,9 +102,9 @@ def _judged(
     position = target.startswith("position.")
     channel = Channel(np.ascontiguousarray(values), step, joint if position else None)
     findings = find(channel, frozenset(accept))
-    if any(one.check == "units" for one in findings):  # in another unit everything is beyond its limits
-        findings = [one for one in findings if one.check != "limits"]
-    return [_problem(log, target, one.what, one.row, one.check) for one in findings]
+    if any(fault.check == "units" for fault in findings):  # in another unit everything is beyond its limits
+        findings = [fault for fault in findings if fault.check != "limits"]
+    return [_problem(log, target, fault.what, fault.row, fault.check) for fault in findings]
 
 
 def _problem(log: LogFile, target: str, what: str, row: int | None, check: str | None) -> dict[str, Any]:

@@ -77,7 +77,7 @@ class Folder:
         """A name that neither a folder nor the results of one has: the stem, or the stem with a number."""
         names = (stem if number == 1 else f"{stem}_{number}" for number in count(1))
         return next(
-            one for one in names if not any((self.root / f"{one}{end}").exists() for end in ("", RESULTS))
+            name for name in names if not any((self.root / f"{name}{end}").exists() for end in ("", RESULTS))
         )
 
     def word(self, path: Path) -> str:

@@ -78,7 +78,7 @@ class Jobs:
 
     def cancel(self, number: int) -> None:
         """End a job that runs, or take one that waits out of the queue. Raises BenchError for one that is over."""
-        job = next((one for one in self._jobs if one.number == number), None)
+        job = next((queued for queued in self._jobs if queued.number == number), None)
         if job is None or job.state not in ("waiting", "running"):
             raise BenchError(f"nothing to cancel: no command {number} runs or waits")
         if job.state == "running":

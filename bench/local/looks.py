@@ -41,21 +41,21 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
     """Recordings and payloads of a dataset, and the effects that its robot may have, with their places."""
     data = load_dataset(arguments["dataset"])
     spec = read_toml(data.folder / DATASET_FILE, DatasetSpec)
-    accepted = {one.file: list(one.accept) for one in spec.recordings}
+    accepted = {recording.file: list(recording.accept) for recording in spec.recordings}
     return {
         "robot": data.robot.name,
         "joints": list(data.robot.joints),
-        "payloads": {name: one.mass for name, one in data.payloads.items()},
+        "payloads": {name: payload.mass for name, payload in data.payloads.items()},
         "recordings": [
             {
-                "name": one.name,
-                "use": one.use,
-                "payload": one.payload,
-                "rate": one.rate,
-                "seconds": float(one.time[-1] - one.time[0]),
-                "accepted": accepted.get(one.log, []),
+                "name": recording.name,
+                "use": recording.use,
+                "payload": recording.payload,
+                "rate": recording.rate,
+                "seconds": float(recording.time[-1] - recording.time[0]),
+                "accepted": accepted.get(recording.log, []),
             }
-            for one in data.recordings
+            for recording in data.recordings
         ],
         "effects": _effects(data),
     }
@@ -85,8 +85,8 @@ def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
     saved = load_model(arguments["model"])
     applied = apply_model(problem_of(data), saved)
     name = arguments["recording"]
-    series = next((one for one in applied.recordings if one.name == name), None)
-    recording = next((one for one in data.recordings if one.name == name), None)
+    series = next((trace for trace in applied.recordings if trace.name == name), None)
+    recording = next((logged for logged in data.recordings if logged.name == name), None)
     if recording is None or series is None:
         raise BenchError(f"{name}: no such recording")
     return mechanism(data, recording, series, saved.settings)
@@ -105,7 +105,7 @@ LOOKS = {
 def _effects(data: Dataset) -> list[dict[str, Any]]:
     places = places_in(read_geometry(data.robot), data.weighed)
     return [
-        {"name": name, "words": begun(name), "spoken": spoken(name), "places": [one for one in at if one]}
+        {"name": name, "words": begun(name), "spoken": spoken(name), "places": [name for name in at if name]}
         for name, effect in problem_of(data).catalogue.items()
         if (at := places.where(effect))
     ]

@@ -132,7 +132,7 @@ def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
         return _compare(folder, path, results, step)
     if isinstance(step, Export):
         return _export(folder, results, step)
-    effects = [word for one in step.effects for word in ("--with", _effect(one))]
+    effects = [word for effect in step.effects for word in ("--with", _effect(effect))]
     if isinstance(step, Identify):
         number = _next(results, "model")
         model = results / f"model-{number}.json"
@@ -175,7 +175,7 @@ def _export(folder: Folder, results: Path, step: Export) -> Command:
 
 
 def _models(folder: Folder, names: Sequence[str]) -> list[Path]:
-    models = [folder.inside(one) for one in names]
+    models = [folder.inside(name) for name in names]
     for model in models:
         if not model.is_file():
             raise BenchError(f"{model.name}: no such model file")
@@ -204,7 +204,7 @@ def _import(folder: Folder, step: ImportLog) -> Command:
         words.append(f"--topic={_plain(step.topic)}")
     if step.split_gaps:
         words.append("--split-gaps")
-    words += [word for one in step.accept for word in ("--accept", one)]
+    words += [word for kind in step.accept for word in ("--accept", kind)]
     words += ["--name", f"{folder.name(log.stem)}.csv", "-o", folder.word(target)]
     return Command("import", step.log, words, {"dataset": step.dataset})
 
@@ -238,7 +238,7 @@ def _results(folder: Folder, dataset: Path) -> Path:
 def _next(results: Path, kind: str) -> int:
     """The number that no result of that kind has."""
     pattern = re.compile(rf"{kind}-(\d+)\b.*" if kind else r"(\d+)-.*")
-    taken = [int(match.group(1)) for one in results.iterdir() if (match := pattern.fullmatch(one.name))]
+    taken = [int(match.group(1)) for path in results.iterdir() if (match := pattern.fullmatch(path.name))]
     return max(taken, default=0) + 1
 
 

@@ -60,7 +60,7 @@ def _check_beginning(name: str, suffix: str, content: bytes) -> None:
     if starts is not None and not content.startswith(starts):
         raise BenchError(f"{name}: does not begin as a {suffix} file does")
     if starts is None and (
-        foreign := next((FOREIGN[one] for one in FOREIGN if content.startswith(one)), None)
+        foreign := next((FOREIGN[entry] for entry in FOREIGN if content.startswith(entry)), None)
     ):
         raise BenchError(f"{name}: is {foreign}")
     if starts is None and b"\0" in content[:4096]:

@@ -78,23 +78,23 @@ def import_mapping(path: Path, folder: Path) -> Imported:
     """
     table = read_toml(path, MappingTable)
     robot = load_robot(table.robot, relative_to=path.parent)
-    used = {one.payload for one in table.logs}
+    used = {log.payload for log in table.logs}
     payloads = [payload_of(path, name, spec) for name, spec in table.payloads.items()]
-    if unused := [one.name for one in payloads if one.name not in used]:
+    if unused := [payload.name for payload in payloads if payload.name not in used]:
         raise BenchError(f"{path}: payloads.{unused[0]}: no log carries it")
     requests = [
         LogRequest(
             file,
             LogMap(table.columns, table.scale, table.rate),
-            one.use,
-            one.payload,
-            one.name,
+            log.use,
+            log.payload,
+            log.name,
             Reading(table.skip_rows, table.header, table.topic),
-            Cutting(one.validate_fraction, table.shortest if table.split_gaps else None),
-            one.accept,
+            Cutting(log.validate_fraction, table.shortest if table.split_gaps else None),
+            log.accept,
         )
-        for i, one in enumerate(table.logs)
-        for file in _files(path, i, one)
+        for i, log in enumerate(table.logs)
+        for file in _files(path, i, log)
     ]
     return import_logs(robot, requests, folder, payloads)
 

@@ -94,14 +94,18 @@ def _joint_states(
 
 
 def _states(reader: AnyReader) -> list[Connection]:
-    return [one for one in reader.connections if one.msgtype == JOINT_STATE and one.msgcount]
+    return [
+        connection
+        for connection in reader.connections
+        if connection.msgtype == JOINT_STATE and connection.msgcount
+    ]
 
 
 def _counts(reader: AnyReader) -> dict[str, int]:
     """How many joint states each topic holds."""
     counts: Counter[str] = Counter()
-    for one in _states(reader):
-        counts[one.topic] += one.msgcount
+    for state in _states(reader):
+        counts[state.topic] += state.msgcount
     return counts
 
 
@@ -111,14 +115,17 @@ def _connections(path: Path, reader: AnyReader, topic: str | None) -> list[Conne
     known = ", ".join(f"{name} ({count})" for name, count in counts.items())
     if not counts:
         others = (
-            ", ".join(sorted({f"{one.topic} ({one.msgtype})" for one in reader.connections})) or "nothing"
+            ", ".join(
+                sorted({f"{connection.topic} ({connection.msgtype})" for connection in reader.connections})
+            )
+            or "nothing"
         )
         raise BenchError(f"{path}: holds no sensor_msgs/JointState (it has {others})")
     if topic is None and len(counts) > 1:
         raise BenchError(f"{path}: several topics hold joint states: {known}: name one with --topic")
     if topic is not None and topic not in counts:
         raise BenchError(f"{path}: no joint states on the topic {topic!r} (they are on {known})")
-    return [one for one in states if topic is None or one.topic == topic]
+    return [state for state in states if topic is None or state.topic == topic]
 
 
 def _messages(reader: AnyReader, connections: Sequence[Connection]) -> Iterator[tuple[int, Any]]:
@@ -128,9 +135,9 @@ def _messages(reader: AnyReader, connections: Sequence[Connection]) -> Iterator[
 
 def _joints(where: str, names: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     """The joints of every message. Raises BenchError where messages are of different joints, or name one twice."""
-    sets = Counter(frozenset(one) for one in names)
+    sets = Counter(frozenset(name) for name in names)
     if len(sets) > 1:
-        told = "; ".join(f"{', '.join(sorted(one))} ({count})" for one, count in sets.most_common(4))
+        told = "; ".join(f"{', '.join(sorted(entry))} ({count})" for entry, count in sets.most_common(4))
         raise BenchError(
             f"{where}: its messages are of different joints: {told}: record them on topics of their own"
         )
@@ -156,16 +163,16 @@ def _by_joint(
     values: Sequence[Array],
 ) -> dict[str, Array]:
     """A field's vector of every joint; none where the messages leave the field empty."""
-    lengths = {len(one) for one in values}
+    lengths = {len(value) for value in values}
     if lengths == {0}:
         return {}
-    wrong = next((i for i, one in enumerate(values) if len(one) != len(joints)), None)
+    wrong = next((i for i, value in enumerate(values) if len(value) != len(joints)), None)
     if wrong is not None:
         raise BenchError(
             f"{where}: message {wrong}: {len(values[wrong])} values of {field} for {len(joints)} joints"
         )
     table = np.array(values)
-    if any(one != names[0] for one in names):
-        places = [[one.index(joint) for joint in joints] for one in names]
+    if any(name != names[0] for name in names):
+        places = [[name.index(joint) for joint in joints] for name in names]
         table = np.take_along_axis(table, np.array(places), axis=1)
     return {f"{kind}.{joint}": table[:, j] for j, joint in enumerate(joints)}

@@ -78,7 +78,7 @@ def cut(
         number = f"-{k}" if gaps and len(pieces) > 1 else ""
         part_use: Use = "validate" if use == "validate" or first >= apart else "identify"
         kept_apart = "-validate" if part_use != use else ""
-        values = {key: one[first:end] for key, one in columns.items()}
+        values = {key: column[first:end] for key, column in columns.items()}
         parts.append(Segment(f"{path.stem}{number}{kept_apart}{path.suffix}", part_use, values, first))
     return parts, notes
 

@@ -19,7 +19,7 @@ def unit_in(name: str, possible: Sequence[str]) -> str:
 def name_of(text: str) -> str | None:
     """The name of the unit that a text spells; None for others."""
     unit = unit_named(text)
-    return next((name for name, one in UNITS.items() if one == unit), None)
+    return next((name for name, known in UNITS.items() if known == unit), None)
 
 
 def units_of(column: str, robot: Robot) -> list[str]:

@@ -75,7 +75,7 @@ def measured_by(column: str, robot: Robot) -> str | None:
     if column == "time":
         return "time"
     kind, _, joint = column.partition(".")
-    actuator = next((one for one in robot.motors if one.joint == joint), None)
+    actuator = next((motor for motor in robot.motors if motor.joint == joint), None)
     if actuator is None:
         return None
     if kind == "current":

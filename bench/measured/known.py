@@ -113,7 +113,7 @@ def known_machines() -> Mapping[str, MachineTable]:
 
 def compared(model: Mapping[str, Any], known: tuple[KnownValue, ...]) -> tuple[AgainstKnown, ...]:
     """All drive gains, and everything else that is known, side by side; model: a model as JSON holds it."""
-    rows = [_row(model, one, place) for one in known for place in one.values]
+    rows = [_row(model, known_value, place) for known_value in known for place in known_value.values]
     told = {row.place for row in rows if row.quantity == DRIVE_GAIN}
     others = [_gain(model, joint, None) for joint in model["drive_gains"] if joint not in told]
     return (*others, *rows)
@@ -128,7 +128,7 @@ def _row(model: Mapping[str, Any], known: KnownValue, place: str) -> AgainstKnow
     if known.of == DRIVE_GAIN:
         return _gain(model, place, known)
     if known.of == PARAMETER:
-        found = next((one for one in model["parameters"] if one["name"] == place), None)
+        found = next((parameter for parameter in model["parameters"] if parameter["name"] == place), None)
         return _beside(PARAMETER, place, found, known)
     return _beside(f"{known.of} {known.parameter}", place, _felt(model, known, place), known)
 
@@ -140,9 +140,9 @@ def _felt(model: Mapping[str, Any], known: KnownValue, place: str) -> Mapping[st
     if any(known.parameter not in by_place.get(motor, {}) for motor in factors):
         return None
     parts = [(factor, by_place[motor][known.parameter]) for motor, factor in factors.items()]
-    stds = [factor * one["std"] for factor, one in parts if one["std"] is not None]
+    stds = [factor * part["std"] for factor, part in parts if part["std"] is not None]
     return {
-        "value": sum(factor * one["value"] for factor, one in parts),
+        "value": sum(factor * part["value"] for factor, part in parts),
         "std": hypot(*stds) if len(stds) == len(parts) else None,
         "unit": parts[0][1]["unit"],
     }

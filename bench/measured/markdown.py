@@ -10,7 +10,7 @@ from bench.measured.tables import EXPLANATION, NO, RUN_HEADS, VALUE_HEADS, run_r
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
     """All machines: first what the commands gave, then each with its values beside what is known."""
-    rows = [(one.name, *row) for one in records for row in run_rows(one, machines[one.name])]
+    rows = [(kept.name, *row) for kept in records for row in run_rows(kept, machines[kept.name])]
     blocks = [
         "# On measured logs",
         EXPLANATION,

@@ -45,12 +45,15 @@ def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable
     """What comes out on measured logs. again: the command that gives this page."""
     return Page(
         title="On measured logs",
-        facts=(plural(len(records), "machine"), plural(sum(len(one.runs) for one in records), "command")),
+        facts=(
+            plural(len(records), "machine"),
+            plural(sum(len(record.runs) for record in records), "command"),
+        ),
         verdict=_verdict(records),
         tiles=_tiles(records, machines),
         sections=(
             _commands_section(records, machines),
-            *(_machine_section(one, machines[one.name]) for one in records),
+            *(_machine_section(record, machines[record.name]) for record in records),
             _again_section(records, again),
         ),
         generator=generator(),
@@ -60,7 +63,7 @@ def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable
 
 def _verdict(records: Sequence[Record]) -> tuple[str, ...]:
     """Two sentences: how many values are right, and which are wrong."""
-    told = [(one, run, row) for one in records for run in one.runs for row in run.rows]
+    told = [(record, run, row) for record in records for run in record.runs for row in run.rows]
     inside = [row.inside for _, _, row in told if row.inside is not None]
     reached = [row.reached for _, _, row in told if row.reached is not None]
     first = (
@@ -69,32 +72,33 @@ def _verdict(records: Sequence[Record]) -> tuple[str, ...]:
     )
     first += f"; of {plural(len(reached), 'goal')} {sum(reached)} are reached." if reached else "."
     wrong = [
-        f"{quantity_name(row)} of {row.place} ({one.name}, {run.command.split(' ')[0]}, {share(row.off, signed=True)})"
-        for one, run, row in told
+        f"{quantity_name(row)} of {row.place} ({record.name}, {run.command.split(' ')[0]}, "
+        f"{share(row.off, signed=True)})"
+        for record, run, row in told
         if row.inside is False
     ]
-    failed = [f"bench {run.command}" for one in records for run in one.runs if run.failed]
+    failed = [f"bench {run.command}" for record in records for run in record.runs if run.failed]
     second = f"Outside: {'; '.join(wrong)}." if wrong else "None is outside."
     third = (f"No answer: {'; '.join(failed)}.",) if failed else ()
-    return tuple(typeset(one) for one in (first, second, *third))
+    return tuple(typeset(entry) for entry in (first, second, *third))
 
 
 def _tiles(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> tuple[Tile, ...]:
     tiles = []
-    for one in records:
-        best = [run for run in one.runs if run.error_identify is not None]
+    for record in records:
+        best = [run for run in record.runs if run.error_identify is not None]
         if best:
             last = best[-1]
             known = last.error_validate if last.error_validate is not None else last.error_identify
             kind = "not fitted" if last.error_validate is not None else "fitted"
-            machine = machines[one.name].machine.split(":")[0]
+            machine = machines[record.name].machine.split(":")[0]
             tiles.append(Tile(machine, share(known), f"error, {kind}, after {last.command.split(' ')[0]}"))
     return tuple(tiles)
 
 
 def _commands_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
     columns = tuple(PageColumn(head, RUN_KINDS.get(head, "right")) for head in RUN_HEADS)
-    rows = tuple(_row(cells) for one in records for cells in run_rows(one, machines[one.name]))
+    rows = tuple(_row(cells) for record in records for cells in run_rows(record, machines[record.name]))
     table = PageTable("Commands", "", columns, rows)
     return Section("commands", "What the commands gave", EXPLANATION, (table,), "Commands")
 
@@ -141,10 +145,10 @@ def _figure(record: Record) -> list[Figure]:
 
 
 def _intervals(run: MachineRun, names: Sequence[tuple[str, str]], role: str, shift: float) -> dict[str, Any]:
-    found = {(quantity_name(one), one.place): one for one in run.rows}
+    found = {(quantity_name(known), known.place): known for known in run.rows}
     rows = [found.get(name) for name in names]
-    centre = np.array([np.nan if one is None or one.off is None else one.off for one in rows])
-    half = np.array([np.nan if one is None or one.claimed is None else one.claimed for one in rows])
+    centre = np.array([np.nan if known is None or known.off is None else known.off for known in rows])
+    half = np.array([np.nan if known is None or known.claimed is None else known.claimed for known in rows])
     return {
         "kind": "intervals",
         "role": role,
@@ -162,8 +166,10 @@ def _row(cells: Sequence[str]) -> PageRow:
 
 
 def _again_section(records: Sequence[Record], again: str) -> Section:
-    programs = [one.program for one in records]
-    columns = {name: [one.get(name, "") for one in programs] for name in programs[0]} if programs else {}
+    programs = [record.program for record in records]
+    columns = (
+        {name: [program.get(name, "") for program in programs] for name in programs[0]} if programs else {}
+    )
     parts: tuple[Part, ...] = (
         Commands("Run it again", "The logs are found through $PARABENCH_DATA.", (again,)),
         versions_of(columns),

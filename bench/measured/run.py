@@ -124,10 +124,10 @@ def _identified(line: str, seconds: float, model: dict[str, Any], table: Machine
 
 
 def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: MachineTable) -> MachineRun:
-    ranking = {one["effect"]: one for one in answer["ranking"]}
+    ranking = {entry["effect"]: entry for entry in answer["ranking"]}
     ladder = tuple(
-        MachineStep(tuple(one["effects"]), one["error"]["identify"], one["error"]["validate"])
-        for one in answer["ladder"]
+        MachineStep(tuple(entry["effects"]), entry["error"]["identify"], entry["error"]["validate"])
+        for entry in answer["ladder"]
     )
     return MachineRun(
         line,

@@ -40,8 +40,8 @@ def run_rows(record: Record, table: MachineTable) -> Iterator[tuple[str, ...]]:
             percent(run.error_identify),
             percent(run.error_validate),
             error_goal(run, table),
-            counted([one.inside for one in run.rows]),
-            counted([one.reached for one in run.rows]),
+            counted([known.inside for known in run.rows]),
+            counted([known.reached for known in run.rows]),
             f"{run.seconds:.3g} s",
             said_missing(run),
         )
@@ -57,7 +57,7 @@ def error_goal(run: MachineRun, table: MachineTable) -> str:
 
 def counted(answers: Sequence[bool | None]) -> str:
     """How many of those that have an answer are right."""
-    known = [one for one in answers if one is not None]
+    known = [entry for entry in answers if entry is not None]
     return f"{sum(known)} of {len(known)}" if known else NONE
 
 
@@ -68,51 +68,51 @@ def said_missing(run: MachineRun) -> str:
     return "; ".join(map(named, run.found)) if run.found else "nothing"
 
 
-def named(one: NamedEffects) -> str:
+def named(effects: NamedEffects) -> str:
     """An effect with its places, its verdict unless it is plainly missing, and what it could be instead."""
-    places = f" at {', '.join(one.places)}" if one.places else ""
-    verdict = "" if one.verdict == "missing" else f" ({one.verdict})"
-    others = [spoken(name) for name in one.alternatives]
+    places = f" at {', '.join(effects.places)}" if effects.places else ""
+    verdict = "" if effects.verdict == "missing" else f" ({effects.verdict})"
+    others = [spoken(name) for name in effects.alternatives]
     if len(others) > MOST_OTHERS:
         others = [f"one of {len(others)} others"]
     instead = f", or {', '.join(others)}" if others else ""
-    return f"{spoken(one.effect)}{places}{instead}{verdict}"
+    return f"{spoken(effects.effect)}{places}{instead}{verdict}"
 
 
 def value_rows(run: MachineRun) -> Iterator[tuple[str, ...]]:
     """A row for every gain and everything that is known."""
-    for one in run.rows:
-        known = NONE if one.known is None else f"{one.known:g}"
-        if one.known is not None and one.uncertainty:
-            known += f" ± {percent(one.uncertainty)}"
+    for against in run.rows:
+        known = NONE if against.known is None else f"{against.known:g}"
+        if against.known is not None and against.uncertainty:
+            known += f" ± {percent(against.uncertainty)}"
         yield (
-            quantity_name(one),
-            one.place,
-            estimate(one),
-            pretty_unit(one.unit),
+            quantity_name(against),
+            against.place,
+            estimate(against),
+            pretty_unit(against.unit),
             known,
-            percent(one.off, signed=True),
-            answer(one.inside),
-            NONE if one.goal is None else percent(one.goal),
-            answer(one.reached),
+            percent(against.off, signed=True),
+            answer(against.inside),
+            NONE if against.goal is None else percent(against.goal),
+            answer(against.reached),
         )
 
 
-def quantity_name(one: AgainstKnown) -> str:
+def quantity_name(known: AgainstKnown) -> str:
     """What is compared, in words."""
-    effect, _, parameter = one.quantity.partition(" ")
-    return _WORDS.get(one.quantity, f"{spoken(effect)} {parameter}")
+    effect, _, parameter = known.quantity.partition(" ")
+    return _WORDS.get(known.quantity, f"{spoken(effect)} {parameter}")
 
 
-def estimate(one: AgainstKnown) -> str:
+def estimate(known: AgainstKnown) -> str:
     """The value with its deviation, or why there is none."""
-    if one.value is None:
+    if known.value is None:
         return "not in the model"
-    if one.fixed:
-        return f"{one.value:g}, kept"
-    if one.std is None:
-        return f"{one.value:.5g}, not determined"
-    return " ± ".join(value_and_deviation(one.value, one.std))
+    if known.fixed:
+        return f"{known.value:g}, kept"
+    if known.std is None:
+        return f"{known.value:.5g}, not determined"
+    return " ± ".join(value_and_deviation(known.value, known.std))
 
 
 def answer(right: bool | None) -> str:

@@ -102,8 +102,8 @@ def _carried_on(
     turning = back(parent.turning)
     acceleration = back(add(parent.acceleration, carried(parent.angular, parent.turning, arm)))
     twists = [
-        (back(one.angular), back(add(one.linear, cross(one.angular, arm))), at(unit))
-        for one, unit in zip(parent.twists, motors, strict=True)
+        (back(twist.angular), back(add(twist.linear, cross(twist.angular, arm))), at(unit))
+        for twist, unit in zip(parent.twists, motors, strict=True)
     ]
     speed, growth = at(v), at(a)
     if link.kind == "slide":

@@ -37,7 +37,7 @@ def currents_spec(curves: Sequence[Curve], units: tuple[str, str], label: str, m
         {"kind": "line", "role": "measured", "name": "measured", "x": x, "y": values["measured"]},
         {"kind": "line", "role": "modelled", "name": "modelled", "x": x, "y": values["modelled"]},
     ]
-    errors = [_error_line(one, most) for one in curves]
+    errors = [_error_line(curve, most) for curve in curves]
     panels = [
         {"weight": 1.5, "y": {"label": f"current [{current}]"}, "series": top},
         {"weight": 1.0, "y": {"label": f"error [{current}]"}, "series": [_noise_band(last.noise), *errors]},
@@ -139,13 +139,14 @@ def _reversals(errors: ErrorBreakdown) -> Chart:
 
 def _recordings(errors: ErrorBreakdown) -> Chart:
     found = errors.by_recording
-    stems = [one.recording.removesuffix(".csv").removesuffix(".parquet") for one in found]
+    stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in found]
     names = [
-        f"{stem}, {one.payload}" if one.payload else stem for stem, one in zip(stems, found, strict=True)
+        f"{stem}, {recording.payload}" if recording.payload else stem
+        for stem, recording in zip(stems, found, strict=True)
     ]
     pairs = (
-        ("error", "error", significant(np.array([one.error for one in found]))),
-        ("noise", "noise of the current", significant(np.array([one.noise for one in found]))),
+        ("error", "error", significant(np.array([recording.error for recording in found]))),
+        ("noise", "noise of the current", significant(np.array([recording.noise for recording in found]))),
     )
     title = "By recording and payload"
     spec = _bars(title, "error of the current [%]", names, pairs, height=70 + 24 * len(found))
@@ -166,9 +167,9 @@ def _bars(
 
 
 def _opposing(errors: ErrorBreakdown) -> Chart:
-    known = [(_cut(name), one) for name, one in errors.opposing]
-    mean = np.array([one.mean for _, one in known])
-    half = WITHIN_95 * np.array([one.std for _, one in known])
+    known = [(_cut(name), opposing) for name, opposing in errors.opposing]
+    mean = np.array([opposing.mean for _, opposing in known])
+    half = WITHIN_95 * np.array([opposing.std for _, opposing in known])
     points = {
         "kind": "intervals",
         "role": "error",
@@ -189,10 +190,10 @@ def _opposing(errors: ErrorBreakdown) -> Chart:
 def _shares(errors: ErrorBreakdown) -> Chart:
     found = errors.shares
     pairs = (
-        ("error", "of the squared error", significant(np.array([one.error for one in found]), 4)),
-        ("noise", "of the time", significant(np.array([one.time for one in found]), 4)),
+        ("error", "of the squared error", significant(np.array([region.error for region in found]), 4)),
+        ("noise", "of the time", significant(np.array([region.time for region in found]), 4)),
     )
-    title, names = "Where the squared error lies", [one.region for one in found]
+    title, names = "Where the squared error lies", [region.region for region in found]
     spec = _bars(title, "share [%]", names, pairs, height=70 + 17 * len(found))
     return Chart(title, "A bar far longer than the grey one: the error is concentrated there.", spec)
 

@@ -20,7 +20,9 @@ def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
     those beside the dataset's own.
     """
     robot = dataset.robot
-    recordings = [dataset.folder / name for name in dict.fromkeys(one.log for one in dataset.recordings)]
+    recordings = [
+        dataset.folder / name for name in dict.fromkeys(recording.log for recording in dataset.recordings)
+    ]
     files = [dataset.folder / DATASET_FILE, *recordings, robot.folder / "robot.toml"]
     files += [*dataset.effect_files, *effect_files]
     found = hashlib.blake2b(digest_size=SIZE)

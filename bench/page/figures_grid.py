@@ -51,7 +51,9 @@ def grid_figure(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> Fi
         metrics = metrics[:1]
     if int(np.prod([len(values) for values in choices])) > MOST_VARIANTS:
         return None
-    asked = [Choice("shown", tuple(begun(metric_title(one)) for one in metrics))] if len(metrics) > 1 else []
+    asked = (
+        [Choice("shown", tuple(begun(metric_title(name)) for name in metrics))] if len(metrics) > 1 else []
+    )
     asked += [
         Choice(axis_title(axis), tuple(map(point_label, values)))
         for axis, values in zip(grid.others, choices, strict=True)
@@ -130,7 +132,9 @@ def _middle(metric: str, found: Spread) -> float:
 
 def _shares(grid: _Grid, metric: str) -> Any:
     """From a value to its shade, 0 to 1, the same in all charts of the metric; logarithmic over a wide range."""
-    every = [_middle(metric, one.spreads[metric]) for one in grid.lines.values() if one.spreads[metric].count]
+    every = [
+        _middle(metric, line.spreads[metric]) for line in grid.lines.values() if line.spreads[metric].count
+    ]
     known = [value for value in every if np.isfinite(value)]
     low, high = min(known, default=0.0), max(known, default=1.0)
     if low > 0 and high / low >= WIDE:

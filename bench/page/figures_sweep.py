@@ -68,11 +68,11 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collecti
         # lines stand side by side, or their whiskers would hide each other
         beside = i - (len(found) - 1) / 2.0 if len(found) <= len(ROLES) else 0.0
         x_of = _moved([at[value] for value, _ in points], list(at.values()), beside, across)
-        one = _line(points, x_of, of_share=is_share(y)) | {"apart": "categories" in across}
+        line = _line(points, x_of, of_share=is_share(y)) | {"apart": "categories" in across}
         if pick:
             own = {} if lines is None else {lines: point_label(name)}
-            one["pick"] = [{x: point_label(value), **own} for value, _ in points]
-        drawn.append(one | ({"name": f"{axis_words(lines)} {_short(name)}"} if lines else {}))
+            line["pick"] = [{x: point_label(value), **own} for value, _ in points]
+        drawn.append(line | ({"name": f"{axis_words(lines)} {_short(name)}"} if lines else {}))
     marks = [{"kind": "rule", "role": "noise", "name": "95 %", "at": COVERAGE, "dashed": True}]
     marks = marks if is_share(y) else []
     what = METRICS.get(y.split(".", maxsplit=1)[0], y).split(";")[0]
@@ -92,15 +92,15 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collecti
         }
 
     if len(drawn) <= len(ROLES):
-        coloured = [one | {"role": role} for one, role in zip(drawn, ROLES, strict=False)]
+        coloured = [entry | {"role": role} for entry, role in zip(drawn, ROLES, strict=False)]
         return one_figure(label, aid, spec(300 + _turned(across), coloured))
     charts = tuple(
         Chart(
             f"{axis_title(lines or '')} {_short(name)}",
             "",
-            spec(200 + _turned(across), [one | {"role": "one", "name": ""}]),
+            spec(200 + _turned(across), [entry | {"role": "one", "name": ""}]),
         )
-        for name, one in zip(found, drawn, strict=True)
+        for name, entry in zip(found, drawn, strict=True)
     )
     return Figure(label, aid, False, (), {"": Variant(charts)}, ("",))
 
@@ -129,18 +129,18 @@ def _turned(across: Spec) -> int:
 def _moved(x: Sequence[float], every: Sequence[float], beside: float, across: Spec) -> list[float]:
     """Places along an axis, moved a little for lines that stand beside each other."""
     if "categories" in across:
-        return [one + beside * STEP_OF_NAMES for one in x]
+        return [value + beside * STEP_OF_NAMES for value in x]
     low, high = min(every), max(every)
     if across.get("scale") == "log":
-        return [one * (high / low) ** (STEP * beside) for one in x]
-    return [one + STEP * beside * (high - low) for one in x]
+        return [value * (high / low) ** (STEP * beside) for value in x]
+    return [value + STEP * beside * (high - low) for value in x]
 
 
 def _up(y: str, every: Points) -> Spec:
     axis: Spec = {"label": metric_label(y), "percent": is_relative(y)}
-    if not is_share(y) and _is_wide([one.median for _, one in every]):
+    if not is_share(y) and _is_wide([band.median for _, band in every]):
         axis["scale"] = "log"
-    ends = [one.low for _, one in every] + [one.high for _, one in every]
+    ends = [band.low for _, band in every] + [band.high for _, band in every]
     return axis | {"include": [min(ends), max(ends)]} if every and np.isfinite(ends).all() else axis
 
 
@@ -155,7 +155,7 @@ def spread_figure(columns: Mapping[str, Sequence[Any]], metrics: Sequence[str]) 
         values = np.array([np.nan if v is None else float(v) for v in columns[metric]])
         values = values[np.isfinite(values)]
         counts, edges = np.histogram(values, bins=min(SLABS, max(5, len(values) // 4)))
-        one = {
+        bars = {
             "kind": "histogram",
             "role": "after",
             "name": "runs",
@@ -174,7 +174,7 @@ def spread_figure(columns: Mapping[str, Sequence[Any]], metrics: Sequence[str]) 
             "label": f"Runs by {metric_title(metric)}",
             "height": 210,
             "x": {"label": metric_label(metric), "percent": percent},
-            "panels": [{"y": {"label": "runs", "include": [0]}, "series": [one, median]}],
+            "panels": [{"y": {"label": "runs", "include": [0]}, "series": [bars, median]}],
         }
         charts.append(Chart(begun(metric_title(metric)), "", spec))
     aid = "How many runs fall where; none is left out."
@@ -186,10 +186,10 @@ def _line(points: Points, x: Sequence[float], *, of_share: bool) -> Spec:
         "kind": "bins",
         "clear": True,
         "x": significant(x),
-        "mean": significant([one.mean if of_share else one.median for _, one in points]),
+        "mean": significant([point.mean if of_share else point.median for _, point in points]),
         "spread": [0.0] * len(points),
-        "low": significant([one.low for _, one in points]),
-        "high": significant([one.high for _, one in points]),
+        "low": significant([point.low for _, point in points]),
+        "high": significant([point.high for _, point in points]),
     }
 
 

@@ -53,11 +53,11 @@ def confusion_figure(summary: TrialSummary) -> Figure:
 
 def misses_figure(summary: TrialSummary) -> Figure:
     """Share of effects that are not named first, by their own error over the noise floor."""
-    classes = [one for one in summary.misses if one.first.of]
+    classes = [miss for miss in summary.misses if miss.first.of]
     series = []
     for role, name, shift, shares in (
-        ("before", "not named first", -0.1, [one.first for one in classes]),
-        ("after", "nor openly undecided", 0.1, [one.first_undecided for one in classes]),
+        ("before", "not named first", -0.1, [miss.first for miss in classes]),
+        ("after", "nor openly undecided", 0.1, [miss.first_undecided for miss in classes]),
     ):
         series.append(
             {
@@ -67,10 +67,10 @@ def misses_figure(summary: TrialSummary) -> Figure:
                 "role": role,
                 "name": name,
                 "x": [i + shift for i in range(len(classes))],
-                "mean": significant([1.0 - one.value for one in shares]),
+                "mean": significant([1.0 - share.value for share in shares]),
                 "spread": [0.0] * len(classes),
-                "low": significant([1.0 - one.interval[1] for one in shares]),
-                "high": significant([1.0 - one.interval[0] for one in shares]),
+                "low": significant([1.0 - share.interval[1] for share in shares]),
+                "high": significant([1.0 - share.interval[0] for share in shares]),
             }
         )
     spec = {
@@ -79,7 +79,7 @@ def misses_figure(summary: TrialSummary) -> Figure:
         "x": {
             "label": "own error over the noise floor (cases)",
             "scale": "band",
-            "categories": [f"{size_text(one)} ({one.first.of})" for one in classes],
+            "categories": [f"{size_text(miss)} ({miss.first.of})" for miss in classes],
         },
         "panels": [
             {"y": {"label": "share of cases [%]", "percent": True, "domain": [-0.04, 1.04]}, "series": series}
@@ -94,7 +94,7 @@ def misses_figure(summary: TrialSummary) -> Figure:
 
 def coverage_figure(summary: TrialSummary) -> Figure:
     """Share of the 95 % intervals that hold the truth, for each parameter."""
-    one = {
+    shares = {
         "kind": "intervals",
         "role": "after",
         "name": "share, with its 95 % interval",
@@ -109,7 +109,7 @@ def coverage_figure(summary: TrialSummary) -> Figure:
         "label": "Share of the intervals that hold the truth",
         "height": 76 + 22 * len(names),
         "x": {"label": "intervals that hold the truth [%]", "percent": True, "domain": [-0.02, 1.02]},
-        "panels": [{"y": {"scale": "band", "categories": names}, "series": [rule, one]}],
+        "panels": [{"y": {"scale": "band", "categories": names}, "series": [rule, shares]}],
     }
     aid = "In brackets: how many intervals. A whisker that misses the line: this parameter's standard errors are off."
     return one_figure("Share of the intervals that hold the truth", aid, spec)

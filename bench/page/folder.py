@@ -75,7 +75,7 @@ class SavedRun:
     @property
     def effect_files(self) -> list[Path]:
         """Effects of the user's own that the command named, beside the dataset's."""
-        return [Path(one) for one in self.run.effect_files]
+        return [Path(file) for file in self.run.effect_files]
 
 
 def save_run(folder: Path, kept: SavedRun) -> None:
@@ -99,7 +99,7 @@ def save_run(folder: Path, kept: SavedRun) -> None:
         written.append(BEFORE_FILE)
         content["diagnosis"] = _told(diagnosis)
         between = [diagnosis.ladder[i].recordings for i in content["diagnosis"]["between"]]
-        bare = [tuple(replace(one, by_effect={}) for one in series) for series in between]
+        bare = [tuple(replace(entry, by_effect={}) for entry in series) for series in between]
         models += [diagnosis.before.recordings, *bare]
     write_series(folder / SERIES_FILE, models, joints)
     if kept.workbench is not None:
@@ -116,13 +116,13 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
         "split": diagnosis.split,
         "missing": diagnosis.missing,
         "ladder": [
-            {"effects": one.effects, "identify": one.identify, "validate": one.validate} for one in ladder
+            {"effects": step.effects, "identify": step.identify, "validate": step.validate} for step in ladder
         ],
-        "ranking": [asdict(one) for one in diagnosis.ranking],
+        "ranking": [asdict(verdict) for verdict in diagnosis.ranking],
         "unexplained": asdict(diagnosis.unexplained),
-        "differs": [asdict(one) for one in diagnosis.differs],
-        "superfluous": [asdict(one) for one in diagnosis.superfluous],
-        "discovered": [asdict(one) for one in diagnosis.discovered],
+        "differs": [asdict(differing) for differing in diagnosis.differs],
+        "superfluous": [asdict(effect) for effect in diagnosis.superfluous],
+        "discovered": [asdict(law) for law in diagnosis.discovered],
         "between": [i for i in range(1, len(ladder) - 1) if ladder[i].recordings],
     }
 
@@ -147,7 +147,7 @@ def read_run(folder: Path) -> SavedRun:
     if not data.is_dir():
         raise BenchError(f"{path}: its dataset is not there any more: {data}")
     dataset = load_dataset(data)
-    effect_files = [Path(one) for one in run.effect_files]
+    effect_files = [Path(file) for file in run.effect_files]
     for name, expected in files.items():
         if file_digest(folder / name) != expected:
             raise BenchError(
@@ -168,14 +168,14 @@ def read_run(folder: Path) -> SavedRun:
             problem = replace(_problem(dataset, run, _discovered(told or {})), dataset=judged)
         except (KeyError, TypeError, ValueError) as error:
             raise _damaged(path, error) from None
-        models = [read_identification(one, problem) for one in paths]
+        models = [read_identification(file, problem) for file in paths]
         diagnosis = None if told is None else _diagnosis(path, told, models, {})
         return SavedRun(run, dataset, models[0], diagnosis, model, said=said)
     between = _between(path, told)
-    saved = [load_model(one) for one in paths]
-    effects = [tuple(one.model.effect_parameters) for one in saved]
+    saved = [load_model(file) for file in paths]
+    effects = [tuple(saved_model.model.effect_parameters) for saved_model in saved]
     series = read_series(folder / SERIES_FILE, judged, [*effects, *(() for _ in between)])
-    models = [one.beside(judged, its) for one, its in zip(saved, series, strict=False)]
+    models = [saved_model.beside(judged, its) for saved_model, its in zip(saved, series, strict=False)]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
     diagnosis = None if told is None else _diagnosis(path, told, models, rungs)
     workbench = None
@@ -229,17 +229,17 @@ def _diagnosis(
             split=str(told["split"]),
             missing=tuple(told["missing"]),
             ladder=tuple(
-                LadderStep(tuple(one["effects"]), one["identify"], one["validate"], series.get(i, ()))
-                for i, one in enumerate(told["ladder"])
+                LadderStep(tuple(entry["effects"]), entry["identify"], entry["validate"], series.get(i, ()))
+                for i, entry in enumerate(told["ladder"])
             ),
-            ranking=tuple(_verdict(one) for one in told["ranking"]),
+            ranking=tuple(_verdict(entry) for entry in told["ranking"]),
             unexplained=Unexplained(
                 **{**told["unexplained"], "depends_on": tuple(told["unexplained"]["depends_on"])}
             ),
             before=before,
             after=after,
-            differs=tuple(_differing(one) for one in told.get("differs", ())),
-            superfluous=tuple(Superfluous(**one) for one in told.get("superfluous", ())),
+            differs=tuple(_differing(entry) for entry in told.get("differs", ())),
+            superfluous=tuple(Superfluous(**effect) for effect in told.get("superfluous", ())),
             discovered=_discovered(told),
         )
     except (KeyError, TypeError, ValueError) as error:
@@ -247,22 +247,22 @@ def _diagnosis(
 
 
 def _discovered(told: Mapping[str, Any]) -> tuple[Discovered, ...]:
-    return tuple(discovered_from(one) for one in told.get("discovered", ()))
+    return tuple(discovered_from(entry) for entry in told.get("discovered", ()))
 
 
-def _differing(one: dict[str, Any]) -> Differing:
+def _differing(entry: dict[str, Any]) -> Differing:
     values = {
         log: Quantity(value["value"], _number(value["std"]), value["unit"])
-        for log, value in one["values"].items()
+        for log, value in entry["values"].items()
     }
-    return Differing(**{**one, "values": values})
+    return Differing(**{**entry, "values": values})
 
 
 def _between(path: Path, told: dict[str, Any] | None) -> list[int]:
     if told is None:
         return []
     try:
-        return [int(one) for one in told["between"]]
+        return [int(entry) for entry in told["between"]]
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, error) from None
 
@@ -274,10 +274,10 @@ def _versions(content: dict[str, Any] | None) -> Versions | None:
     return Versions(str(content["python"]), packages, str(content["commit"]))
 
 
-def _verdict(one: dict[str, Any]) -> EffectVerdict:
-    numbers = {name: _number(one[name]) for name in ("error_before", "error_after", "evidence")}
-    lists = {name: tuple(one[name]) for name in ("actuators", "alternatives")}
-    return EffectVerdict(**{**one, **numbers, **lists})
+def _verdict(entry: dict[str, Any]) -> EffectVerdict:
+    numbers = {name: _number(entry[name]) for name in ("error_before", "error_after", "evidence")}
+    lists = {name: tuple(entry[name]) for name in ("actuators", "alternatives")}
+    return EffectVerdict(**{**entry, **numbers, **lists})
 
 
 def _number(value: Any) -> float:

@@ -29,7 +29,7 @@ class ModelBeside:
 
     def one(self, joint: str, recording: str) -> MotorSeries | None:
         """One motor in one recording; None where it hardly moves."""
-        found = [one for one in self.what.of(joint) if one.recording == recording]
+        found = [trace for trace in self.what.of(joint) if trace.recording == recording]
         return found[0] if found else None
 
 

@@ -142,7 +142,7 @@ def replay_page(result: Replay, problem: Problem, saved: Identification, made: M
     return Page(
         title=f"The twin of {result.twin.robot} along recorded motions",
         facts=_facts(dataset, f"model {result.twin.model}", "simulated by MuJoCo alone"),
-        verdict=tuple(typeset(one) for one in replay_sentences(result)),
+        verdict=tuple(typeset(replay_sentence) for replay_sentence in replay_sentences(result)),
         tiles=replay_tiles(result, twin.where, noise),
         sections=(
             errors_section(twin, result.twin.recordings, noise),
@@ -165,8 +165,8 @@ def _moving(
     def moving(name: str, option: str) -> Mechanism | Text:
         from bench.page.mechanism import mechanism  # noqa: PLC0415 - the viewer's shapes take their time to import
 
-        recording = next(one for one in logged.recordings if one.name == name)
-        series = next(one for one in recordings if one.name == name)
+        recording = next(log for log in logged.recordings if log.name == name)
+        series = next(trace for trace in recordings if trace.name == name)
         try:
             data = mechanism(logged, recording, series, settings, FRAMES)
         except BenchError as error:
@@ -178,7 +178,7 @@ def _moving(
 
 
 def _facts(dataset: Dataset, *more: str) -> tuple[str, ...]:
-    loads = sorted({one.payload for one in dataset.recordings if one.payload is not None})
+    loads = sorted({recording.payload for recording in dataset.recordings if recording.payload is not None})
     payload = f"payload {', '.join(loads)}" if loads else "no payload"
     count = plural(len(dataset.recordings), "recording")
     return (f"robot {dataset.robot.name}", f"dataset {dataset.folder.name}", count, payload, *more)

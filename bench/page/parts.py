@@ -215,4 +215,4 @@ def one_figure(title: str, aid: str, spec: Spec) -> Figure:
 
 def row(*cells: str | Cell, kind: str = "") -> PageRow:
     """A row of texts and cells."""
-    return PageRow(tuple(one if isinstance(one, Cell) else Cell(one) for one in cells), kind)
+    return PageRow(tuple(joint if isinstance(joint, Cell) else Cell(joint) for joint in cells), kind)

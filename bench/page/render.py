@@ -58,7 +58,7 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
         page=page,
         policy=policy(scripts, style),
         style=Markup(style),
-        scripts=[Markup(one) for one in scripts],
+        scripts=[Markup(script) for script in scripts],
         figures=_data(_figures(page)),
         workbench=workbench is not None,
         workbench_after=after[0] if after else 0,
@@ -68,7 +68,7 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
 
 def policy(scripts: Sequence[str], style: str) -> str:
     """The content-security policy: nothing from anywhere, and of what is inside only what has these hashes."""
-    allowed = " ".join(_hash(one) for one in scripts)
+    allowed = " ".join(_hash(script) for script in scripts)
     return (
         f"default-src 'none'; script-src {allowed}; style-src {_hash(style)}; img-src data:; base-uri 'none'; "
         "form-action 'none'"

@@ -33,15 +33,15 @@ LAWS_AID = (
 
 def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Section:
     """Every effect with its verdict, those that count in full, the others folded; and the laws of what was found."""
-    shown = [one for one in diagnosis.ranking if one.verdict not in UNSUPPORTED]
-    rest = [one for one in diagnosis.ranking if one.verdict == "not supported"]
-    absorbed = [one for one in diagnosis.ranking if one.verdict == "absorbed"]
+    shown = [verdict for verdict in diagnosis.ranking if verdict.verdict not in UNSUPPORTED]
+    rest = [verdict for verdict in diagnosis.ranking if verdict.verdict == "not supported"]
+    absorbed = [verdict for verdict in diagnosis.ranking if verdict.verdict == "absorbed"]
     parts: list[Part] = []
     if shown:
         parts.append(on_page(ranking_table(diagnosis, shown), "Effects that count", VERDICTS_AID))
         parts += _laws(diagnosis, catalogue)
         parts.append(
-            Items("Why", "", tuple(typeset(reason(diagnosis, one)) for one in shown)),
+            Items("Why", "", tuple(typeset(reason(diagnosis, verdict)) for verdict in shown)),
         )
     else:
         parts.append(Items("Effects that count", "", ("None: no effect of the catalogue is supported.",)))
@@ -57,7 +57,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
         )
     if absorbed:
         title = f"{len(absorbed)} effects that no data of this robot could show"
-        rows = tuple(row(effect_name(one.effect), typeset(one.why)) for one in absorbed)
+        rows = tuple(row(effect_name(verdict.effect), typeset(verdict.why)) for verdict in absorbed)
         aid = "The model's own parameters take them up completely, so they do no harm to its currents."
         parts.append(
             PageTable(
@@ -73,7 +73,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
 def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
     """What the found effects do, as far as their classes tell it."""
     known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
-    rows = tuple(row(effect_name(one.name), one.law, one.symbols) for one in known if one.law)
+    rows = tuple(row(effect_name(entry.name), entry.law, entry.symbols) for entry in known if entry.law)
     columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("symbols", "words"))
     return [PageTable("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
 
@@ -81,8 +81,8 @@ def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
 def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> document.Table:
     """The ranking of some effects with the sentence on each."""
     table = ranking_table(diagnosis, chosen)
-    kept = [one for one in table.columns if one.header != "verdict"]
-    reasons = document.Column("reason", [one.why for one in chosen], "sentence")
+    kept = [column for column in table.columns if column.header != "verdict"]
+    reasons = document.Column("reason", [verdict.why for verdict in chosen], "sentence")
     return replace(table, columns=(*kept, reasons))
 
 

@@ -35,12 +35,12 @@ ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current
 def ladder_section(diagnosis: Diagnosis) -> Section:
     """The error after each added effect."""
     steps = diagnosis.ladder
-    names = step_labels([one.effects for one in steps])
+    names = step_labels([step.effects for step in steps])
     floor = diagnosis.unexplained.noise_floor
     lines = []
     for role, name, values in (
-        ("before", "fitted", [one.identify for one in steps]),
-        ("after", "not fitted", [one.validate for one in steps]),
+        ("before", "fitted", [step.identify for step in steps]),
+        ("after", "not fitted", [step.validate for step in steps]),
     ):
         known = [float("nan") if value is None else value for value in values]
         if any(value is not None for value in values):
@@ -90,7 +90,7 @@ def errors_table(shown: ModelBeside, recordings: Sequence[CurrentSeries], noise:
     """Errors by recording and motor, fitted and not fitted, with totals. noise: relative, of all together."""
     joints = list(shown.what.joints)
     many = len(joints) > 1
-    by_motor = [one.noise for one in shown.where.motors]
+    by_motor = [motor.noise for motor in shown.where.motors]
     noises = (by_motor, noise) if many and len(by_motor) == len(joints) else None
     title = "Error by recording and motor" if many else "Error by recording"
     if shown.name:
@@ -107,7 +107,7 @@ def currents_section(
     """
     last = models[-1]
     joints = last.joints
-    names = list(dict.fromkeys(one.recording for one in last.what.series if one.joint in joints))
+    names = list(dict.fromkeys(trace.recording for trace in last.what.series if trace.joint in joints))
     dropped = max(0, len(joints) * len(names) - MOST_FIGURES)
     if dropped:
         names = names[: max(1, MOST_FIGURES // len(joints))]
@@ -117,7 +117,9 @@ def currents_section(
     variants, widths = {}, set()
     for j, joint in enumerate(joints):
         for k, name in enumerate(names):
-            found = [(one.role, one.name, series) for one in models if (series := one.one(joint, name))]
+            found = [
+                (model.role, model.name, series) for model in models if (series := model.one(joint, name))
+            ]
             if len(found) < len(models):
                 variants[f"{j}|{k}"] = Variant((), (f"{joint} hardly moves in {name}: nothing to show.",))
                 continue
@@ -127,13 +129,13 @@ def currents_section(
             variants[f"{j}|{k}"] = Variant((Chart("", "", spec),), (_facts(joint, found),))
     worst = [_worst(last, joint, names) for joint in joints]
     first = worst[0] if worst else 0
-    loads = {one.recording: one for one in last.what.series}
+    loads = {trace.recording: trace for trace in last.what.series}
     options = tuple(
         f"{name} ({USES[loads[name].use]}{', ' + str(loads[name].payload) if loads[name].payload else ''})"
         for name in names
     )
     aid = "Modelled should lie on measured; an error inside the grey band is noise."
-    if any(len(one.row) and one.row[-1] - one.row[0] >= len(one.row) for one in last.what.series):
+    if any(len(trace.row) and trace.row[-1] - trace.row[0] >= len(trace.row) for trace in last.what.series):
         aid += " Gaps: the joint stands still or reverses, which is neither fitted nor judged."
     if widths and max(widths) > 1:
         aid += f" Of every {max(widths)} rows the smallest and the largest value are drawn: no outlier is left out."
@@ -155,22 +157,25 @@ def currents_section(
 def _facts(joint: str, curves: Sequence[tuple[str, str, MotorSeries]]) -> str:
     """Errors of one motor in one recording in words."""
     errors = []
-    for _, name, one in curves:
-        measured = float(one.measured @ one.measured)
-        value = float(one.error @ one.error / measured) ** 0.5 if measured else None
+    for _, name, trace in curves:
+        measured = float(trace.measured @ trace.measured)
+        value = float(trace.error @ trace.error / measured) ** 0.5 if measured else None
         errors.append(f"{share(value)}{' ' + name if name else ''}")
-    one = curves[-1][2]
-    measured = float(one.measured @ one.measured)
-    noise = one.noise * (len(one.time) / measured) ** 0.5 if measured else None
-    said_of = f"with payload {one.payload}" if one.payload else "without payload"
-    rows = plural(len(one.time), "row")
-    return f"{joint} in {one.recording}, {said_of}: error {', '.join(errors)}; noise {share(noise)}; {rows} that move."
+    trace = curves[-1][2]
+    measured = float(trace.measured @ trace.measured)
+    noise = trace.noise * (len(trace.time) / measured) ** 0.5 if measured else None
+    said_of = f"with payload {trace.payload}" if trace.payload else "without payload"
+    rows = plural(len(trace.time), "row")
+    return (
+        f"{joint} in {trace.recording}, {said_of}: error {', '.join(errors)}; noise {share(noise)}; {rows} "
+        f"that move."
+    )
 
 
 def _worst(shown: ModelBeside, joint: str, names: Sequence[str]) -> int:
     """The number of the recording that is modelled worst, among those not fitted where there are any."""
-    by_name = {one.recording: one for one in shown.what.of(joint) if one.recording in names}
-    unseen = [one for one in by_name.values() if one.use == "validate"] or list(by_name.values())
-    errors = next(one.by_recording for one in shown.where.motors if one.joint == joint)
-    worst = max(unseen, key=lambda one: errors[one.recording][0])
+    by_name = {trace.recording: trace for trace in shown.what.of(joint) if trace.recording in names}
+    unseen = [trace for trace in by_name.values() if trace.use == "validate"] or list(by_name.values())
+    errors = next(motor.by_recording for motor in shown.where.motors if motor.joint == joint)
+    worst = max(unseen, key=lambda trace: errors[trace.recording][0])
     return names.index(worst.recording)

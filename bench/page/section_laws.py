@@ -34,8 +34,8 @@ UNIT_OF = {"position": "{}", "velocity": "{}/s", "acceleration": "{}/s²"}
 def laws_section(diagnosis: Diagnosis) -> Section:
     """Every law at every motor: its terms, and what it goes by."""
     found = diagnosis.discovered
-    variants = {f"{i}": Variant(_charts(one, diagnosis.after)) for i, one in enumerate(found)}
-    names = tuple(f"{one.place}, {one.law}" for one in found)
+    variants = {f"{i}": Variant(_charts(law, diagnosis.after)) for i, law in enumerate(found)}
+    names = tuple(f"{law.place}, {law.law}" for law in found)
     figure = Figure(
         "The law and what was measured",
         "Dots and shade: what the rest of the model leaves, mean and standard deviation in bins with "
@@ -45,21 +45,21 @@ def laws_section(diagnosis: Diagnosis) -> Section:
         variants,
         tuple(variants),
     )
-    said = Text("", tuple(typeset(one) for one in law_sentences(found)))
+    said = Text("", tuple(typeset(law_sentence) for law_sentence in law_sentences(found)))
     lead = "Laws that are in no catalogue, found from what its effects leave."
     return Section("laws", "Laws that were found", lead, (said, figure, _terms(found)))
 
 
 def _terms(found: Sequence[Discovered]) -> PageTable:
     rows = [
-        _row(one.place, symbols(term.term), short(term.value), short(term.std, 2), symbols(term.unit))
-        for one in found
-        for term in one.terms
+        _row(law.place, symbols(term.term), short(term.value), short(term.std, 2), symbols(term.unit))
+        for law in found
+        for term in law.terms
     ]
     rows += [
-        _row(one.place, name, short(value.value), short(value.std, 2), symbols(value.unit))
-        for one in found
-        for name, value in one.numbers.items()
+        _row(law.place, name, short(value.value), short(value.std, 2), symbols(value.unit))
+        for law in found
+        for name, value in law.numbers.items()
     ]
     columns = (
         PageColumn("at"),
@@ -72,37 +72,42 @@ def _terms(found: Sequence[Discovered]) -> PageTable:
 
 
 def _row(*texts: str) -> PageRow:
-    return PageRow(tuple(Cell(one) for one in texts))
+    return PageRow(tuple(Cell(text) for text in texts))
 
 
-def _charts(one: Discovered, after: Identification) -> tuple[Chart, ...]:
+def _charts(law: Discovered, after: Identification) -> tuple[Chart, ...]:
     joints = list(after.joints)
-    effort, angle = ("N·m", "rad") if after.drive_gains[one.place].unit.startswith("N*m") else ("N", "m")
+    effort, angle = ("N·m", "rad") if after.drive_gains[law.place].unit.startswith("N*m") else ("N", "m")
     looks = dict.fromkeys(
         LooksAt(look.what, look.motor, "size")
-        for term in one.terms
+        for term in law.terms
         for look in term.looks_at
         if look.role != "direction"
     )
     usable = [look for look in looks if look.what in (*SERIES, "time", "load")]
     charts = [
-        _chart(one, after, look, joints, effort, angle)
+        _chart(law, after, look, joints, effort, angle)
         for look in usable or [LooksAt("velocity", "", "size")]
     ]
     return tuple(charts[:PANES])
 
 
 def _chart(
-    one: Discovered, after: Identification, look: LooksAt, joints: Sequence[str], effort: str, angle: str
+    found_law: Discovered,
+    after: Identification,
+    look: LooksAt,
+    joints: Sequence[str],
+    effort: str,
+    angle: str,
 ) -> Chart:
     """The law and the rest, both in torque, over one variable."""
-    j = joints.index(one.place)
+    j = joints.index(found_law.place)
     at = joints.index(look.motor) if look.motor else j
-    gain = after.drive_gains[one.place].value
+    gain = after.drive_gains[found_law.place].value
     x, law, left, forwards = (
         np.concatenate(parts)
         for parts in zip(
-            *(_rows(each, one.law, j, at, look.what, gain) for each in after.recordings), strict=True
+            *(_rows(each, found_law.law, j, at, look.what, gain) for each in after.recordings), strict=True
         )
     )
     series: list[Spec] = []
@@ -121,7 +126,7 @@ def _chart(
         "label": title,
         "height": HEIGHT,
         "x": {"label": f"{WHAT[look.what]}{of} [{unit}]"},
-        "panels": [{"y": {"label": f"at {one.place} [{effort}]"}, "series": series}],
+        "panels": [{"y": {"label": f"at {found_law.place} [{effort}]"}, "series": series}],
         "legend": False,
     }
     return Chart(title, "", spec)

@@ -45,7 +45,9 @@ def parameters_section(after: Identification, before: Identification | None) -> 
 
 
 def _deviations_figure(result: Identification) -> Part:
-    deviations = [one.relative_std if one.std else float("nan") for one in result.parameters]
+    deviations = [
+        parameter.relative_std if parameter.std else float("nan") for parameter in result.parameters
+    ]
     points = {
         "kind": "intervals",
         "role": "after",
@@ -70,7 +72,7 @@ def _deviations_figure(result: Identification) -> Part:
         },
         "panels": [
             {
-                "y": {"scale": "band", "categories": [one.name for one in result.parameters]},
+                "y": {"scale": "band", "categories": [parameter.name for parameter in result.parameters]},
                 "series": [rule, points],
             }
         ],
@@ -103,7 +105,7 @@ def conditioning_section(result: Identification) -> Section:
 
 
 def _fitted(result: Identification) -> list[CurrentSeries]:
-    return [one for one in result.recordings if one.use == "identify"] or list(result.recordings)
+    return [trace for trace in result.recordings if trace.use == "identify"] or list(result.recordings)
 
 
 def _reversals(series: CurrentSeries, j: int) -> int:
@@ -127,7 +129,7 @@ def _motion_table(result: Identification) -> PageTable:
     for j, joint in enumerate(result.joints):
         gain = result.drive_gains[joint]
         position, velocity, acceleration, measured, moving = (
-            np.concatenate([getattr(one, name)[:, j] for one in fitted])
+            np.concatenate([getattr(trace, name)[:, j] for trace in fitted])
             for name in ("position", "velocity", "acceleration", "measured", "moving")
         )
         unit = "rad" if gain.unit.startswith("N*m") else "m"
@@ -138,7 +140,7 @@ def _motion_table(result: Identification) -> PageTable:
                 f"{short(_rms(velocity), 3)} and {short(np.abs(velocity).max(), 3)} {unit}/s",
                 f"{short(_rms(acceleration), 3)} {unit}/s²",
                 f"{short(_rms(measured), 3)} {current_unit(gain.unit)}",
-                str(sum(_reversals(one, j) for one in fitted)),
+                str(sum(_reversals(trace, j) for trace in fitted)),
                 share(float(moving.mean())),
             )
         )
@@ -162,20 +164,20 @@ def _not_excited(result: Identification) -> list[str]:
     said = []
     fitted = _fitted(result)
     for j, joint in enumerate(result.joints):
-        count = sum(_reversals(one, j) for one in fitted)
+        count = sum(_reversals(trace, j) for trace in fitted)
         if count < REVERSALS:
             said.append(
                 f"{joint} reverses {count} times: friction and offset can hardly be told apart there."
             )
-    poor = [one.name for one in result.parameters if is_poor(one)]
+    poor = [parameter.name for parameter in result.parameters if is_poor(parameter)]
     if poor:
         said.append(
             f"Poorly determined (standard error above {100 * POOR:.0f} % of the value): {', '.join(poor)}."
         )
     unknown = [
         f"{name} of {effect.replace('_', ' ')} at {joint}"
-        for effect, joint, name, one in flat_effects(result)
-        if not np.isfinite(one.std)
+        for effect, joint, name, quantity in flat_effects(result)
+        if not np.isfinite(quantity.std)
     ]
     if unknown:
         said.append(f"Taken up by other parameters: {', '.join(unknown)}.")
@@ -186,7 +188,7 @@ def _not_excited(result: Identification) -> list[str]:
 
 def _alike(result: Identification) -> list[tuple[str, str, float]]:
     """Pairs of estimates whose errors are all but one, the closest first."""
-    names = [_named(one) for one in result.covariance_rows]
+    names = [_named(unknown) for unknown in result.covariance_rows]
     if not names:  # a model file of an earlier version does not tell them
         return []
     std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
@@ -196,10 +198,14 @@ def _alike(result: Identification) -> list[tuple[str, str, float]]:
         (names[i], names[j], float(correlation[i, j]))
         for i, j in zip(*np.nonzero(np.triu(np.abs(correlation) > ALIKE, 1)), strict=True)
     ]
-    return sorted(pairs, key=lambda one: -abs(one[2]))
+    return sorted(pairs, key=lambda pair: -abs(pair[2]))
 
 
-def _named(one: Unknown) -> str:
-    if one.kind == "gain":
-        return f"gain of {one.place}"
-    return one.name if one.kind == "parameter" else f"{one.name} of {effect_name(one.effect)} at {one.place}"
+def _named(unknown: Unknown) -> str:
+    if unknown.kind == "gain":
+        return f"gain of {unknown.place}"
+    return (
+        unknown.name
+        if unknown.kind == "parameter"
+        else f"{unknown.name} of {effect_name(unknown.effect)} at {unknown.place}"
+    )

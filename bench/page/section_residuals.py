@@ -15,23 +15,29 @@ ON_PAPER = 6  # motors that are printed
 def where_section(models: Sequence[ModelBeside]) -> Section:
     """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
     joints = models[-1].joints
-    options = tuple(one.name.removeprefix("of the ").capitalize() for one in models)
+    options = tuple(beside.name.removeprefix("of the ").capitalize() for beside in models)
     variants = {}
     for m, model in enumerate(models):
-        by_joint = {one.joint: one for one in model.where.motors}
+        by_joint = {motor_errors.joint: motor_errors for motor_errors in model.where.motors}
         for j, joint in enumerate(joints):
             motor = by_joint[joint]
             notes = tuple(
-                typeset(f"{'Motor' + one[5:] if one.startswith('motor ') else one}.")
-                for one in (level_sentence(motor), *finding_sentences(motor))
+                typeset(f"{'Motor' + name[5:] if name.startswith('motor ') else name}.")
+                for name in (level_sentence(motor), *finding_sentences(motor))
             )
             charts = error_charts(error_breakdown(model.what, joint))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             variants[key] = Variant(charts, notes)
-    loud = [m for m, model in enumerate(models) if any(one.above_noise for one in model.where.motors)]
+    loud = [
+        m
+        for m, model in enumerate(models)
+        if any(motor_errors.above_noise for motor_errors in model.where.motors)
+    ]
     first = loud[-1] if loud else len(models) - 1
     motors = models[first].where.motors
-    worst = max(motors, key=lambda one: one.error / max(one.noise, 1e-12), default=None)
+    worst = max(
+        motors, key=lambda motor_errors: motor_errors.error / max(motor_errors.noise, 1e-12), default=None
+    )
     choices = [Choice("Motor", joints, joints.index(worst.joint) if worst is not None else 0)]
     if len(models) > 1:
         choices.append(Choice("Model", options, first))

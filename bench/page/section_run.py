@@ -47,8 +47,8 @@ class CommandRun:
     def line(self) -> str:
         """The command line."""
         words = ["bench", self.command, self.dataset]
-        words += [word for one in self.effects for word in ("--with", one)]
-        words += [word for one in self.effect_files for word in ("--effect-file", one)]
+        words += [word for effect in self.effects for word in ("--with", effect)]
+        words += [word for file in self.effect_files for word in ("--effect-file", file)]
         for name, value in self.options.items():
             if value is True:
                 words.append(OPTIONS[name])
@@ -84,7 +84,7 @@ def limits_section(
 ) -> Section:
     """What this run cannot say."""
     found: list[str] = list(dict.fromkeys(result.notes)) if result is not None else []
-    validated = any(one.use == "validate" for one in dataset.recordings)
+    validated = any(recording.use == "validate" for recording in dataset.recordings)
     if not validated and diagnosis is not None:
         found.append(
             typeset(f"No recording is kept for validation: judged on {diagnosis.split}.")
@@ -107,11 +107,15 @@ def limits_section(
         "that a controller passes on from the encoders below it counts as error."
     )
     if diagnosis is not None:
-        hidden = [effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "absorbed"]
+        hidden = [
+            effect_name(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "absorbed"
+        ]
         if hidden:
             found.append(f"No data of this robot with these payloads could show: {', '.join(hidden)}.")
         doubtful = [
-            effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "indistinguishable"
+            effect_name(verdict.effect)
+            for verdict in diagnosis.ranking
+            if verdict.verdict == "indistinguishable"
         ]
         if doubtful:
             found.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
@@ -147,14 +151,14 @@ def run_section(
 def _recordings_table(dataset: Dataset) -> PageTable:
     rows = tuple(
         row(
-            one.name,
-            USES[one.use],
-            one.payload or "none",
-            str(len(one.time)),
-            short(float(one.time[-1] - one.time[0]), 5),
-            short(one.rate, 6),
+            recording.name,
+            USES[recording.use],
+            recording.payload or "none",
+            str(len(recording.time)),
+            short(float(recording.time[-1] - recording.time[0]), 5),
+            short(recording.rate, 6),
         )
-        for one in dataset.recordings
+        for recording in dataset.recordings
     )
     columns = (
         PageColumn("file"),
@@ -169,11 +173,11 @@ def _recordings_table(dataset: Dataset) -> PageTable:
 
 def _payloads_table(dataset: Dataset) -> PageTable:
     rows = []
-    for name, one in dataset.payloads.items():
-        mass = "estimated" if one.mass is None else short(one.mass, 6)
+    for name, payload in dataset.payloads.items():
+        mass = "estimated" if payload.mass is None else short(payload.mass, 6)
         center, inertia = (
             "estimated" if values is None else ", ".join(short(float(v), 5) for v in values)
-            for values in (one.center_of_mass, one.inertia)
+            for values in (payload.center_of_mass, payload.inertia)
         )
         rows.append(row(name, mass, center, inertia))
     columns = (
@@ -210,11 +214,11 @@ def _settings_table(settings: FilterSettings, result: Identification | None, dat
         rows.append(("own effects", ", ".join(path.name for path in dataset.effect_files)))
     columns = (PageColumn("setting", "keep"), PageColumn("value"))
     aid = "Chosen from the spectra of the data unless they were given."
-    return PageTable("Settings", aid, columns, tuple(row(*one) for one in rows))
+    return PageTable("Settings", aid, columns, tuple(row(*pair) for pair in rows))
 
 
 def _versions_table(by: Versions) -> PageTable:
-    rows = [("Python", by.python), *(one for one in by.packages if one[1])]
+    rows = [("Python", by.python), *(package for package in by.packages if package[1])]
     if by.commit:
         rows.append(("commit", by.commit))
     return _versions(rows)
@@ -233,4 +237,4 @@ def versions_of(columns: Mapping[str, Sequence[Any]]) -> PageTable:
 def _versions(rows: Sequence[tuple[str, str]]) -> PageTable:
     columns = (PageColumn("package", "keep"), PageColumn("version"))
     aid = "What computed this page. A commit with + had files that differ from it."
-    return PageTable("Versions", aid, columns, tuple(row(*one) for one in rows), folded=True)
+    return PageTable("Versions", aid, columns, tuple(row(*pair) for pair in rows), folded=True)

@@ -23,11 +23,11 @@ def write_series(path: Path, models: Sequence[Sequence[CurrentSeries]], joints: 
     """Write the models' currents, whole or not at all. Raises ValueError where they are not of the same rows."""
     first = models[0]
     _check_same(models)
-    lengths = [len(one.time) for one in first]
-    names = pa.array([one.name for one in first], pa.string())
+    lengths = [len(trace.time) for trace in first]
+    names = pa.array([trace.name for trace in first], pa.string())
     columns: dict[str, pa.Array] = {
         "recording": pa.DictionaryArray.from_arrays(np.repeat(np.arange(len(first)), lengths), names),
-        "time": pa.array(np.concatenate([one.time for one in first])),
+        "time": pa.array(np.concatenate([trace.time for trace in first])),
     }
 
     def add(name: str, blocks: Sequence[np.ndarray]) -> None:
@@ -36,11 +36,11 @@ def write_series(path: Path, models: Sequence[Sequence[CurrentSeries]], joints: 
             columns[f"{name}.{joint}"] = pa.array(values[:, j])
 
     for kind in MEASURED:
-        add(kind, [getattr(one, kind) for one in first])
+        add(kind, [getattr(trace, kind) for trace in first])
     for k, model in enumerate(models):
-        add(f"modelled.{k}", [one.modelled for one in model])
+        add(f"modelled.{k}", [trace.modelled for trace in model])
         for effect in model[0].by_effect:
-            add(f"effect.{k}.{effect}", [one.by_effect[effect] for one in model])
+            add(f"effect.{k}.{effect}", [trace.by_effect[effect] for trace in model])
     with atomic_path(path) as partial:
         pq.write_table(pa.table(columns), partial)
 
@@ -65,7 +65,7 @@ def read_series(
     if sorted(table.column_names) != sorted(expected):
         raise BenchError(f"{path}: of other joints or models than this result")
     recording = np.asarray(table["recording"].cast(pa.string()), dtype=str)
-    if set(recording.tolist()) != {one.name for one in dataset.recordings}:
+    if set(recording.tolist()) != {logged.name for logged in dataset.recordings}:
         raise BenchError(f"{path}: of other recordings than this result")
     values = {
         kind: np.column_stack([table[f"{kind}.{joint}"].to_numpy() for joint in joints]) for kind in kinds
@@ -74,16 +74,16 @@ def read_series(
     found = []
     for k, names in enumerate(effects):
         model = []
-        for one in dataset.recordings:
-            rows = recording == one.name
+        for logged in dataset.recordings:
+            rows = recording == logged.name
             measured, position, velocity, acceleration, moving = (values[kind][rows] for kind in MEASURED)
             by_effect = {name: values[f"effect.{k}.{name}"][rows] for name in names}
             modelled = values[f"modelled.{k}"][rows]
             model.append(
                 CurrentSeries(
-                    one.name,
-                    one.use,
-                    one.payload,
+                    logged.name,
+                    logged.use,
+                    logged.payload,
                     time[rows],
                     measured,
                     modelled,
@@ -100,7 +100,7 @@ def read_series(
 
 def _check_same(models: Sequence[Sequence[CurrentSeries]]) -> None:
     for model in models[1:]:
-        for one, other in zip(models[0], model, strict=True):
-            same = all(np.array_equal(getattr(one, kind), getattr(other, kind)) for kind in MEASURED)
-            if one.name != other.name or not same:
-                raise ValueError(f"{other.name}: measured in other rows than {one.name}")
+        for trace, other in zip(models[0], model, strict=True):
+            same = all(np.array_equal(getattr(trace, kind), getattr(other, kind)) for kind in MEASURED)
+            if trace.name != other.name or not same:
+                raise ValueError(f"{other.name}: measured in other rows than {trace.name}")

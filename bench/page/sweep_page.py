@@ -137,7 +137,7 @@ def _verdict(found: SweepResult) -> tuple[str, ...]:
         said.append(f"The {kind} of a combination goes from {low} to {high}.")
     elif len(metrics) > 1:
         said.append(_over_all(metrics[1], all_runs.spreads[metrics[1]]))
-    return tuple(typeset(one) for one in said)
+    return tuple(typeset(name) for name in said)
 
 
 def _over_all(metric: str, spread: Spread) -> str:
@@ -230,7 +230,9 @@ def _spread_text(metric: str, spread: Spread) -> str:
 
 
 def _runs_section(found: SweepResult) -> Section:
-    numbers = [one for one in found.metrics if not is_share(one) and found.overall.spreads[one].count > 1]
+    numbers = [
+        metric for metric in found.metrics if not is_share(metric) and found.overall.spreads[metric].count > 1
+    ]
     lead = "How the metrics spread over all runs, whatever was varied."
     if not numbers:
         return Section("spread", "All runs together", "", (Items("", "", ("One run only.",)),), "All runs")
@@ -246,7 +248,7 @@ def _failures_section(found: SweepResult) -> Section:
     for run, status, reason in zip(*columns.values(), strict=True):
         if status != "ok":
             reasons.setdefault(str(reason), []).append(run)
-    ranked = sorted(reasons.items(), key=lambda one: -len(one[1]))
+    ranked = sorted(reasons.items(), key=lambda pair: -len(pair[1]))
     rows = tuple(row(str(len(runs)), str(runs[0]), reason) for reason, runs in ranked[:MOST_REASONS])
     aid = "The most frequent first; the column reason of runs.parquet has every one."
     heads = (PageColumn("runs", "right"), PageColumn("first", "right"), PageColumn("reason", "words"))
@@ -288,7 +290,7 @@ def _plan_section(found: SweepResult) -> Section:
             "What all runs share",
             "Unless an axis says otherwise.",
             (PageColumn("setting", "keep"), PageColumn("value", "words")),
-            tuple(row(*one) for one in settings),
+            tuple(row(*setting) for setting in settings),
         ),
     )
     return Section("plan", "The plan", "", parts)
@@ -305,7 +307,11 @@ def _limits_section(found: SweepResult) -> Section:
 
 
 def _again_section(found: SweepResult, again: Sequence[str]) -> Section:
-    names = [one for one in column_names(found.table) if one == "commit" or one.startswith("version.")]
+    names = [
+        column_name
+        for column_name in column_names(found.table)
+        if column_name == "commit" or column_name.startswith("version.")
+    ]
     columns = read_table(found.table, names)
     aid = (
         "Started again on the same folder, a sweep goes on where it was; on another, it gives the same table."

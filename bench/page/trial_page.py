@@ -135,7 +135,7 @@ def _kept_beside(found: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
             try:
                 kept = json.loads(path.read_text(encoding="utf-8"))
                 return {
-                    "effects": [str(one) for one in kept["effects"]],
+                    "effects": [str(effect) for effect in kept["effects"]],
                     "given": dict(kept.get("given", {})),
                 }
             except (ValueError, KeyError, TypeError) as error:
@@ -149,13 +149,17 @@ def _is_trial(path: Path) -> bool:
 
 def _verdict(summary: TrialSummary) -> tuple[str, ...]:
     """Three sentences: what is named, false alarms, and what the answers are worth."""
-    by_figure = {one.figure: one for one in summary.targets}
+    by_figure = {target.figure: target for target in summary.targets}
     told = [
         (by_figure[TargetFigure.ONE_FIRST], "a single hidden effect is named first in"),
         (by_figure[TargetFigure.TWO_EXACT], "two are found exactly in"),
         (by_figure[TargetFigure.THREE_EXACT], "three in"),
     ]
-    found = [f"{words} {_of(one.share)}" for one, words in told if one.share is not None and one.share.of]
+    found = [
+        f"{words} {_of(target.share)}"
+        for target, words in told
+        if target.share is not None and target.share.of
+    ]
     first = f"{and_list(found)} of the cases." if found else "No effect that counts was hidden."
     alarms = by_figure[TargetFigure.ALARM].share
     outside = by_figure[TargetFigure.OUTSIDE_HONEST].share
@@ -168,18 +172,20 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
         )
     second = f"{'; '.join(said)}." if said else "False alarms were not tried."
     judged = [
-        one for one in summary.targets if one.reached is not None and (one.least, one.most) != (None, None)
+        target
+        for target in summary.targets
+        if target.reached is not None and (target.least, target.most) != (None, None)
     ]
-    kept = sum(one.verdict == YES for one in judged)
+    kept = sum(target.verdict == YES for target in judged)
     if not judged:
         third = "No case counts, so nothing is said: longer recordings or more seeds help."
-        return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
+        return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
     third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
     for verdict, words in ((NO, "not kept"), (TOO_FEW, "too few cases to say")):
-        names = [WORDS[one.figure] for one in judged if one.verdict == verdict]
+        names = [WORDS[target.figure] for target in judged if target.verdict == verdict]
         third += f"; {words}: {and_list(names)}" if names else ""
     third += "."
-    return tuple(typeset(one[:1].upper() + one[1:]) for one in (first, second, third))
+    return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
 
 
 def _of(share: Share | None) -> str:
@@ -195,11 +201,11 @@ def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
         TargetFigure.ALARM: "Nothing hidden: alarms",
     }
     tiles = []
-    for one in summary.targets:
-        if one.figure in wanted and one.share is not None and one.share.of:
-            bound = target_cells(one)[2]
-            note = f"{one.share.count} of {one.share.of}" + (f", must be {bound}" if bound else "")
-            tiles.append(Tile(wanted[one.figure], typeset(percent(one.share)), typeset(note)))
+    for target in summary.targets:
+        if target.figure in wanted and target.share is not None and target.share.of:
+            bound = target_cells(target)[2]
+            note = f"{target.share.count} of {target.share.of}" + (f", must be {bound}" if bound else "")
+            tiles.append(Tile(wanted[target.figure], typeset(percent(target.share)), typeset(note)))
     return tuple(tiles)
 
 
@@ -213,9 +219,9 @@ def _targets_section(summary: TrialSummary) -> Section:
         PageColumn("95 % interval", "keep"),
     )
     rows = []
-    for one in summary.targets:
-        name, reached, bound, _, cases, interval = target_cells(one)
-        kept = Cell("") if not bound or one.reached is None else _kept(one)
+    for target in summary.targets:
+        name, reached, bound, _, cases, interval = target_cells(target)
+        kept = Cell("") if not bound or target.reached is None else _kept(target)
         first = typeset(name.replace("`", ""))
         texts = (typeset(cell) for cell in (reached or "–", bound))
         rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
@@ -224,10 +230,10 @@ def _targets_section(summary: TrialSummary) -> Section:
     return Section("reached", "What was reached", lead, parts)
 
 
-def _kept(one: Target) -> Cell:
-    if one.verdict == YES:
+def _kept(target: Target) -> Cell:
+    if target.verdict == YES:
         return Cell("kept", "badge missing")
-    return Cell("not kept" if one.verdict == NO else one.verdict, "badge indistinguishable")
+    return Cell("not kept" if target.verdict == NO else target.verdict, "badge indistinguishable")
 
 
 def _confusion_section(summary: TrialSummary) -> Section:
@@ -246,7 +252,7 @@ def _confusion_section(summary: TrialSummary) -> Section:
 
 
 def _misses_section(summary: TrialSummary) -> Section:
-    if not any(one.first.of for one in summary.misses):
+    if not any(miss.first.of for miss in summary.misses):
         none: tuple[Part, ...] = (Items("", "", ("No single effect was hidden.",)),)
         return Section("misses", "Misses by size of the effect", "", none, "Misses")
     aid = "own error: that of a model which lacks this effect alone, on recordings that were not fitted."
@@ -289,9 +295,9 @@ def _limits_section(found: TrialResult) -> Section:
         COUNTED,
     ]
     few = [
-        WORDS[one.figure]
-        for one in found.summary.targets
-        if one.share and 0 < one.share.of < FEW and one.figure in MAIN
+        WORDS[target.figure]
+        for target in found.summary.targets
+        if target.share and 0 < target.share.of < FEW and target.figure in MAIN
     ]
     if few:
         said.append(f"Fewer than {FEW} cases, so the shares say little: {'; '.join(few)}.")

@@ -21,13 +21,14 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     middle = sentence(doubt) if doubt else said.nominal or said.moved or gains_sentence(diagnosis.after)
     middle = middle.rstrip(".")
     doubtful = [
-        f"instead of {effect_name(one.effect)} it could as well be {or_list(list(map(effect_name, one.alternatives)))}"
-        for one in found_effects(diagnosis)
-        if one.alternatives
+        f"instead of {effect_name(verdict.effect)} it could as well be "
+        f"{or_list(list(map(effect_name, verdict.alternatives)))}"
+        for verdict in found_effects(diagnosis)
+        if verdict.alternatives
     ]
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
-    return tuple(typeset(one) for one in (said.verdict, *said.laws, f"{middle}.", said.left))
+    return tuple(typeset(name) for name in (said.verdict, *said.laws, f"{middle}.", said.left))
 
 
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
@@ -51,8 +52,8 @@ def gains_sentence(result: Identification) -> str:
     if not result.gains_fitted:
         return "The drive gains stay at their nominal values, as no payload of known mass gives their scale."
     gains = result.drive_gains
-    far = max(gains, key=lambda one: abs(gain_change(gains[one])))
-    loose = max(gains, key=lambda one: gains[one].relative_std)
+    far = max(gains, key=lambda name: abs(gain_change(gains[name])))
+    loose = max(gains, key=lambda name: gains[name].relative_std)
     gain = gains[far]
     change = share(gain_change(gain), signed=True)
     much = f"The drive gain of {far} is {short(gain.value)} {pretty_unit(gain.unit)}, {change} from its nominal value"
@@ -65,11 +66,11 @@ def gains_sentence(result: Identification) -> str:
 def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
     """The numbers that count of a diagnosis."""
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
-    known = [one.validate if one.validate is not None else one.identify for one in (first, last)]
+    known = [step.validate if step.validate is not None else step.identify for step in (first, last)]
     kind = "not fitted" if last.validate is not None else "fitted"
     before = f"from {share(known[0])} without" if diagnosis.added else "nothing to add"
     found = str(len(diagnosis.added)) if diagnosis.added else "none"
-    names = ", ".join(effect_name(one) for one in diagnosis.added) or "that the catalogue knows"
+    names = ", ".join(effect_name(name) for name in diagnosis.added) or "that the catalogue knows"
     return (
         Tile(f"Error, {kind}", share(known[1]), before),
         Tile("Noise floor", share(diagnosis.unexplained.noise_floor), "of the currents, as an error"),
@@ -96,7 +97,7 @@ def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> 
     """The numbers that count of a comparison."""
     values = [value for value in (error.identify, error.validate) if value is not None]
     use = "that were not fitted" if values and max(values) == error.validate else "for identification"
-    worst = max(where.motors, key=lambda one: one.error, default=None)
+    worst = max(where.motors, key=lambda motor: motor.error, default=None)
     tiles = [
         Tile("Error", share(max(values) if values else None), f"of the current, on recordings {use}"),
         Tile("Noise floor", share(noise), "of the currents, as an error"),
@@ -108,8 +109,8 @@ def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> 
 
 def replay_tiles(result: Replay, where: WhereItFails, noise: float) -> tuple[Tile, ...]:
     """The numbers that count of a replay."""
-    twins, models = (relative_error(one.recordings) for one in (result.twin, result.model))
-    worst = max(where.motors, key=lambda one: one.error, default=None)
+    twins, models = (relative_error(comparison.recordings) for comparison in (result.twin, result.model))
+    worst = max(where.motors, key=lambda motor: motor.error, default=None)
     return (
         Tile("Error of the twin", share(twins), "of the current, all recordings"),
         Tile("Error of the model", share(models), "from which the twin was exported"),
@@ -123,12 +124,12 @@ def _gain_tile(result: Identification, before: Identification | None) -> Tile:
         return Tile("Drive gains", "nominal", "no payload of known mass")
     gains = result.drive_gains
     if before is not None:
-        moves = {one: gain.value / before.drive_gains[one].value - 1.0 for one, gain in gains.items()}
-        joint = max(moves, key=lambda one: abs(moves[one]))
+        moves = {name: gain.value / before.drive_gains[name].value - 1.0 for name, gain in gains.items()}
+        joint = max(moves, key=lambda name: abs(moves[name]))
         return Tile(
             "Largest move of a gain", share(moves[joint], signed=True), f"{joint}, by what is missing"
         )
-    joint = max(gains, key=lambda one: abs(gain_change(gains[one])))
+    joint = max(gains, key=lambda name: abs(gain_change(gains[name])))
     return Tile(
         "Largest gain change", share(gain_change(gains[joint]), signed=True), f"{joint}, from nominal"
     )
@@ -146,13 +147,13 @@ def _level(error: ErrorSummary, noise: float, subject: str) -> tuple[str]:
 
 
 def _failing(where: WhereItFails) -> str:
-    loud = [one for one in where.motors if one.above_noise]
+    loud = [motor for motor in where.motors if motor.above_noise]
     if not loud:
         return "At no motor is more left than the noise of its current: there is nothing to find."
-    worst = max(loud, key=lambda one: one.error / one.noise if one.noise else one.error)
+    worst = max(loud, key=lambda motor: motor.error / motor.noise if motor.noise else motor.error)
     times = f", {short(worst.error / worst.noise, 3)} times its noise" if worst.noise > 0 else ""
     more = (
-        f"More than noise remains at {and_list([motor_words(one.joint) for one in loud])}, most at {worst.joint} "
+        f"More than noise remains at {and_list([motor_words(motor.joint) for motor in loud])}, most at {worst.joint} "
         f"({share(worst.error)}{times})"
         if len(loud) > 1
         else f"More than noise remains at {motor_words(worst.joint)} ({share(worst.error)}{times})"

@@ -32,16 +32,16 @@ def short(value: float, digits: int = 4) -> str:
     return typeset(f"{value:.{digits}g}") if math.isfinite(value) else "–"
 
 
-def with_std(one: Quantity) -> str:
+def with_std(quantity: Quantity) -> str:
     """A value with its standard deviation, to the digits that this supports; the value alone where it was given."""
-    return _pair(one.value, one.std)
+    return _pair(quantity.value, quantity.std)
 
 
-def relative_std(one: Quantity) -> Cell:
+def relative_std(quantity: Quantity) -> Cell:
     """The standard deviation in percent of the value, marked where the value says little."""
-    if one.std == 0.0:
+    if quantity.std == 0.0:
         return Cell("–")
-    return Cell(share(one.relative_std), "poor" if is_poor(one) else "")
+    return Cell(share(quantity.relative_std), "poor" if is_poor(quantity) else "")
 
 
 def effect_name(name: str) -> str:

@@ -87,7 +87,7 @@ def write_saved_run(
 
 def _identify_line(kept: SavedRun) -> str:
     """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
-    each = tuple(one for one in kept.after.effects if one.endswith(TAG))
+    each = tuple(effect for effect in kept.after.effects if effect.endswith(TAG))
     return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, kept.run.options).line()
 
 

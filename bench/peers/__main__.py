@@ -128,22 +128,24 @@ def arm_scores(*, friction: bool) -> list[Score]:
     return [score("two_link", friction=friction, solve=solve, seeds=MANY) for solve in (*own, others)]
 
 
-def title(one: Score) -> str:
+def title(scored: Score) -> str:
     """What the problem is."""
-    robot = {"five_bar": "Five-bar", "two_link": "Serial arm of two links"}[one.robot]
+    robot = {"five_bar": "Five-bar", "two_link": "Serial arm of two links"}[scored.robot]
     friction = (
-        f"Coulomb friction of {100.0 * COULOMB_SHARE:.0f} % of the torque" if one.friction else "no friction"
+        f"Coulomb friction of {100.0 * COULOMB_SHARE:.0f} % of the torque"
+        if scored.friction
+        else "no friction"
     )
     return f"{robot}, two recordings of {DURATION:g} s at 1 kHz, {friction}"
 
 
-def cells(one: Score) -> list[str]:
+def cells(scored: Score) -> list[str]:
     """One row of the table."""
-    shares = (one.gain_error, one.gain_within, one.mass_error, one.mass_within)
+    shares = (scored.gain_error, scored.gain_within, scored.mass_error, scored.mass_within)
     return [
-        one.solver,
-        str(one.seeds),
-        f"{one.seconds:.3g}",
+        scored.solver,
+        str(scored.seeds),
+        f"{scored.seconds:.3g}",
         *("–" if x is None else f"{100 * x:.3g} %" for x in shares),
     ]
 
@@ -154,8 +156,8 @@ def scores_table(scores: Sequence[Score]) -> Table:
     table.add_column(HEADERS[0], overflow="fold")
     for header in HEADERS[1:]:
         table.add_column(header.replace(" ", "\n"), justify="right", vertical="bottom", no_wrap=True)
-    for one in scores:
-        table.add_row(*cells(one))
+    for scored in scores:
+        table.add_row(*cells(scored))
     return table
 
 
@@ -172,9 +174,9 @@ def main() -> int:
             console.print(scores_table(found))
             text += [f"## {title(found[0])}", "", "| " + " | ".join(HEADERS) + " |"]
             text += ["|---" + "|---:" * (len(HEADERS) - 1) + "|"]
-            text += ["| " + " | ".join(cells(one)) + " |" for one in found] + [""]
+            text += ["| " + " | ".join(cells(scored)) + " |" for scored in found] + [""]
     content: dict[str, Any] = {
-        "scores": [vars(one) for one in scores],
+        "scores": [vars(scored) for scored in scores],
         "figaroh": version("figaroh"),
         **versions().columns(),
     }

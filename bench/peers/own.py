@@ -67,7 +67,8 @@ def solve_mass_known(problem: PeerProblem) -> Answer:
     """Gains and all base parameters from the measurements and the mass of the payload."""
     dataset = as_dataset(problem.simulation)
     payloads = {
-        name: replace(one, center_of_mass=None, inertia=None) for name, one in dataset.payloads.items()
+        name: replace(payload, center_of_mass=None, inertia=None)
+        for name, payload in dataset.payloads.items()
     }
     return _identified(replace(dataset, payloads=payloads), (), "parabench, payload's mass alone")[0]
 
@@ -83,9 +84,11 @@ def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Ans
     rest, per_mass = _base_of_masses(problem, model)  # the CAD's part, known beforehand
     start = time.perf_counter()
     base, gains = len(rest), len(everything.gains)
-    kept = [i for i, one in enumerate(result.covariance_rows) if i < base or one.kind == "gain"]
+    kept = [i for i, unknown in enumerate(result.covariance_rows) if i < base or unknown.kind == "gain"]
     covariance = result.covariance[np.ix_(kept, kept)]
-    measured = np.concatenate([[one.value for one in result.parameters[:base]] - rest, everything.gains])
+    measured = np.concatenate(
+        [[parameter.value for parameter in result.parameters[:base]] - rest, everything.gains]
+    )
     columns = np.zeros((len(kept), 2 + gains))
     columns[:base, :2] = per_mass
     columns[base:, 2:] = np.eye(gains)

@@ -58,7 +58,7 @@ def _simulated(robot: str, *, friction: bool) -> Simulation:
     simulation = simulate(scenario, trajectories)
     if not friction:
         return simulation
-    torque = np.concatenate([one.motion.torque for one in simulation.recordings])
+    torque = np.concatenate([recording.motion.torque for recording in simulation.recordings])
     sizes = COULOMB_SHARE * np.sqrt(np.mean(torque**2, axis=0))
     hidden = [
         {"effect": "coulomb_friction", "joint": joint, "Fc": float(size)}
@@ -72,7 +72,7 @@ def _changes(robot: str, seed: int, hidden: Sequence[Any]) -> dict[str, Any]:
     design = {"optimise": True, "duration": DURATION, "ramp": 0.5}
     return {
         "seed": seed,
-        "hidden": [one if isinstance(one, dict) else one.model_dump() for one in hidden],
+        "hidden": [entry if isinstance(entry, dict) else entry.model_dump() for entry in hidden],
         "recordings": [
             {"name": "unloaded", "use": "identify", "design": {"seed": 1, **design}},
             {"name": "loaded", "use": "identify", "payload": payload, "design": {"seed": 2, **design}},

@@ -56,23 +56,25 @@ def replay(problem: Problem, physical: PhysicalSet, progress: Progress = SILENT)
     physical = replace(physical, model=identified)
     prepared, solution = applied(problem, identified.saved)
     joints = list(dataset.robot.joints)
-    modelled = tuple(modelled_series(prepared, one, solution) for one in prepared.observations)
+    modelled = tuple(
+        modelled_series(prepared, observation, solution) for observation in prepared.observations
+    )
     twins: list[CurrentSeries] = []
     off: list[np.ndarray] = []
     opened = 0.0
     left_out: tuple[str, ...] = ()
     with tempfile.TemporaryDirectory() as folder:
         progress.phase("replay", len(modelled))
-        for one, series in zip(prepared.measured, modelled, strict=True):
+        for measurement, series in zip(prepared.measured, modelled, strict=True):
             path = Path(folder) / "twin.xml"
-            exported = write_mjcf(path, physical, one.recording.payload, one.recording.log)
+            exported = write_mjcf(path, physical, measurement.recording.payload, measurement.recording.log)
             write_sidecar(path, sidecar(physical, exported))
             twin = load_twin(path, partial=True)
-            tracked = track(twin, identified.gains, _reference(prepared.model.geometry, one))
+            tracked = track(twin, identified.gains, _reference(prepared.model.geometry, measurement))
             left_out = _left_out(identified, twin.left_out)
-            currents = _currents(identified, one, tracked)
-            twins.append(replace(series, modelled=_at_fit_rate(one, currents), by_effect={}))
-            off.append(np.sqrt(((tracked.position - one.position) ** 2).mean(axis=0)))
+            currents = _currents(identified, measurement, tracked)
+            twins.append(replace(series, modelled=_at_fit_rate(measurement, currents), by_effect={}))
+            off.append(np.sqrt(((tracked.position - measurement.position) ** 2).mean(axis=0)))
             opened = max(opened, tracked.opened)
             progress.advance()
     name = str(identified.path)
@@ -95,8 +97,8 @@ def replay_json(result: Replay) -> dict[str, Any]:
         "left_out": list(result.left_out),
         "opened": result.opened,
         "recordings": [
-            {"name": one.name, "use": one.use, "payload": one.payload, "off": off.tolist()}
-            for one, off in zip(result.twin.recordings, result.off, strict=True)
+            {"name": trace.name, "use": trace.use, "payload": trace.payload, "off": off.tolist()}
+            for trace, off in zip(result.twin.recordings, result.off, strict=True)
         ],
     }
     return dict(finite(answer))
@@ -131,11 +133,11 @@ def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked)
     rate = measured.recording.rate
     joints = list(identified.robot.joints)
     kinds = {joint.name: joint.kind for joint in identified.model.geometry.joints}
-    for one in identified.effects_in(measured.recording.log):
-        effect = one.instance.effect
+    for fitted_effect in identified.effects_in(measured.recording.log):
+        effect = fitted_effect.instance.effect
         if not effect.before_torque or not isinstance(effect, ActuatorEffect):
             continue
-        j = joints.index(one.place)
+        j = joints.index(fitted_effect.place)
         needed = tracked.torque[:, j]
         signals = JointSignals(
             time=measured.time - measured.recording.time[0],
@@ -147,19 +149,19 @@ def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked)
             speed=float(np.sqrt((measured.velocity[:, j] ** 2).mean())),
             rate=rate,
             band=measured.settings.band(rate),
-            rotates=kinds[one.place] != "slide",
+            rotates=kinds[fitted_effect.place] != "slide",
             needs=partial(np.asarray, needed),
         )
-        total[:, j] += effect.torque(signals) @ np.array(list(one.values.values()))
+        total[:, j] += effect.torque(signals) @ np.array(list(fitted_effect.values.values()))
     return np.asarray(total / identified.gains)
 
 
 def _left_out(identified: IdentifiedModel, by_twin: Sequence[str]) -> tuple[str, ...]:
     """What the twin leaves out, less what stands between current and torque: that is worked out afterwards."""
     between = {
-        f"{one.name} at {one.place}"
-        for one in identified.effects
-        if one.instance.effect.before_torque and isinstance(one.instance.effect, ActuatorEffect)
+        f"{effect.name} at {effect.place}"
+        for effect in identified.effects
+        if effect.instance.effect.before_torque and isinstance(effect.instance.effect, ActuatorEffect)
     }
     return tuple(name for name in by_twin if name not in between)
 

@@ -18,11 +18,11 @@ def replay_table(result: Replay) -> Table:
     joints = tuple(result.twin.error.by_actuator or result.twin.error.by_actuator_validate)
 
     def errors(recordings: tuple[CurrentSeries, ...], motor: int | None = None) -> list[float | None]:
-        return [*(relative_error([one], motor) for one in recordings), relative_error(recordings, motor)]
+        return [*(relative_error([trace], motor) for trace in recordings), relative_error(recordings, motor)]
 
     columns = (
-        Column("recording", [*(one.name for one in twins), "all"]),
-        Column("payload", [*(one.payload for one in twins), ""]),
+        Column("recording", [*(trace.name for trace in twins), "all"]),
+        Column("payload", [*(trace.payload for trace in twins), ""]),
         *(Column(joint, errors(twins, motor), "share", rank=1) for motor, joint in enumerate(joints)),
         Column("all", errors(twins), "share"),
         Column("the model itself", errors(models), "share"),

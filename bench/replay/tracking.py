@@ -99,7 +99,9 @@ def _between_samples(
         return given
     start, end = reference.time[0], reference.time[-1]
     fine = np.linspace(start, end, substeps * (len(reference.time) - 1) + 1)
-    position, velocity, acceleration = (np.asarray(cubic_spline(reference.time, one)(fine)) for one in given)
+    position, velocity, acceleration = (
+        np.asarray(cubic_spline(reference.time, values)(fine)) for values in given
+    )
     return position, velocity, acceleration
 
 

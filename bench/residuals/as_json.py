@@ -22,8 +22,8 @@ def where_json(where: WhereItFails) -> dict[str, Any]:
     Opposing errors are in the drive's unit, every finding with a `text`.
     """
     answer = {
-        "noise_floor": {one.joint: one.noise for one in where.motors},
-        "where": {one.joint: _motor(one) for one in where.motors},
+        "noise_floor": {motor.joint: motor.noise for motor in where.motors},
+        "where": {motor.joint: _motor(motor) for motor in where.motors},
         "sentences": where_sentences(where),
     }
     return dict(finite(answer))
@@ -41,44 +41,48 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
         "alike_over": motor.memory,
         "concentrated": [
             {
-                "region": one.region,
-                "error_share": one.error_share,
-                "time_share": one.time_share,
-                "evidence": one.evidence,
-                "of_rest": one.of_rest,
-                "text": concentration_words(one),
+                "region": concentration.region,
+                "error_share": concentration.error_share,
+                "time_share": concentration.time_share,
+                "evidence": concentration.evidence,
+                "of_rest": concentration.of_rest,
+                "text": concentration_words(concentration),
             }
-            for one in motor.concentrations
+            for concentration in motor.concentrations
         ],
         "follows": [
             {
-                "variable": one.variable,
-                "error_share": one.error_share,
-                "low": {"mean": one.low, "at": one.low_at},
-                "high": {"mean": one.high, "at": one.high_at},
-                "of_rest": one.of_rest,
-                "text": dependence_words(one, units),
+                "variable": dependence.variable,
+                "error_share": dependence.error_share,
+                "low": {"mean": dependence.low, "at": dependence.low_at},
+                "high": {"mean": dependence.high, "at": dependence.high_at},
+                "of_rest": dependence.of_rest,
+                "text": dependence_words(dependence, units),
             }
-            for one in motor.dependences
+            for dependence in motor.dependences
         ],
         "repeats": [
             {
-                "over": one.over,
-                "frequency": one.frequency,
-                "error_share": one.error_share,
-                "amplitude": one.amplitude,
-                "text": line_words(one, units),
+                "over": line.over,
+                "frequency": line.frequency,
+                "error_share": line.error_share,
+                "amplitude": line.amplitude,
+                "text": line_words(line, units),
             }
-            for one in motor.lines
+            for line in motor.lines
         ],
         "changes": [
-            {"first": asdict(one.first), "second": asdict(one.second), "text": change_words(one, units[0])}
-            for one in motor.changes
+            {
+                "first": asdict(change.first),
+                "second": asdict(change.second),
+                "text": change_words(change, units[0]),
+            }
+            for change in motor.changes
         ],
         "looks_like": [
-            {**asdict(one), "question": one.question, "text": alike_words(motor.joint, one)}
-            for one in motor.alike
+            {**asdict(rival), "question": rival.question, "text": alike_words(motor.joint, rival)}
+            for rival in motor.alike
         ],
-        "warm_up": [asdict(one) for one in motor.warm_up],
-        "by_load": [asdict(one) for one in motor.by_load],
+        "warm_up": [asdict(opposing) for opposing in motor.warm_up],
+        "by_load": [asdict(opposing) for opposing in motor.by_load],
     }

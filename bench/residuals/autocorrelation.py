@@ -26,8 +26,8 @@ class Autocorrelation:
 
 def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
     """Autocorrelation of one motor's error over all recordings; gaps at standstill are left out."""
-    values = correlations([one.row for one in series], [one.error for one in series])
-    count = sum(len(one.time) for one in series)
+    values = correlations([trace.row for trace in series], [trace.error for trace in series])
+    count = sum(len(trace.time) for trace in series)
     rate = series[0].rate or 1.0
     lag = np.arange(len(values)) / rate
     return Autocorrelation(lag, values, WITHIN_95 / float(np.sqrt(max(count, 1))), memory(values))
@@ -39,7 +39,7 @@ def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np
     rows: the number of each value among evenly spaced rows, rising, some missing. The mean counts as error; each lag's
     products are divided by the powers of the values in them, so that no correlation is above one.
     """
-    lags = max(min(LONGEST, min(len(one) for one in rows) // 4), 1)
+    lags = max(min(LONGEST, min(len(column) for column in rows) // 4), 1)
     sums, powers = np.zeros(lags + 1), np.zeros((2, lags + 1))
     for row, value in zip(rows, values, strict=True):
         length = int(row[-1] - row[0]) + 1
@@ -74,5 +74,5 @@ def memory(correlation: np.ndarray) -> float:
 
 def independent_rows(series: Sequence[MotorSeries], values: Sequence[np.ndarray]) -> float:
     """How many of the rows count as independent, for one value a row."""
-    count = sum(len(one) for one in values)
-    return count / memory(correlations([one.row for one in series], values))
+    count = sum(len(value) for value in values)
+    return count / memory(correlations([trace.row for trace in series], values))

@@ -36,8 +36,8 @@ def concentrations(series: Sequence[MotorSeries], found: Sequence[Region]) -> li
 
     A second one is looked for outside the first, since many regions overlap.
     """
-    squares = [one.error**2 for one in series]
-    left = [np.ones(len(one), dtype=bool) for one in squares]
+    squares = [trace.error**2 for trace in series]
+    left = [np.ones(len(square), dtype=bool) for square in squares]
     named: list[Concentration] = []
     while len(named) < MOST:
         independent = _independent_squares(series, squares, left)
@@ -46,21 +46,21 @@ def concentrations(series: Sequence[MotorSeries], found: Sequence[Region]) -> li
                 _concentration(series[0].joint, region, squares, left, independent, bool(named))
                 for region in found
             ),
-            key=lambda one: _divergence(one.error_share, one.time_share),
+            key=lambda concentration: _divergence(concentration.error_share, concentration.time_share),
             default=None,
         )
         if best is None or not _counts(best, len(found)):
             break
         named.append(best)
-        region = next(one for one in found if one.name == best.region)
+        region = next(candidate for candidate in found if candidate.name == best.region)
         left = [kept & ~rows for kept, rows in zip(left, region.rows, strict=True)]
     return named
 
 
 def shares(series: Sequence[MotorSeries], region: Region) -> tuple[float, float]:
     """The share of one motor's squared error that lies in a region, and the region's share of the time."""
-    everywhere = [np.ones(len(one.time), dtype=bool) for one in series]
-    return _shares([one.error**2 for one in series], region.rows, everywhere)
+    everywhere = [np.ones(len(trace.time), dtype=bool) for trace in series]
+    return _shares([trace.error**2 for trace in series], region.rows, everywhere)
 
 
 def _shares(
@@ -68,9 +68,9 @@ def _shares(
 ) -> tuple[float, float]:
     """Shares of squares and of rows inside among those left."""
     both = [rows & kept for rows, kept in zip(inside, left, strict=True)]
-    whole = sum(float(one[kept].sum()) for one, kept in zip(squares, left, strict=True))
-    part = sum(float(one[rows].sum()) for one, rows in zip(squares, both, strict=True))
-    rows, all_rows = sum(int(one.sum()) for one in both), sum(int(one.sum()) for one in left)
+    whole = sum(float(square[kept].sum()) for square, kept in zip(squares, left, strict=True))
+    part = sum(float(square[rows].sum()) for square, rows in zip(squares, both, strict=True))
+    rows, all_rows = sum(int(entry.sum()) for entry in both), sum(int(values.sum()) for values in left)
     return part / whole if whole else 0.0, rows / all_rows if all_rows else 1.0
 
 
@@ -87,9 +87,9 @@ def _concentration(
     return Concentration(joint, region.name, region.words, error_share, time_share, evidence, of_rest)
 
 
-def _counts(one: Concentration, tried: int) -> bool:
-    telling = _divergence(one.error_share, one.time_share) > TELLING
-    return telling and one.evidence > CERTAIN + float(np.log(tried))
+def _counts(concentration: Concentration, tried: int) -> bool:
+    telling = _divergence(concentration.error_share, concentration.time_share) > TELLING
+    return telling and concentration.evidence > CERTAIN + float(np.log(tried))
 
 
 def _divergence(error_share: float, time_share: float) -> float:
@@ -113,11 +113,11 @@ def _independent_squares(
 
     The squares of normal errors are correlated by the square of the errors' correlation.
     """
-    alike = correlations([one.row for one in series], [one.error for one in series]) ** 2
+    alike = correlations([trace.row for trace in series], [trace.error for trace in series]) ** 2
     length = max(int(np.ceil(2.0 * alike.sum() - 1.0)), 1)
-    kept = [one[rows] for one, rows in zip(squares, left, strict=True) if rows.any()]
+    kept = [square[rows] for square, rows in zip(squares, left, strict=True) if rows.any()]
     if not kept:
         return 0.0
-    blocks = np.concatenate([np.add.reduceat(one, np.arange(0, len(one), length)) for one in kept])
+    blocks = np.concatenate([np.add.reduceat(entry, np.arange(0, len(entry), length)) for entry in kept])
     energy = float(blocks @ blocks)
     return float(blocks.sum() ** 2 / energy) if energy else 0.0

@@ -60,13 +60,13 @@ class ErrorBreakdown:
     @cached_property
     def errors(self) -> np.ndarray:
         """Of all rows, one recording after the other, drive unit."""
-        return np.concatenate([one.error for one in self.series])
+        return np.concatenate([trace.error for trace in self.series])
 
     @cached_property
     def noise(self) -> float:
         """RMS of the current's noise in the band of the fit, drive unit."""
-        rows = [len(one.time) for one in self.series]
-        return float(np.sqrt(np.average([one.noise**2 for one in self.series], weights=rows)))
+        rows = [len(trace.time) for trace in self.series]
+        return float(np.sqrt(np.average([trace.noise**2 for trace in self.series], weights=rows)))
 
     @property
     def labels(self) -> Mapping[Variable, str]:
@@ -81,8 +81,8 @@ class ErrorBreakdown:
 
     def against(self, variable: Variable, bins: int) -> tuple[Branch, ...]:
         """Against a variable, in bins with equally many rows, apart for either direction."""
-        x = np.concatenate([values_of(one, variable) for one in self.series])
-        forwards = np.concatenate([one.forwards for one in self.series])
+        x = np.concatenate([values_of(trace, variable) for trace in self.series])
+        forwards = np.concatenate([trace.forwards for trace in self.series])
         return tuple(
             Branch(direction, profile(x[way], self.errors[way], bins), x[way], self.errors[way])
             for direction, way in _ways(forwards, ~forwards)
@@ -92,9 +92,9 @@ class ErrorBreakdown:
     def around_reversals(self) -> tuple[Branch, ...]:
         """Before and after a change of direction, apart for what the direction is afterwards; x in s."""
         rate = self.series[0].rate or 1.0
-        rows = np.concatenate([one.to_reversal for one in self.series])
+        rows = np.concatenate([trace.to_reversal for trace in self.series])
         # a row before a reversal to forwards moves backwards
-        into = np.concatenate([one.forwards ^ (one.to_reversal < 0) for one in self.series])
+        into = np.concatenate([trace.forwards ^ (trace.to_reversal < 0) for trace in self.series])
         near = np.abs(rows) <= AROUND
         edges = np.arange(-AROUND, AROUND + 1.0) / rate
         return tuple(
@@ -111,22 +111,26 @@ class ErrorBreakdown:
     def by_recording(self) -> tuple[RecordingError, ...]:
         """Each recording on its own."""
         return tuple(
-            RecordingError(one.recording, one.payload, relative_error_of([one]) or 0.0, relative_noise([one]))
-            for one in self.series
+            RecordingError(
+                trace.recording, trace.payload, relative_error_of([trace]) or 0.0, relative_noise([trace])
+            )
+            for trace in self.series
         )
 
     @cached_property
     def opposing(self) -> tuple[tuple[str, Opposing], ...]:
         """The mean error that opposes the motion, early and late and by payload, where there is one."""
         parts = [*over_warm_up(self.series), *by_load(self.series)]
-        names = ["first third", "last third", *(one.part for one in parts[2:])]
-        return tuple((name, one) for name, one in zip(names, parts, strict=True) if np.isfinite(one.std))
+        names = ["first third", "last third", *(opposing.part for opposing in parts[2:])]
+        return tuple(
+            (name, opposing) for name, opposing in zip(names, parts, strict=True) if np.isfinite(opposing.std)
+        )
 
     @cached_property
     def shares(self) -> tuple[RegionShares, ...]:
         """Where the squared error lies, by parts of the motion."""
-        found = [one for one in regions(self.series, self.unit, self.current) if one.of == "motion"]
-        return tuple(RegionShares(one.name, *shares(self.series, one)) for one in found)
+        found = [region for region in regions(self.series, self.unit, self.current) if region.of == "motion"]
+        return tuple(RegionShares(region.name, *shares(self.series, region)) for region in found)
 
     @cached_property
     def spectrum(self) -> Spectrum:

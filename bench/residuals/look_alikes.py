@@ -70,7 +70,7 @@ def look_alikes(
     """
     there = {
         name
-        for name, _, place in (one.partition("@")[0].partition(":") for one in has)
+        for name, _, place in (name.partition("@")[0].partition(":") for name in has)
         if place in ("", joint)
     }
     left = [effect for name, effect in possible.items() if name not in there]
@@ -102,8 +102,14 @@ def _looks(
     changes: Iterable[Change],
 ) -> list[Seen]:
     """What was found, as the atlas asks for it: changes first, since they tell most; then by the share of the error."""
-    shares: list[tuple[float, Seen]] = [(one.error_share, LOOKS[one.variable]) for one in dependences]
-    shares += [(one.error_share, PERIODS[one.over]) for one in lines]
-    shares += [(one.error_share, "opposes") for one in concentrations if one.region == REVERSALS]
-    ordered = [seen for _, seen in sorted(shares, key=lambda one: -one[0])]
-    return list(dict.fromkeys([*(CHANGES[one.between] for one in changes), *ordered]))
+    shares: list[tuple[float, Seen]] = [
+        (dependence.error_share, LOOKS[dependence.variable]) for dependence in dependences
+    ]
+    shares += [(line.error_share, PERIODS[line.over]) for line in lines]
+    shares += [
+        (concentration.error_share, "opposes")
+        for concentration in concentrations
+        if concentration.region == REVERSALS
+    ]
+    ordered = [seen for _, seen in sorted(shares, key=lambda pair: -pair[0])]
+    return list(dict.fromkeys([*(CHANGES[change.between] for change in changes), *ordered]))

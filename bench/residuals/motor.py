@@ -72,7 +72,7 @@ class Compared:
 
     def of(self, joint: str) -> tuple[MotorSeries, ...]:
         """The recordings of one motor, without those in which it hardly moves."""
-        return tuple(one for one in self.series if one.joint == joint and len(one.time) >= FEWEST)
+        return tuple(trace for trace in self.series if trace.joint == joint and len(trace.time) >= FEWEST)
 
 
 def compared(
@@ -85,18 +85,18 @@ def compared(
 
     recordings: as logged, for their noise; settings: the filters that the series went through.
     """
-    logged = {one.name: one for one in recordings}
+    logged = {recording.name: recording for recording in recordings}
     units = {}
     for actuator in robot.actuators:
         effort, _, current = actuator.gain_unit.partition("/")
         units[actuator.joint] = (current, "rad" if effort == "N*m" else "m")
     found = []
-    for one in series:
+    for trace in series:
         noise, band = (
-            current_noise(logged[one.name], settings, one.sharing),
-            settings.band(logged[one.name].rate),
+            current_noise(logged[trace.name], settings, trace.sharing),
+            settings.band(logged[trace.name].rate),
         )
-        found += [_motor(one, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
+        found += [_motor(trace, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
     return Compared(robot.name, tuple(robot.joints), units, tuple(found))
 
 
@@ -116,15 +116,15 @@ def current_noise(
 
 def relative_noise(series: Sequence[MotorSeries]) -> float:
     """RMS of the noise over RMS of the measured current, all rows together."""
-    noise = sum(one.noise**2 * len(one.time) for one in series)
-    measured = sum(float(one.measured @ one.measured) for one in series)
+    noise = sum(trace.noise**2 * len(trace.time) for trace in series)
+    measured = sum(float(trace.measured @ trace.measured) for trace in series)
     return float(np.sqrt(noise / measured)) if measured else 0.0
 
 
 def relative_error_of(series: Sequence[MotorSeries]) -> float | None:
     """RMS of the error over RMS of the measured current, all rows together; None without any."""
-    measured = sum(float(one.measured @ one.measured) for one in series)
-    error = sum(float(one.error @ one.error) for one in series)
+    measured = sum(float(trace.measured @ trace.measured) for trace in series)
+    error = sum(float(trace.error @ trace.error) for trace in series)
     return float(np.sqrt(error / measured)) if measured else None
 
 

@@ -39,8 +39,8 @@ class Change:
 
 def over_warm_up(series: Sequence[MotorSeries]) -> tuple[Opposing, Opposing]:
     """The first and the last third of all recordings of one motor."""
-    first = [np.flatnonzero(one.time <= PART * one.time[-1]) for one in series]
-    last = [np.flatnonzero(one.time >= (1.0 - PART) * one.time[-1]) for one in series]
+    first = [np.flatnonzero(trace.time <= PART * trace.time[-1]) for trace in series]
+    last = [np.flatnonzero(trace.time >= (1.0 - PART) * trace.time[-1]) for trace in series]
     return (
         _opposing(series, first, "in the first third of the recordings"),
         _opposing(series, last, "in the last third"),
@@ -49,10 +49,10 @@ def over_warm_up(series: Sequence[MotorSeries]) -> tuple[Opposing, Opposing]:
 
 def by_load(series: Sequence[MotorSeries]) -> list[Opposing]:
     """Each payload of one motor, and none."""
-    loads = list(dict.fromkeys(one.payload for one in series))
+    loads = list(dict.fromkeys(trace.payload for trace in series))
     found = []
     for load in loads:
-        rows = [np.arange(len(one.time) if one.payload == load else 0) for one in series]
+        rows = [np.arange(len(trace.time) if trace.payload == load else 0) for trace in series]
         found.append(_opposing(series, rows, f"with payload {load}" if load else "without payload"))
     return found
 
@@ -61,28 +61,28 @@ def changes(series: Sequence[MotorSeries]) -> list[Change]:
     """Pairs of parts that differ: friction that changes over the recordings, or with the load."""
     loads = by_load(series)
     pairs: list[Change] = [Change("warm-up", *over_warm_up(series))]
-    pairs += [Change("load", loads[0], one) for one in loads[1:]]
-    rms = float(np.sqrt(np.mean(np.concatenate([one.error for one in series]) ** 2)))
+    pairs += [Change("load", loads[0], opposing) for opposing in loads[1:]]
+    rms = float(np.sqrt(np.mean(np.concatenate([trace.error for trace in series]) ** 2)))
     return [
-        one
-        for one in pairs
-        if (by := abs(one.first.mean - one.second.mean)) > WORTH_NAMING * rms
-        and by > CERTAIN * float(np.hypot(one.first.std, one.second.std))
+        change
+        for change in pairs
+        if (by := abs(change.first.mean - change.second.mean)) > WORTH_NAMING * rms
+        and by > CERTAIN * float(np.hypot(change.first.std, change.second.std))
     ]
 
 
 def _opposing(series: Sequence[MotorSeries], rows: Sequence[np.ndarray], part: str) -> Opposing:
-    used = [(one, chosen) for one, chosen in zip(series, rows, strict=True) if len(chosen) > 1]
+    used = [(trace, chosen) for trace, chosen in zip(series, rows, strict=True) if len(chosen) > 1]
     if not used:
         return Opposing(series[0].joint, part, 0.0, float("inf"), None)
-    values = [(one.error * np.sign(one.velocity))[chosen] for one, chosen in used]
+    values = [(trace.error * np.sign(trace.velocity))[chosen] for trace, chosen in used]
     whole = np.concatenate(values)
     mean = float(whole.mean())
     scatter = [_without_trend(v) for v in values]
-    alike = memory(correlations([one.row[chosen] for one, chosen in used], scatter))
+    alike = memory(correlations([trace.row[chosen] for trace, chosen in used], scatter))
     std = float(np.concatenate(scatter).std() * np.sqrt(alike / len(whole)))
-    error = sum(float((one.error[chosen] ** 2).sum()) for one, chosen in used)
-    measured = sum(float((one.measured[chosen] ** 2).sum()) for one, chosen in used)
+    error = sum(float((trace.error[chosen] ** 2).sum()) for trace, chosen in used)
+    measured = sum(float((trace.measured[chosen] ** 2).sum()) for trace, chosen in used)
     return Opposing(series[0].joint, part, mean, std, float(np.sqrt(error / measured)) if measured else None)
 
 

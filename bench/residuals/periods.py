@@ -52,24 +52,24 @@ class SpectralLine:
 
 def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
     """Welch's spectrum of one motor's error, averaged over its recordings; zero where it stands still."""
-    length = min(SEGMENT, *(int(one.row[-1] - one.row[0]) + 1 for one in series))
+    length = min(SEGMENT, *(int(trace.row[-1] - trace.row[0]) + 1 for trace in series))
     densities, weights = [], []
-    for one in series:
-        filled = np.zeros(int(one.row[-1] - one.row[0]) + 1)
-        filled[one.row - one.row[0]] = one.error
-        frequency, density = hann_spectrum(filled, one.rate, length, centred=False)
-        densities.append(density * len(filled) / len(one.row))
-        weights.append(len(one.row))
-    noise = np.average([one.noise**2 / one.band for one in series], weights=weights)
+    for trace in series:
+        filled = np.zeros(int(trace.row[-1] - trace.row[0]) + 1)
+        filled[trace.row - trace.row[0]] = trace.error
+        frequency, density = hann_spectrum(filled, trace.rate, length, centred=False)
+        densities.append(density * len(filled) / len(trace.row))
+        weights.append(len(trace.row))
+    noise = np.average([motor_trace.noise**2 / motor_trace.band for motor_trace in series], weights=weights)
     return Spectrum(frequency, np.average(densities, axis=0, weights=weights), float(noise))
 
 
 def position_spectrum(series: Sequence[MotorSeries]) -> PositionSpectrum:
     """Amplitude of the best sinusoid over position, for every wave number that motion and filters let be seen."""
-    position = np.concatenate([one.position for one in series])
-    error = np.concatenate([one.error for one in series])
-    speed = float(np.sqrt(np.mean(np.concatenate([one.velocity for one in series]) ** 2)))
-    finest = max(one.rate for one in series) / max(speed, 1e-12)
+    position = np.concatenate([trace.position for trace in series])
+    error = np.concatenate([trace.error for trace in series])
+    speed = float(np.sqrt(np.mean(np.concatenate([trace.velocity for trace in series]) ** 2)))
+    finest = max(trace.rate for trace in series) / max(speed, 1e-12)
     cycles = _grid(float(np.ptp(position)), finest)
     amplitude, share = _sinusoids(position, error, cycles)
     return PositionSpectrum(cycles, amplitude, share)
@@ -77,10 +77,10 @@ def position_spectrum(series: Sequence[MotorSeries]) -> PositionSpectrum:
 
 def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
     """Lines that stand out of one motor's error far beyond chance, at most one over position and one over time."""
-    count = independent_rows(series, [one.error for one in series])
+    count = independent_rows(series, [trace.error for trace in series])
     found = []
     over_position = position_spectrum(series)
-    travel = float(np.ptp(np.concatenate([one.position for one in series])))
+    travel = float(np.ptp(np.concatenate([trace.position for trace in series])))
     best = _strongest(over_position.cycles, over_position.share, FEWEST_CYCLES / max(travel, 1e-12), count, 2)
     if best is not None:
         found.append(
@@ -97,23 +97,23 @@ def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
 
 
 def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLine | None:
-    duration = min(float(np.ptp(one.time)) for one in series)
+    duration = min(float(np.ptp(trace.time)) for trace in series)
     if duration <= 0:
         return None
     frequency = _grid(duration, series[0].rate / 2.0)
 
     def shares(values: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        whole = sum(float(one @ one) for one in values)
+        whole = sum(float(column @ column) for column in values)
         taken, amplitude = np.zeros(len(frequency)), np.zeros(len(frequency))
-        for one, value in zip(series, values, strict=True):
-            sizes, share = _sinusoids(one.time, value, frequency)
+        for trace, value in zip(series, values, strict=True):
+            sizes, share = _sinusoids(trace.time, value, frequency)
             taken += share * float(value @ value)
             amplitude += sizes**2 / len(series)
         return np.sqrt(amplitude), taken / whole if whole else taken
 
-    amplitude, share = shares([one.error for one in series])
-    _, of_motion = shares([one.measured for one in series])
-    _, of_speed = shares([one.velocity for one in series])
+    amplitude, share = shares([trace.error for trace in series])
+    _, of_motion = shares([trace.measured for trace in series])
+    _, of_speed = shares([trace.velocity for trace in series])
     own = np.where(np.maximum(of_motion, of_speed) < LIKE_MOTION * share, share, 0.0)
     best = _strongest(frequency, own, FEWEST_CYCLES / duration, independent, 2 * len(series))
     if best is None:

@@ -105,12 +105,12 @@ def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
 
     The next is looked for in what is left when the bin means by the one before are taken off.
     """
-    errors = np.concatenate([one.error for one in series])
+    errors = np.concatenate([trace.error for trace in series])
     whole = errors
     named: list[Dependence] = []
     while len(named) < MOST:
-        tried = [_dependence(series, one, errors, named) for one in VARIABLES]
-        best, left, chance = max(tried, key=lambda one: one[0].error_share)
+        tried = [_dependence(series, kind, errors, named) for kind in VARIABLES]
+        best, left, chance = max(tried, key=lambda pair: pair[0].error_share)
         if tried[0][0].error_share > AS_GOOD * best.error_share:
             best, left, chance = tried[0]
         small = best.error_share * float(errors @ errors) < WORTH_NAMING / 2 * float(whole @ whole)
@@ -125,7 +125,7 @@ def _dependence(
     series: Sequence[MotorSeries], variable: Variable, errors: np.ndarray, named: Sequence[Dependence]
 ) -> tuple[Dependence, np.ndarray, float]:
     """What follows a variable, what is left without it (N,), and how probable that is by chance."""
-    values = np.concatenate([values_of(one, variable) for one in series])
+    values = np.concatenate([values_of(trace, variable) for trace in series])
     bins = profile(values, errors)
     size = len(bins.mean)
     index = np.clip(np.searchsorted(bins.edges, values, side="right") - 1, 0, size - 1)
@@ -133,8 +133,8 @@ def _dependence(
     left = errors - means[index]
     whole = float(errors @ errors)
     share = 1.0 - float(left @ left) / whole if whole else 0.0
-    cuts = np.cumsum([len(one.time) for one in series])[:-1]
-    alike = memory(correlations([one.row for one in series], np.split(left, cuts)))
+    cuts = np.cumsum([len(trace.time) for trace in series])[:-1]
+    alike = memory(correlations([trace.row for trace in series], np.split(left, cuts)))
     independent = len(errors) / alike
     ratio = -independent * float(np.log(max(1.0 - share, 1e-12)))
     # bin means alone take a share of size / independent by chance

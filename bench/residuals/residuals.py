@@ -89,7 +89,7 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
         units=what.units[joint],
         error=error,
         noise=noise,
-        by_recording={one.recording: _error_and_noise(one) for one in series},
+        by_recording={trace.recording: _error_and_noise(trace) for trace in series},
         memory=autocorrelation(series).memory / (series[0].rate or 1.0),
         above_noise=above,
         concentrations=found[0],
@@ -102,5 +102,5 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
     )
 
 
-def _error_and_noise(one: MotorSeries) -> tuple[float, float]:
-    return relative_error_of([one]) or 0.0, relative_noise([one])
+def _error_and_noise(trace: MotorSeries) -> tuple[float, float]:
+    return relative_error_of([trace]) or 0.0, relative_noise([trace])

@@ -59,11 +59,11 @@ def told_apart(files: Sequence[Path]) -> list[str]:
     return [str(file) for file in files]
 
 
-def interval(one: Quantity) -> tuple[float, float] | None:
+def interval(quantity: Quantity) -> tuple[float, float] | None:
     """The 95 % interval of a value; None for one that was given, or has no deviation."""
-    if not (0.0 < one.std < math.inf):
+    if not (0.0 < quantity.std < math.inf):
         return None
-    return one.value - DEVIATIONS * one.std, one.value + DEVIATIONS * one.std
+    return quantity.value - DEVIATIONS * quantity.std, quantity.value + DEVIATIONS * quantity.std
 
 
 def moved_parameters(first: Identification, other: Identification) -> list[str]:
@@ -71,13 +71,13 @@ def moved_parameters(first: Identification, other: Identification) -> list[str]:
 
     The distance is in the larger of the two deviations: models of the same recordings share their noise.
     """
-    before = {one.name: one for one in first.parameters}
+    before = {parameter.name: parameter for parameter in first.parameters}
     found = []
-    for one in other.parameters:
-        old = before.get(one.name)
-        std = max(one.std, old.std) if old is not None else math.inf
-        if old is not None and 0.0 < std < math.inf and abs(one.value - old.value) > CLEAR * std:
-            found.append((abs(one.value - old.value) / std, one.name))
+    for parameter in other.parameters:
+        old = before.get(parameter.name)
+        std = max(parameter.std, old.std) if old is not None else math.inf
+        if old is not None and 0.0 < std < math.inf and abs(parameter.value - old.value) > CLEAR * std:
+            found.append((abs(parameter.value - old.value) / std, parameter.name))
     return [name for _, name in sorted(found, reverse=True)]
 
 
@@ -98,16 +98,16 @@ def side_by_side_json(found: SideBySide, changed: Sequence[str]) -> dict[str, An
                 "robot": found.robot,
                 "models": [
                     {
-                        "name": one.name,
-                        "effects": effect_places(one.model),
-                        "gains_fitted": one.model.gains_fitted,
-                        "error": asdict(one.model.error),
+                        "name": model.name,
+                        "effects": effect_places(model.model),
+                        "gains_fitted": model.model.gains_fitted,
+                        "error": asdict(model.model.error),
                         "drive_gains": {
                             joint: {**asdict(gain), "interval": interval(gain)}
-                            for joint, gain in one.model.drive_gains.items()
+                            for joint, gain in model.model.drive_gains.items()
                         },
                     }
-                    for one in found.models
+                    for model in found.models
                 ],
                 "changed": list(changed),
             }

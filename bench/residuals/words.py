@@ -41,42 +41,55 @@ def finding_sentences(motor: MotorErrors) -> list[str]:
     """All that was found of one motor's error, the strongest of each kind first."""
     units = motor.units
     return [
-        *(concentration_words(one) for one in motor.concentrations),
-        *(dependence_words(one, units) for one in motor.dependences),
-        *(line_words(one, units) for one in motor.lines),
-        *(change_words(one, units[0]) for one in motor.changes),
-        *(alike_words(motor.joint, one) for one in motor.alike[:MOST_LOOKS]),
+        *(concentration_words(concentration) for concentration in motor.concentrations),
+        *(dependence_words(dependence, units) for dependence in motor.dependences),
+        *(line_words(line, units) for line in motor.lines),
+        *(change_words(change, units[0]) for change in motor.changes),
+        *(alike_words(motor.joint, rival) for rival in motor.alike[:MOST_LOOKS]),
     ]
 
 
-def alike_words(joint: str, one: LookAlike) -> str:
+def alike_words(joint: str, rival: LookAlike) -> str:
     """As in "motor left: Coulomb friction or Stribeck friction leaves such an error (atlas of effects, question 1)"."""
-    names = [spoken(name) for name in one.effects[:MOST_NAMES]]
-    more = len(one.effects) - len(names)
+    names = [spoken(name) for name in rival.effects[:MOST_NAMES]]
+    more = len(rival.effects) - len(names)
     names += [f"{more} more"] if more else []
     listed = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-    return f"{motor_words(joint)}: {listed} would leave such an error (atlas of effects, question {one.question})"
+    return f"{motor_words(joint)}: {listed} would leave such an error (atlas of effects, question {rival.question})"
 
 
-def concentration_words(one: Concentration) -> str:
+def concentration_words(concentration: Concentration) -> str:
     """As in "motor left, at reversals: 71 % of the squared error in 6 % of the time"."""
-    error, time = f"{one.error_share:.0%}".replace("%", " %"), f"{one.time_share:.0%}".replace("%", " %")
-    if one.of_rest:
-        return f"{motor_words(one.joint)}, {one.words}: {error} of the remaining squared error in {time} of that time"
-    return f"{motor_words(one.joint)}, {one.words}: {error} of the squared error in {time} of the time"
+    error, time = (
+        f"{concentration.error_share:.0%}".replace("%", " %"),
+        f"{concentration.time_share:.0%}".replace("%", " %"),
+    )
+    if concentration.of_rest:
+        return (
+            f"{motor_words(concentration.joint)}, {concentration.words}: {error} of the remaining squared "
+            f"error in {time} of that time"
+        )
+    return (
+        f"{motor_words(concentration.joint)}, {concentration.words}: {error} of the squared error in {time} "
+        f"of the time"
+    )
 
 
-def dependence_words(one: Dependence, units: tuple[str, str]) -> str:
+def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
     """How much of the error follows a variable, and from what to what."""
     current, position = units
-    share = f"{one.error_share:.0%}".replace("%", " %")
-    rest = "remaining " if one.of_rest else ""
-    head = f"{motor_words(one.joint)}: {share} of the {rest}squared error"
-    if one.variable == "constant":
-        return f"{head} is a constant offset of {one.low:+.2g} {current}"
+    share = f"{dependence.error_share:.0%}".replace("%", " %")
+    rest = "remaining " if dependence.of_rest else ""
+    head = f"{motor_words(dependence.joint)}: {share} of the {rest}squared error"
+    if dependence.variable == "constant":
+        return f"{head} is a constant offset of {dependence.low:+.2g} {current}"
     head += " follows"
-    if one.variable == "direction":
-        forwards, backwards = (one.high, one.low) if one.high_at > one.low_at else (one.low, one.high)
+    if dependence.variable == "direction":
+        forwards, backwards = (
+            (dependence.high, dependence.low)
+            if dependence.high_at > dependence.low_at
+            else (dependence.low, dependence.high)
+        )
         means = f"{backwards:+.2g} {current} backwards and {forwards:+.2g} {current} forwards"
         return f"{head} the direction of motion, on average {means}"
     unit = {
@@ -85,34 +98,32 @@ def dependence_words(one: Dependence, units: tuple[str, str]) -> str:
         "velocity": f"{position}/s",
         "acceleration": f"{position}/s²",
         "current": current,
-    }[one.variable]
+    }[dependence.variable]
     ends = [
         f"{mean:+.2g} {current} about {at:.2g} {unit}"
-        for mean, at in ((one.low, one.low_at), (one.high, one.high_at))
+        for mean, at in ((dependence.low, dependence.low_at), (dependence.high, dependence.high_at))
     ]
-    return f"{head} the {one.variable}, on average from {ends[0]} to {ends[1]}"
+    return f"{head} the {dependence.variable}, on average from {ends[0]} to {ends[1]}"
 
 
-def line_words(one: SpectralLine, units: tuple[str, str]) -> str:
+def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
     """What repeats, and how often."""
-    share = f"{one.error_share:.0%}".replace("%", " %")
-    size = f"with an amplitude of {one.amplitude:.2g} {units[0]}"
-    if one.over == "time":
-        return (
-            f"{motor_words(one.joint)}: {share} of the squared error swings at {one.frequency:.3g} Hz, {size}"
-        )
-    period = f"every {1.0 / one.frequency:.3g} {units[1]}"
+    share = f"{line.error_share:.0%}".replace("%", " %")
+    size = f"with an amplitude of {line.amplitude:.2g} {units[0]}"
+    if line.over == "time":
+        return f"{motor_words(line.joint)}: {share} of the squared error swings at {line.frequency:.3g} Hz, {size}"
+    period = f"every {1.0 / line.frequency:.3g} {units[1]}"
     if units[1] == "rad":
-        period += f" ({6.283185307179586 * one.frequency:.3g} times a turn)"
-    return f"{motor_words(one.joint)}: {share} of the squared error repeats {period}, {size}"
+        period += f" ({6.283185307179586 * line.frequency:.3g} times a turn)"
+    return f"{motor_words(line.joint)}: {share} of the squared error repeats {period}, {size}"
 
 
-def change_words(one: Change, unit: str) -> str:
+def change_words(change: Change, unit: str) -> str:
     """How an error that opposes the motion differs between two parts."""
-    first, second = one.first, one.second
+    first, second = change.first, change.second
     return (
         f"{motor_words(first.joint)}: the error opposes the motion by {first.mean:+.2g} {unit} {first.part} and by "
-        f"{second.mean:+.2g} {unit} {second.part}: {CHANGES[one.between]}"
+        f"{second.mean:+.2g} {unit} {second.part}: {CHANGES[change.between]}"
     )
 
 

@@ -46,7 +46,7 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
             f"{mobility.tree} of the tree less {mobility.rank} of rank and {count(mobility.spins, 'idle spin')} "
             f"leave {mobility.remaining}"
         )
-    extra = [one.joint for one in geometry.robot.redundant]
+    extra = [actuator.joint for actuator in geometry.robot.redundant]
     beside = f" and a redundant one at {', '.join(extra)}" if extra else ""
     return Check(
         name,

@@ -194,7 +194,7 @@ def completed(
     settings = replace(choose_settings(positions, currents, rate, bands), **given)
     if "position_cutoff" not in given or "border" in given:
         return settings
-    border = settled_border(settings.position_cutoff, rate, min(len(one) for one in positions))
+    border = settled_border(settings.position_cutoff, rate, min(len(position) for position in positions))
     return replace(settings, border=(border, border))
 
 

@@ -80,12 +80,12 @@ def growth_figures() -> list[SpeedFigure]:
     growth.keep(series)
     return [
         SpeedFigure(
-            f"{one.command} against {one.of}, exponent",
-            one.exponent,
+            f"{grown.command} against {grown.of}, exponent",
+            grown.exponent,
             "",
-            growth.LINEAR if one.of == "samples" else None,
+            growth.LINEAR if grown.of == "samples" else None,
         )
-        for one in series
+        for grown in series
     ]
 
 

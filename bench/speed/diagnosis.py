@@ -58,9 +58,11 @@ def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
     content = dict(read_with_bases(find_scenario(robot)))
     content["hidden"] = list(hidden)
     content["design"] = {**content["design"], "duration": DURATION}
-    fitted = [one for one in content["recordings"] if one["use"] == "identify"]
-    others = [one for one in content["recordings"] if one["use"] == "validate"][: int(checked)]
-    shorter = [{**one, "design": {**one["design"], "duration": SHORT}} for one in others]
+    fitted = [recording for recording in content["recordings"] if recording["use"] == "identify"]
+    others = [recording for recording in content["recordings"] if recording["use"] == "validate"][
+        : int(checked)
+    ]
+    shorter = [{**other, "design": {**other["design"], "duration": SHORT}} for other in others]
     content["recordings"] = [*fitted, *shorter]
     scenario = scenario_from_dict(content, robot)
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))

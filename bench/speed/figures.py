@@ -53,7 +53,7 @@ def last_values(path: Path = HISTORY) -> dict[str, float]:
 def append_history(figures: Sequence[SpeedFigure], path: Path = HISTORY) -> None:
     """Add a line to the history: figures by name, the program, the machine."""
     record: dict[str, Any] = {
-        "figures": {one.name: float(f"{one.value:.4g}") for one in figures},
+        "figures": {figure.name: float(f"{figure.value:.4g}") for figure in figures},
         "cores": len(os.sched_getaffinity(0)),
         "machine": platform.machine(),
         **versions().columns(),
@@ -71,17 +71,17 @@ def figures_table(figures: Sequence[SpeedFigure], last: Mapping[str, float]) -> 
     table.add_column("", overflow="fold")
     for header in ("last", "now", "change", "limit"):
         table.add_column(header, justify="right", no_wrap=True)
-    for one in figures:
-        before = last.get(one.name)
-        change = None if not before else one.value / before - 1.0
-        worse = change is not None and (-change if one.at_least else change) > NOTABLE
-        bound = "" if one.limit is None else f"{'≥' if one.at_least else '≤'} {one.limit:g}"
+    for figure in figures:
+        before = last.get(figure.name)
+        change = None if not before else figure.value / before - 1.0
+        worse = change is not None and (-change if figure.at_least else change) > NOTABLE
+        bound = "" if figure.limit is None else f"{'≥' if figure.at_least else '≤'} {figure.limit:g}"
         table.add_row(
-            one.name,
+            figure.name,
             "–" if before is None else f"{before:.3g}",
-            f"{one.value:.3g} {one.unit}",
+            f"{figure.value:.3g} {figure.unit}",
             "–" if change is None else f"{100 * change:+.0f} %",
             bound,
-            style="red" if not one.kept else "yellow" if worse else None,
+            style="red" if not figure.kept else "yellow" if worse else None,
         )
     return table

@@ -121,13 +121,15 @@ def _seconds(dataset: Dataset, work: Work) -> float:
 
 def growth_figure(series: Sequence[Growth]) -> Drawing:
     """Seconds against sizes, one panel for each thing that grows, with the power laws."""
-    things = list(dict.fromkeys(one.of for one in series))
+    things = list(dict.fromkeys(growth.of for growth in series))
     with mpl.rc_context(STYLE):
         drawing = Drawing(figsize=(3.6 * len(things), 3.2), layout="constrained")
         for axes, thing in zip(drawing.subplots(1, len(things), squeeze=False)[0], things, strict=True):
-            for one in series:
-                if one.of == thing:
-                    axes.loglog(one.sizes, one.seconds, "o-", label=f"{one.command}: {one.exponent:.2f}")
+            for growth in series:
+                if growth.of == thing:
+                    axes.loglog(
+                        growth.sizes, growth.seconds, "o-", label=f"{growth.command}: {growth.exponent:.2f}"
+                    )
             axes.set_xlabel(thing)
             axes.legend(title="exponent", frameon=False)
         drawing.axes[0].set_ylabel("processor time [s]")
@@ -140,18 +142,18 @@ def main() -> None:
     table = Table(title="Processor time against size")
     for heading in ("command", "grows with", "sizes", "seconds", "exponent"):
         table.add_column(heading)
-    for one in series:
+    for growth in series:
         sizes, seconds = (
-            "  ".join(f"{value:.3g}" for value in values) for values in (one.sizes, one.seconds)
+            "  ".join(f"{value:.3g}" for value in values) for values in (growth.sizes, growth.seconds)
         )
-        table.add_row(one.command, one.of, sizes, seconds, f"{one.exponent:.2f}")
+        table.add_row(growth.command, growth.of, sizes, seconds, f"{growth.exponent:.2f}")
     table_console().print(table)
     keep(series)
 
 
 def keep(series: Sequence[Growth]) -> None:
     """Write the numbers and the figure."""
-    rows = [{**asdict(one), "exponent": one.exponent, **versions().columns()} for one in series]
+    rows = [{**asdict(growth), "exponent": growth.exponent, **versions().columns()} for growth in series]
     with atomic_path(RESULT) as path:
         path.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     with atomic_path(PICTURE) as path:

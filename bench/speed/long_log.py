@@ -49,7 +49,7 @@ def write_long_dataset(folder: Path, duration: float, robot: str = "five_bar") -
     entries = []
     folder.mkdir(parents=True, exist_ok=True)
     for name, carried in (("unloaded", None), ("loaded", payload)):
-        parts = [one for one in simulation.recordings if one.table.payload == carried]
+        parts = [recording for recording in simulation.recordings if recording.table.payload == carried]
         count = -(-samples // len(parts[0].position))
         position = np.concatenate([_closed(parts[k % PARTS].position) for k in range(count)])[:samples]
         current = np.concatenate([parts[k % PARTS].current for k in range(count)])[:samples]

@@ -56,7 +56,8 @@ def measure(name: str, repeats: int = 5) -> MainJobSpeed:
         times[repeat, 1] = _plain_rollout(simulation)
         dataset = as_dataset(simulation)
         fitted = replace(
-            dataset, recordings=tuple(one for one in dataset.recordings if one.use == "identify")
+            dataset,
+            recordings=tuple(recording for recording in dataset.recordings if recording.use == "identify"),
         )
         start = perf_counter()
         identify(prepare(problem_of(fitted)))
@@ -80,14 +81,14 @@ def hexapod_seconds() -> float:
 def _plain_rollout(simulation: Simulation) -> float:
     """Seconds that mujoco.rollout takes for the same models, controls and steps."""
     machine, settings = simulation.machine, simulation.scenario.settings
-    models = [machine.models[one.table.payload] for one in simulation.recordings]
+    models = [machine.models[recording.table.payload] for recording in simulation.recordings]
     time = np.arange(simulation.steps // len(models)) * settings.step - settings.settle
     control = np.stack(
-        [machine.drive.command(*one.trajectory.evaluate(time)) for one in simulation.recordings]
+        [machine.drive.command(*recording.trajectory.evaluate(time)) for recording in simulation.recordings]
     )
     size = mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
     state = np.zeros((len(models), size))
-    state[:, 1 : 1 + models[0].nq] = [one.motion.qpos[0] for one in simulation.recordings]
+    state[:, 1 : 1 + models[0].nq] = [recording.motion.qpos[0] for recording in simulation.recordings]
     data = mujoco.MjData(models[0])
     start = perf_counter()
     rollout.rollout(models, [data], state, control)
@@ -100,20 +101,20 @@ def main() -> None:
     table = Table(title="Simulation, µs a step, and identification of two recordings of 20 s at 1 kHz, s")
     for heading in ("robot", "simulate", "rollout", "ratio", "at most", "identify", "at most"):
         table.add_column(heading, justify="left" if heading == "robot" else "right")
-    for one in speeds:
-        limit = IDENTIFICATION_LIMITS[one.robot]
-        parts = (f"{value:.2f}" for value in (one.simulation, one.rollout, one.ratio, SIMULATION_LIMIT))
-        table.add_row(one.robot, *parts, f"{one.identification:.2f}", f"{limit:g}")
+    for speed in speeds:
+        limit = IDENTIFICATION_LIMITS[speed.robot]
+        parts = (f"{value:.2f}" for value in (speed.simulation, speed.rollout, speed.ratio, SIMULATION_LIMIT))
+        table.add_row(speed.robot, *parts, f"{speed.identification:.2f}", f"{limit:g}")
     table_console().print(table)
     limits = {"ratio_limit": SIMULATION_LIMIT}
     rows = [
         {
-            **asdict(one),
+            **asdict(job),
             **limits,
-            "identification_limit": IDENTIFICATION_LIMITS[one.robot],
+            "identification_limit": IDENTIFICATION_LIMITS[job.robot],
             **versions().columns(),
         }
-        for one in speeds
+        for job in speeds
     ]
     with atomic_path(RESULT) as path:
         path.write_text(json.dumps(rows, indent=2) + "\n")

@@ -29,7 +29,9 @@ FOUND = ("coulomb_friction", "viscous_friction:leg_2")
 ABSORBED = ("payload_mass_error", "rotor_inertia")
 SCENARIO: Mapping[str, Any] = {
     "seed": 3,
-    "gains": {"error": {f"leg_{i + 1}": one for i, one in enumerate((0.08, -0.06, 0.05, -0.04, 0.1, -0.09))}},
+    "gains": {
+        "error": {f"leg_{i + 1}": value for i, value in enumerate((0.08, -0.06, 0.05, -0.04, 0.1, -0.09))}
+    },
     "payloads": {
         "block": {"mass": 3.0, "center_of_mass": [0.0, 0.0, 0.05], "inertia": [6e-3, 6e-3, 6e-3, 0, 0, 0]}
     },
@@ -66,8 +68,8 @@ def six_motors(folder: Path, duration: float = DURATION) -> Dataset:
 def told(dataset: Dataset) -> Diagnosis:
     """What a diagnosis that finds the hidden effects says, without the search: all effects are in its ranking."""
     before, after = identify(prepare(problem_of(dataset))), identify(prepare(problem_of(dataset, FOUND)))
-    errors = [(one.error.identify or 0.0, one.error.validate or 0.0) for one in (before, after)]
-    found = tuple(one.partition(":")[0] for one in FOUND)
+    errors = [(result.error.identify or 0.0, result.error.validate or 0.0) for result in (before, after)]
+    found = tuple(name.partition(":")[0] for name in FOUND)
     ranking = tuple(
         EffectVerdict(
             effect=name,

@@ -158,16 +158,16 @@ def measure_all() -> list[Scheduling]:
 
 def scheduling_figures() -> list[SpeedFigure]:
     """Cost and memory of both pools."""
-    return [figure for one in measure_all() for figure in figures_of(one)]
+    return [figure for scheduling in measure_all() for figure in figures_of(scheduling)]
 
 
-def figures_of(one: Scheduling) -> list[SpeedFigure]:
+def figures_of(scheduling: Scheduling) -> list[SpeedFigure]:
     """What is promised of a pool, and its rate."""
-    name = f"{one.runs} runs without work, {one.pool}, {one.workers} workers"
+    name = f"{scheduling.runs} runs without work, {scheduling.pool}, {scheduling.workers} workers"
     return [
-        SpeedFigure(f"{name}: driver's time a run", one.driver, "ms", COST_LIMIT),
-        SpeedFigure(f"{name}: memory gained", one.growth, "MB", GROWTH_LIMIT),
-        SpeedFigure(f"{name}: runs a second", one.rate, "/s"),
+        SpeedFigure(f"{name}: driver's time a run", scheduling.driver, "ms", COST_LIMIT),
+        SpeedFigure(f"{name}: memory gained", scheduling.growth, "MB", GROWTH_LIMIT),
+        SpeedFigure(f"{name}: runs a second", scheduling.rate, "/s"),
     ]
 
 
@@ -175,23 +175,23 @@ def main() -> None:
     """Measure, show, and keep the figures in results/speed."""
     measured = measure_all()
     table = Table(title=f"{RUNS} runs without any work")
-    for head in ("", *(f"{one.pool}, {one.workers} workers" for one in measured)):
+    for head in ("", *(f"{scheduling.pool}, {scheduling.workers} workers" for scheduling in measured)):
         table.add_column(head, justify="right" if head else "left")
     for name, text in (
-        ("driver, ms of processor time a run", lambda one: f"{one.driver:.2f}"),
+        ("driver, ms of processor time a run", lambda timing: f"{timing.driver:.2f}"),
         (
             "scheduler, ms of processor time a run",
-            lambda one: f"{one.scheduler:.2f}" if one.scheduler else "–",
+            lambda timing: f"{timing.scheduler:.2f}" if timing.scheduler else "–",
         ),
-        ("runs a second here", lambda one: f"{one.rate:.0f}"),
-        ("workers that are fed with runs of 1 s", lambda one: f"{one.fed:.0f}"),
-        ("memory gained over the last fifth, MB", lambda one: f"{one.growth:.1f}"),
-        ("a million runs: hours of the busier of driver and scheduler", lambda one: f"{one.hours:.1f}"),
-        ("a million runs: journal, GB", lambda one: f"{one.row / 1e3:.1f}"),
+        ("runs a second here", lambda timing: f"{timing.rate:.0f}"),
+        ("workers that are fed with runs of 1 s", lambda timing: f"{timing.fed:.0f}"),
+        ("memory gained over the last fifth, MB", lambda timing: f"{timing.growth:.1f}"),
+        ("a million runs: hours of the busier of driver and scheduler", lambda timing: f"{timing.hours:.1f}"),
+        ("a million runs: journal, GB", lambda timing: f"{timing.row / 1e3:.1f}"),
     ):
         table.add_row(name, *map(text, measured))
     table_console().print(table)
-    write_json_atomically(RESULT, [{**asdict(one), **versions().columns()} for one in measured])
+    write_json_atomically(RESULT, [{**asdict(scheduling), **versions().columns()} for scheduling in measured])
 
 
 if __name__ == "__main__":

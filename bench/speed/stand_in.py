@@ -74,7 +74,7 @@ async def serve(address: str = "", workers: int = 1) -> None:
     else:
         made = [distributed.Scheduler(host=LOCAL, dashboard=False, dashboard_address=":0")]
     async with AsyncExitStack() as stack:
-        await asyncio.gather(*(stack.enter_async_context(one) for one in made))
+        await asyncio.gather(*(stack.enter_async_context(entry) for entry in made))
         before = time.process_time()
         _say(made[0].address)
         await asyncio.to_thread(sys.stdin.read)

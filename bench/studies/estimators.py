@@ -116,11 +116,11 @@ def with_bad_seconds(dataset: Dataset, count: int, seed: int) -> Dataset:
     """So many seconds of each recording spoilt at a motor each: current stuck, off by twice its deviation, or noise."""
     random = np.random.default_rng([seed, count])
     recordings = []
-    for one in dataset.recordings:
-        current, second = one.current.copy(), round(one.rate)
+    for recording in dataset.recordings:
+        current, second = recording.current.copy(), round(recording.rate)
         for start in random.choice(len(current) // second, count, replace=False) * second:
             part, motor = slice(start, start + second), int(random.integers(current.shape[1]))
-            size = 2.0 * float(one.current[:, motor].std())
+            size = 2.0 * float(recording.current[:, motor].std())
             kind = BAD[int(random.integers(len(BAD)))]
             if kind == "stuck":
                 current[part, motor] = current[start, motor]
@@ -128,7 +128,7 @@ def with_bad_seconds(dataset: Dataset, count: int, seed: int) -> Dataset:
                 current[part, motor] += size
             else:
                 current[part, motor] += size * random.standard_normal(second)
-        recordings.append(replace(one, current=current))
+        recordings.append(replace(recording, current=current))
     return replace(dataset, recordings=tuple(recordings))
 
 
@@ -167,7 +167,7 @@ def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> 
                 reasons[method].append(str(error))
                 continue
             seconds = time.process_time() - start
-            values, stds = (np.array([getattr(one, key) for one in gains]) for key in ("value", "std"))
+            values, stds = (np.array([getattr(gain, key) for gain in gains]) for key in ("value", "std"))
             found[method].append((values / truth - 1.0, stds / truth, seconds))
     return [_row(robot, case, method, found[method], reasons[method]) for method in methods]
 
@@ -183,7 +183,7 @@ def _row(
     if not found:
         nan = float("nan")
         return EstimatorRow(robot, case.name, method, 0, nan, nan, nan, nan, nan, failed, reason)
-    errors, stds = (np.array([one[k] for one in found]) for k in (0, 1))
+    errors, stds = (np.array([pair[k] for pair in found]) for k in (0, 1))
     return EstimatorRow(
         robot,
         case.name,
@@ -193,7 +193,7 @@ def _row(
         spread=float(errors.std(axis=0, ddof=1).max()) if len(found) > 1 else float("nan"),
         error=float(np.median(np.abs(errors).max(axis=1))),
         within=float((np.abs(errors) <= WITHIN_95 * stds).mean()),
-        seconds=float(np.median([one[2] for one in found])),
+        seconds=float(np.median([pair[2] for pair in found])),
         failed=failed,
         reason=reason,
     )
@@ -206,17 +206,17 @@ def _percent(share: float) -> str:
 def markdown(rows: Sequence[EstimatorRow]) -> str:
     """A table for each robot and case, estimators below each other."""
     text = ["# Estimators", "", EXPLANATION, ""]
-    for robot in dict.fromkeys(one.robot for one in rows):
+    for robot in dict.fromkeys(row.robot for row in rows):
         text += [f"## {robot}", "", "| case | estimator | bias | spread | largest error | within | seconds |"]
         text.append("|---|---|---:|---:|---:|---:|---:|")
         before = ""
-        for one in (each for each in rows if each.robot == robot):
-            shares = [_percent(x) for x in (one.bias, one.spread, one.error)]
-            cells = [*shares, f"{100.0 * one.within:.0f} %", f"{one.seconds:.2g}"]
-            name = one.case if one.case != before else ""
-            before = one.case
-            failed = f" ({one.failed} refused)" if one.failed else ""
-            text.append("| " + " | ".join([name, one.method + failed, *cells]) + " |")
+        for row in (each for each in rows if each.robot == robot):
+            shares = [_percent(x) for x in (row.bias, row.spread, row.error)]
+            cells = [*shares, f"{100.0 * row.within:.0f} %", f"{row.seconds:.2g}"]
+            name = row.case if row.case != before else ""
+            before = row.case
+            failed = f" ({row.failed} refused)" if row.failed else ""
+            text.append("| " + " | ".join([name, row.method + failed, *cells]) + " |")
         text.append("")
     return "\n".join(text)
 
@@ -242,8 +242,8 @@ def main(robots: tuple[str, ...], output: Path, seeds: int, workers: int) -> Non
         with ProcessPoolExecutor(workers) as pool:
             futures = [pool.submit(rows_of, robot, case, sorted(ESTIMATORS), seeds) for case in CASES]
             rows = []
-            for case, one in zip(CASES, futures, strict=True):
-                rows += one.result()
+            for case, future in zip(CASES, futures, strict=True):
+                rows += future.result()
                 click.echo(f"{robot}: {case.name}")
         content = {"seeds": seeds, "duration": DURATION, "rows": [asdict(row) for row in rows]}
         write_json_atomically(output / f"{robot}.json", finite(content | versions().columns()))
@@ -253,7 +253,7 @@ def main(robots: tuple[str, ...], output: Path, seeds: int, workers: int) -> Non
 def kept_rows(folder: Path) -> list[EstimatorRow]:
     """The rows of all robots in a folder, built-in ones first."""
     files = sorted(
-        folder.glob("*.json"), key=lambda one: (*(one.stem != robot for robot in ROBOTS), one.stem)
+        folder.glob("*.json"), key=lambda path: (*(path.stem != robot for robot in ROBOTS), path.stem)
     )
     read = [json.loads(file.read_text(encoding="utf-8"))["rows"] for file in files]
     every: list[dict[str, Any]] = [row for rows in read for row in rows]

@@ -54,7 +54,7 @@ def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str,
     }
     if repetitions:
         outcomes = monte_carlo(plan, forecast(plan), repetitions, seed)
-        ratios = [one.ratio for one in outcomes]
+        ratios = [outcome.ratio for outcome in outcomes]
         found |= {
             "repetitions": repetitions,
             "pooled": pooled(outcomes),

@@ -54,22 +54,22 @@ def monte_carlo(
         estimates.append(_estimate(as_dataset(sense_again(simulation, again)), plan))
     found = np.std(estimates, axis=0, ddof=1)
     return tuple(
-        ForecastOutcome(one.name, one.std, float(spread))
-        for one, spread in zip(told.unknowns, found, strict=True)
-        if one.std is not None
+        ForecastOutcome(expected.name, expected.std, float(spread))
+        for expected, spread in zip(told.unknowns, found, strict=True)
+        if expected.std is not None
     )
 
 
 def pooled(outcomes: tuple[ForecastOutcome, ...]) -> float:
     """The root mean square of all ratios: 1 where the forecast is right on the whole."""
-    return float(np.sqrt(np.mean([one.ratio**2 for one in outcomes])))
+    return float(np.sqrt(np.mean([outcome.ratio**2 for outcome in outcomes])))
 
 
 def planned_scenario(plan: ExperimentPlan, seed: int) -> Scenario:
     """The experiment as a scenario, without the recordings that only check."""
     content = tomllib.loads(scenario_text(plan))
     content["seed"] = seed
-    content["recordings"] = [one for one in content["recordings"] if one["use"] == "identify"]
+    content["recordings"] = [entry for entry in content["recordings"] if entry["use"] == "identify"]
     for recording, motion in zip(content["recordings"], plan.motions, strict=True):
         del recording["trajectory_file"]
         recording["trajectory"] = motion.trajectory.to_dict()
@@ -83,11 +83,13 @@ def _seeded(scenario: Scenario, seed: int) -> Scenario:
 def _estimate(dataset: Dataset, plan: ExperimentPlan) -> np.ndarray:
     """The estimates in the order of the forecast."""
     found = identify(
-        prepare(problem_of(dataset, list(dict.fromkeys(one.request for one in plan.nominal.effects))))
+        prepare(
+            problem_of(dataset, list(dict.fromkeys(instance.request for instance in plan.nominal.effects)))
+        )
     )
-    values = {one.name: one.value for one in found.parameters}
+    values = {parameter.name: parameter.value for parameter in found.parameters}
     values |= {joint: gain.value for joint, gain in found.drive_gains.items()}
     for effect, places in found.effect_parameters.items():
         for place, parameters in places.items():
-            values |= {f"{effect}:{place}.{name}": one.value for name, one in parameters.items()}
-    return np.array([values[one.name] for one in described(plan.nominal)])
+            values |= {f"{effect}:{place}.{name}": quantity.value for name, quantity in parameters.items()}
+    return np.array([values[expected.name] for expected in described(plan.nominal)])

@@ -47,7 +47,7 @@ def _law(simulation: Simulation) -> ControlLaw:
     """The controller's law; MuJoCo's velocity is the backward difference of its positions over a step."""
     drive = simulation.machine.drive
     n = len(simulation.robot.joints)
-    kp, kv, ka = ((one / drive.nominal_gains)[:n] for one in (drive.kp, drive.kv, drive.feedforward))
+    kp, kv, ka = ((values / drive.nominal_gains)[:n] for values in (drive.kp, drive.kv, drive.feedforward))
     return ControlLaw(kp, kv, ka, 0.5 * simulation.scenario.settings.step)
 
 
@@ -55,8 +55,8 @@ def _beside(recording: SimulatedRecording, robot: Robot, *, references: bool) ->
     """Positions of redundant motors' joints; references: of the others, where the controller's law is declared."""
     first = len(robot.joints)
     columns = {
-        position_column(one.joint): recording.log.position[:, first + r]
-        for r, one in enumerate(robot.redundant)
+        position_column(actuator.joint): recording.log.position[:, first + r]
+        for r, actuator in enumerate(robot.redundant)
     }
     if references:
         wanted = recording.trajectory.evaluate(recording.motion.time)[0]
@@ -94,9 +94,9 @@ def write_simulation(simulation: Simulation, folder: str | Path) -> Path:
 def _write_folder(simulation: Simulation, folder: Path) -> None:
     scenario = simulation.scenario
     dataset = as_dataset(simulation)
-    for one, own in zip(simulation.recordings, dataset.recordings, strict=True):
+    for recording, own in zip(simulation.recordings, dataset.recordings, strict=True):
         file = folder / own.name
-        log = one.log
+        log = recording.log
         write_recording(file, log.time, log.position, log.current, scenario.robot.driven, own.extra)
     entries = [RecordingEntry(r.name, r.use, r.payload) for r in dataset.recordings]
     used = {entry.payload for entry in entries}

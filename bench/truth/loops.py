@@ -24,7 +24,7 @@ def loop_gaps(model: mujoco.MjModel, qpos: Array) -> Array:
         count = len(poses)
         batch.bind("qpos")[:count] = poses
         batch.forward(np.arange(count), stage=int(mujoco.mjtStage.mjSTAGE_POS))
-        gaps.append(gaps_between(model, {name: one[:count] for name, one in points.items()}))
+        gaps.append(gaps_between(model, {name: point[:count] for name, point in points.items()}))
     return np.concatenate(gaps)
 
 
@@ -36,14 +36,16 @@ def gaps_between(model: mujoco.MjModel, points: Mapping[str, Array]) -> Array:
     loops = _loops(model)
     gaps = np.zeros((len(points["xpos"]), len(loops)))
     for column, loop in enumerate(loops):
-        one, other = _halves(model, loop, points)
-        gaps[:, column] = np.linalg.norm(one - other, axis=1)
+        near, far = _halves(model, loop, points)
+        gaps[:, column] = np.linalg.norm(near - far, axis=1)
     return gaps
 
 
 def batch_gaps(models: Sequence[mujoco.MjModel], points: Mapping[str, Array]) -> Array:
     """The same (R, samples, loops) of R machines, from places (R, samples, …)."""
-    each = [gaps_between(model, {k: one[i] for k, one in points.items()}) for i, model in enumerate(models)]
+    each = [
+        gaps_between(model, {k: point[i] for k, point in points.items()}) for i, model in enumerate(models)
+    ]
     return np.stack(each)
 
 
@@ -61,8 +63,8 @@ def _halves(model: mujoco.MjModel, loop: int, points: Mapping[str, Array]) -> tu
     first, second = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
     if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):
         first, second = second, first
-    one, other = (
+    near, far = (
         points["xpos"][:, body] + points["xmat"][:, body].reshape(-1, 3, 3) @ anchor
         for body, anchor in zip(ids, (first, second), strict=True)
     )
-    return one, other
+    return near, far

@@ -103,7 +103,7 @@ def simulate_motion(
         last = min(first + size, total)
         time = _times(timing, first, last)
         asked = [_reference(machine.robot, run.trajectory, timing, first, last) for run in runs]
-        command = np.stack([machine.drive.command(*one) for one in asked])
+        command = np.stack([machine.drive.command(*pair) for pair in asked])
         try:
             if stepper is None:
                 states = _roll_out(batch, machine, models, command, timing.log_every)

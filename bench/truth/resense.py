@@ -17,17 +17,17 @@ def sense_again(simulation: Simulation, scenario: Scenario) -> Simulation:
     settings = scenario.settings
     recordings = tuple(
         replace(
-            one,
+            recording,
             log=sense(
                 settings.sensors,
                 scenario.robot.driven,
                 settings.seed,
-                one.name,
-                one.motion.time,
-                one.position,
-                one.current,
+                recording.name,
+                recording.motion.time,
+                recording.position,
+                recording.current,
             ),
         )
-        for one in simulation.recordings
+        for recording in simulation.recordings
     )
     return replace(simulation, scenario=scenario, recordings=recordings)

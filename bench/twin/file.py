@@ -53,9 +53,10 @@ def load_twin_file(mjcf: Path) -> TwinFile:
         return TwinFile(
             path=path,
             motors=tuple(
-                SidecarMotor(one["joint"], float(one["gain"]), one["actuator"]) for one in content["motors"]
+                SidecarMotor(motor["joint"], float(motor["gain"]), motor["actuator"])
+                for motor in content["motors"]
             ),
-            effects=tuple(_effect(path, one, catalogue) for one in content["effects"]),
+            effects=tuple(_effect(path, effect, catalogue) for effect in content["effects"]),
             tool=content["tool"],
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -72,7 +73,7 @@ def _effect(
     if not isinstance(values, dict) or not isinstance(shape, dict):
         raise TypeError(f"values of {name}")
     effect = replace(catalogue[name], **shape).about(values)
-    wanted = {one.name for one in effect.parameters}
+    wanted = {parameter.name for parameter in effect.parameters}
     if set(values) != wanted:
         raise BenchError(
             f"{path}: {name}: values of {', '.join(values)} instead of {', '.join(sorted(wanted))}"

@@ -113,7 +113,9 @@ def joint_law_of(effect: Effect, values: Mapping[str, float], gain: float, rotat
         return None
     if effect.before_torque:
         return None
-    law = Memoryless(effect, np.array([values[one.name] for one in effect.parameters]), gain, rotates)
+    law = Memoryless(
+        effect, np.array([values[parameter.name] for parameter in effect.parameters]), gain, rotates
+    )
     return law if _follows_from_the_instant(law) else None
 
 

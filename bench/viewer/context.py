@@ -30,7 +30,8 @@ class KnownTruth:
         if inside.all():
             return self
         values = [
-            None if one is None else one[inside] for one in (self.reference, self.torque, self.loop_gap)
+            None if column is None else column[inside]
+            for column in (self.reference, self.torque, self.loop_gap)
         ]
         return KnownTruth(self.time[inside], *values)
 

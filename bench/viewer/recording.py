@@ -97,7 +97,10 @@ def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
     _check_suffix(path)
     if not viewed:
         raise BenchError(f"{path}: nothing to show")
-    runs = [_run(one, rr.new_entity_path([f"{k} {one.title}"])) for k, one in enumerate(viewed)]
+    runs = [
+        _run(viewed_run, rr.new_entity_path([f"{k} {viewed_run.title}"]))
+        for k, viewed_run in enumerate(viewed)
+    ]
     for run in runs:
         if [motor.name for motor in run.motors] != [motor.name for motor in runs[0].motors]:
             names = f"{runs[0].viewed.result.robot} and {run.viewed.result.robot}"
@@ -105,9 +108,9 @@ def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
     largest = _largest_error(runs)
     by_name: dict[str, list[Scene]] = {}
     for run in runs:
-        for one, scene in zip(run.shown, _scenes(run, largest, run.viewed.title), strict=True):
-            by_name.setdefault(PurePath(one.series.name).stem, []).append(scene)
-    errors = [np.concatenate([judged_error(one.series) for one in run.shown]) for run in runs]
+        for content, scene in zip(run.shown, _scenes(run, largest, run.viewed.title), strict=True):
+            by_name.setdefault(PurePath(content.series.name).stem, []).append(scene)
+    errors = [np.concatenate([judged_error(shown.series) for shown in run.shown]) for run in runs]
     reach = 1.05 * np.nanmax(np.abs(np.concatenate(errors)), axis=0, initial=1e-12)
     views = side_by_side(list(by_name.items()), runs[0].motors, reach)
     with _stream(path, f"{len(runs)} identifications", runs, views) as stream:
@@ -147,9 +150,9 @@ def _stream(
 def _application(runs: Sequence[_Run]) -> str:
     """The viewer keeps one set of views for each application: what else is shown is another one."""
     parts = [
-        f"{one.root} {bool(one.steps)} {one.has_torques} {one.reference_path is not None}"
+        f"{content.root} {bool(content.steps)} {content.has_torques} {content.reference_path is not None}"
         for run in runs
-        for one in run.shown
+        for content in run.shown
     ]
     robot = re.sub(r"[^A-Za-z0-9]", "_", runs[0].viewed.result.robot)
     return f"parabench_{robot}_{zlib.crc32(chr(10).join(parts).encode()):08x}"
@@ -197,7 +200,7 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
 def _logged_reference(recording: Recording, joints: Sequence[str]) -> KnownTruth | None:
     """The reference positions, where the log has them as reference.JOINT for every motor."""
     columns = [recording.extra.get(f"{REFERENCE_COLUMN}{joint}") for joint in joints]
-    found = [one for one in columns if one is not None]
+    found = [column for column in columns if column is not None]
     if len(found) < len(joints) or not np.isfinite(found).all():
         return None
     return KnownTruth(recording.time, reference=np.stack(found, axis=1))
@@ -209,7 +212,7 @@ def _reference_path(
     """Where the controller wanted the tool (F, 3) m; None where that is not known, or out of the robot's reach."""
     if known is None or known.reference is None:
         return None
-    wanted = np.stack([np.interp(motion.time, known.time, one) for one in known.reference.T], axis=1)
+    wanted = np.stack([np.interp(motion.time, known.time, entry) for entry in known.reference.T], axis=1)
     try:
         return tool_path(model, geometry, motion.time, wanted)
     except BenchError:
@@ -233,7 +236,7 @@ def _motors(result: Identification, geometry: Geometry) -> list[Motor]:
 
 def _largest_error(runs: Sequence[_Run]) -> float:
     """The error share at the far end of the path's colours: nearly the largest of all recordings."""
-    shares = np.concatenate([error_share(one.series) for run in runs for one in run.shown])
+    shares = np.concatenate([error_share(content.series) for run in runs for content in run.shown])
     known = shares[np.isfinite(shares)]
     return float(np.percentile(known, TOP)) if len(known) and known.any() else 1.0
 
@@ -244,32 +247,32 @@ def _texts_of(run: _Run) -> tuple[str, str]:
 
 def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
     """Tabs of all recordings, seen from the same place."""
-    low = np.min([one.motion.low for one in run.shown], axis=0)
-    high = np.max([one.motion.high for one in run.shown], axis=0)
+    low = np.min([content.motion.low for content in run.shown], axis=0)
+    high = np.max([content.motion.high for content in run.shown], axis=0)
     eye, target = eye_of(low, high, run.model.vis.global_.azimuth, run.model.vis.global_.elevation)
     summary, parameters = _texts_of(run)
     return [
         Scene(
-            title=title or f"{PurePath(one.series.name).stem} ({USES[one.series.use]})",
-            root=one.root,
+            title=title or f"{PurePath(content.series.name).stem} ({USES[content.series.use]})",
+            root=content.root,
             errors=tuple(
-                percent(relative_error([one.series], j)) for j in range(one.series.measured.shape[1])
+                percent(relative_error([content.series], j)) for j in range(content.series.measured.shape[1])
             ),
             path=f"path: error from 0 (violet) to {percent(largest)} (yellow)"
-            if one.motion.tool_position is not None
+            if content.motion.tool_position is not None
             else "",
             eye=eye,
             target=target,
             low=float(low[2]),
             summary=summary,
             parameters=parameters,
-            steps=bool(one.steps),
-            torques=one.has_torques,
-            tool=one.motion.tool_position is not None,
-            loops=bool(one.motion.loop_gap.size),
-            followed=one.reference_path is not None,
+            steps=bool(content.steps),
+            torques=content.has_torques,
+            tool=content.motion.tool_position is not None,
+            loops=bool(content.motion.loop_gap.size),
+            followed=content.reference_path is not None,
         )
-        for one in run.shown
+        for content in run.shown
     ]
 
 
@@ -285,12 +288,12 @@ def _send_text(
 
 
 def _send(stream: rr.RecordingStream, run: _Run, largest: float) -> None:
-    for one in run.shown:
-        send_currents(stream, one, run.motors)
-        send_steps(stream, one, run.motors)
-        send_torques(stream, one, run.motors)
-        send_tool(stream, one, run.motors)
-        send_phases(stream, one, run.motors)
-        send_robot(stream, one, run.model, largest)
-        if one.payload is not None:
-            send_payload(stream, one, one.payload)
+    for content in run.shown:
+        send_currents(stream, content, run.motors)
+        send_steps(stream, content, run.motors)
+        send_torques(stream, content, run.motors)
+        send_tool(stream, content, run.motors)
+        send_phases(stream, content, run.motors)
+        send_robot(stream, content, run.model, largest)
+        if content.payload is not None:
+            send_payload(stream, content, content.payload)

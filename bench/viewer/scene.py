@@ -30,9 +30,11 @@ def error_share(series: CurrentSeries) -> np.ndarray:
         )
 
 
-def send_robot(stream: rr.RecordingStream, one: ShownContent, model: mujoco.MjModel, largest: float) -> None:
+def send_robot(
+    stream: rr.RecordingStream, content: ShownContent, model: mujoco.MjModel, largest: float
+) -> None:
     """Bodies, loops closed, and the tool's path. largest: the error share at the far end of the colour scale."""
-    robot = f"{one.root}/robot"
+    robot = f"{content.root}/robot"
     stream.log(robot, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     names = [
         mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
@@ -41,40 +43,40 @@ def send_robot(stream: rr.RecordingStream, one: ShownContent, model: mujoco.MjMo
     entities = [f"{robot}/bodies/{rr.escape_entity_path_part(name)}" for name in names]
     for shape in shapes(model):
         stream.log(f"{entities[shape.body]}/{shape.name}", *shape.archetypes, static=True)
-    column = one.column(one.motion.time)
+    column = content.column(content.motion.time)
     for body in range(1, model.nbody):
-        positions, quaternions = one.motion.positions[:, body], one.motion.quaternions[:, body]
+        positions, quaternions = content.motion.positions[:, body], content.motion.quaternions[:, body]
         if model.body_weldid[body] == 0:  # fixed to the world
             fixed = rr.Transform3D(translation=positions[0], quaternion=rr.Quaternion(xyzw=quaternions[0]))
             stream.log(entities[body], fixed, static=True)
         else:
             _send_poses(stream, entities[body], column, positions, quaternions)
-    if one.motion.tool_position is not None:
-        _send_path(stream, one, one.motion.tool_position, largest)
+    if content.motion.tool_position is not None:
+        _send_path(stream, content, content.motion.tool_position, largest)
 
 
-def _send_path(stream: rr.RecordingStream, one: ShownContent, tool: np.ndarray, largest: float) -> None:
+def _send_path(stream: rr.RecordingStream, content: ShownContent, tool: np.ndarray, largest: float) -> None:
     """Every piece of the path in the colour of the error there, and a dot that runs along."""
-    robot = f"{one.root}/robot"
-    radius = PATH_RADIUS * float(np.linalg.norm(one.motion.high - one.motion.low))
-    rows = np.clip(np.searchsorted(one.series.time, one.motion.time), 0, len(one.series.time) - 1)
-    colours = scale_colours(error_share(one.series)[rows] / largest)
+    robot = f"{content.root}/robot"
+    radius = PATH_RADIUS * float(np.linalg.norm(content.motion.high - content.motion.low))
+    rows = np.clip(np.searchsorted(content.series.time, content.motion.time), 0, len(content.series.time) - 1)
+    colours = scale_colours(error_share(content.series)[rows] / largest)
     pieces = np.stack((tool[:-1], tool[1:]), axis=1)
     path = rr.LineStrips3D(pieces, colors=colours[:-1], radii=radius)
     stream.log(f"{robot}/tool_path", path, static=True)
     dot = rr.Points3D.columns(positions=tool, colors=colours, radii=np.full(len(tool), 5.0 * radius))
-    stream.send_columns(f"{robot}/tool_error", indexes=[one.column(one.motion.time)], columns=dot)
-    if one.reference_path is not None:
-        wanted = rr.LineStrips3D([one.reference_path], colors=REFERENCE_COLOUR, radii=0.6 * radius)
+    stream.send_columns(f"{robot}/tool_error", indexes=[content.column(content.motion.time)], columns=dot)
+    if content.reference_path is not None:
+        wanted = rr.LineStrips3D([content.reference_path], colors=REFERENCE_COLOUR, radii=0.6 * radius)
         stream.log(f"{robot}/reference_path", wanted, static=True)
 
 
-def send_payload(stream: rr.RecordingStream, one: ShownContent, payload: Payload) -> None:
+def send_payload(stream: rr.RecordingStream, content: ShownContent, payload: Payload) -> None:
     """A ball of the payload's mass, at its centre of mass where that is known, else at the tool."""
-    motion = one.motion
+    motion = content.motion
     if motion.tool_position is None or motion.tool_quaternion is None:
         return
-    entity = f"{one.root}/robot/payload"
+    entity = f"{content.root}/robot/payload"
     if payload.mass is None:
         radius = 0.03 * float(np.linalg.norm(motion.high - motion.low))
     else:
@@ -89,7 +91,7 @@ def send_payload(stream: rr.RecordingStream, one: ShownContent, payload: Payload
         show_labels=True,
     )
     stream.log(f"{entity}/ball", ball, static=True)
-    column = one.column(motion.time)
+    column = content.column(motion.time)
     _send_poses(stream, entity, column, motion.tool_position, motion.tool_quaternion)
 
 

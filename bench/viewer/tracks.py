@@ -26,24 +26,24 @@ MACHINE = Curve("simulated machine", ON_DARK.measured, 1.6)
 CLOSED = Curve("as drawn", ON_DARK.modelled, 1.6)
 
 
-def send_currents(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
+def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """Currents logged, measured and modelled, and the errors with their deviation, of every motor."""
-    recording, series = one.recording, one.series
+    recording, series = content.recording, content.series
     errors = judged_error(series)
     logged, fitted, ends = (
-        one.column(recording.time),
-        one.column(series.time),
-        one.column(series.time[[0, -1]]),
+        content.column(recording.time),
+        content.column(series.time),
+        content.column(series.time[[0, -1]]),
     )
     for j, motor in enumerate(motors):
-        current, error = f"{one.root}/current/{motor.entity}", f"{one.root}/error/{motor.entity}"
+        current, error = f"{content.root}/current/{motor.entity}", f"{content.root}/error/{motor.entity}"
         # The viewer draws in the order of the alphabet, later ones over earlier ones.
         send_line(stream, f"{current}/logged", logged, recording.current[:, j], LOGGED)
         send_line(stream, f"{current}/measured", fitted, series.measured[:, j], MEASURED)
         send_line(stream, f"{current}/modelled", fitted, series.modelled[:, j], MODELLED)
         deviation = rr.Measurements.columns(
             values=np.zeros(2),
-            variances=np.full(2, one.deviation[j] ** 2),
+            variances=np.full(2, content.deviation[j] ** 2),
             units=[motor.current_unit] * 2,
             names=["± deviation of the fitted errors"] * 2,
             colors=[rgb(ON_DARK.band)] * 2,
@@ -52,47 +52,47 @@ def send_currents(stream: rr.RecordingStream, one: ShownContent, motors: Sequenc
         send_line(stream, f"{error}/error", fitted, errors[:, j], ERROR)
         send_line(
             stream,
-            f"{one.root}/position/{motor.entity}",
+            f"{content.root}/position/{motor.entity}",
             logged,
             recording.position[:, j],
             Curve(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 3.0),
         )
 
 
-def send_steps(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
+def send_steps(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """The errors of the models before the one that is shown and, above all of them, of that one."""
-    if not one.steps:
+    if not content.steps:
         return
-    for number, (label, series) in enumerate((*one.steps, (one.label, one.series))):
-        column, errors = one.column(series.time), judged_error(series)
-        colour = ON_DARK.error if series is one.series else LADDER_ON_DARK[number % len(LADDER_ON_DARK)]
+    for number, (label, series) in enumerate((*content.steps, (content.label, content.series))):
+        column, errors = content.column(series.time), judged_error(series)
+        colour = ON_DARK.error if series is content.series else LADDER_ON_DARK[number % len(LADDER_ON_DARK)]
         for j, motor in enumerate(motors):
-            entity = f"{one.root}/steps/{motor.entity}/{number}"
+            entity = f"{content.root}/steps/{motor.entity}/{number}"
             send_line(stream, entity, column, errors[:, j], Curve(label, colour, 1.4))
 
 
-def send_torques(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
+def send_torques(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """Torque of hidden effects where it is known, of the model's effects, and what the model leaves over."""
-    if not one.has_torques:
+    if not content.has_torques:
         return
-    errors = judged_error(one.series)
+    errors = judged_error(content.series)
     for j, motor in enumerate(motors):
-        entity = f"{one.root}/torque/{motor.entity}"
-        if one.known is not None and one.known.torque is not None:
-            column = one.column(one.known.time)
-            send_line(stream, f"{entity}/0_hidden", column, one.known.torque[:, j], HIDDEN)
-        fitted = one.column(one.series.time)
+        entity = f"{content.root}/torque/{motor.entity}"
+        if content.known is not None and content.known.torque is not None:
+            column = content.column(content.known.time)
+            send_line(stream, f"{entity}/0_hidden", column, content.known.torque[:, j], HIDDEN)
+        fitted = content.column(content.series.time)
         send_line(stream, f"{entity}/1_left_over", fitted, motor.gain * errors[:, j], LEFT)
-        if one.torques is not None and one.torques.total is not None:
-            column = one.column(one.torques.time)
-            _send_effects(stream, entity, column, one, j)
-            send_line(stream, f"{entity}/3_found", column, one.torques.total[:, j], FOUND)
+        if content.torques is not None and content.torques.total is not None:
+            column = content.column(content.torques.time)
+            _send_effects(stream, entity, column, content, j)
+            send_line(stream, f"{entity}/3_found", column, content.torques.total[:, j], FOUND)
 
 
 def _send_effects(
-    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, one: ShownContent, motor: int
+    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, content: ShownContent, motor: int
 ) -> None:
-    by_effect = {} if one.torques is None else one.torques.by_effect
+    by_effect = {} if content.torques is None else content.torques.by_effect
     shown = {
         name: torque[:, motor] for name, torque in by_effect.items() if np.nan_to_num(torque[:, motor]).any()
     }
@@ -103,52 +103,60 @@ def _send_effects(
         send_line(stream, f"{entity}/2_{name}", column, torque, line)
 
 
-def send_tool(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
+def send_tool(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """Where the tool is and was wanted, reference positions of the motors, and how far the loops open."""
-    frames = one.column(one.motion.time)
-    if one.motion.tool_position is not None:
+    frames = content.column(content.motion.time)
+    if content.motion.tool_position is not None:
         for k, axis in enumerate(AXES):
             line = Curve(axis, POSITION_COLOURS[k], 4.0)
-            send_line(stream, f"{one.root}/tool/1_{axis}", frames, one.motion.tool_position[:, k], line)
-            if one.reference_path is not None:
+            send_line(
+                stream, f"{content.root}/tool/1_{axis}", frames, content.motion.tool_position[:, k], line
+            )
+            if content.reference_path is not None:
                 wanted = Curve(f"{axis}, reference", REFERENCE, 1.2)
-                send_line(stream, f"{one.root}/tool/2_{axis}", frames, one.reference_path[:, k], wanted)
-        if one.reference_path is not None:
-            apart = 1e3 * np.linalg.norm(one.motion.tool_position - one.reference_path, axis=1)
+                send_line(
+                    stream, f"{content.root}/tool/2_{axis}", frames, content.reference_path[:, k], wanted
+                )
+        if content.reference_path is not None:
+            apart = 1e3 * np.linalg.norm(content.motion.tool_position - content.reference_path, axis=1)
             line = Curve("actual path to reference path", ON_DARK.error, 1.6)
-            send_line(stream, f"{one.root}/following", frames, apart, line)
-    if one.motion.loop_gap.size:
-        gap = 1e6 * one.motion.loop_gap.max(axis=1)
-        send_line(stream, f"{one.root}/loop_gap/drawn", frames, gap, CLOSED)
-    known = one.known
+            send_line(stream, f"{content.root}/following", frames, apart, line)
+    if content.motion.loop_gap.size:
+        gap = 1e6 * content.motion.loop_gap.max(axis=1)
+        send_line(stream, f"{content.root}/loop_gap/drawn", frames, gap, CLOSED)
+    known = content.known
     if known is None:
         return
-    column = one.column(known.time)
+    column = content.column(known.time)
     if known.loop_gap is not None and known.loop_gap.size:
-        send_line(stream, f"{one.root}/loop_gap/machine", column, 1e6 * known.loop_gap.max(axis=1), MACHINE)
+        send_line(
+            stream, f"{content.root}/loop_gap/machine", column, 1e6 * known.loop_gap.max(axis=1), MACHINE
+        )
     if known.reference is not None:
         for j, motor in enumerate(motors):
             line = Curve(f"{motor.name}, reference", REFERENCE, 1.2)
-            entity = f"{one.root}/reference/{motor.entity}"
+            entity = f"{content.root}/reference/{motor.entity}"
             send_line(stream, entity, column, known.reference[:, j], line)
 
 
-def send_phases(stream: rr.RecordingStream, one: ShownContent, motors: Sequence[Motor]) -> None:
+def send_phases(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """States on the time line: start, middle and end, the payload, and how every motor moves."""
-    for number, lane in enumerate(lanes(one.series, [motor.name for motor in motors], one.payload)):
-        entity = f"{one.root}/phases/{rr.escape_entity_path_part(f'{number + 1}_{lane.name}')}"
+    for number, lane in enumerate(lanes(content.series, [motor.name for motor in motors], content.payload)):
+        entity = f"{content.root}/phases/{rr.escape_entity_path_part(f'{number + 1}_{lane.name}')}"
         used = {state: colour for state, colour in lane.colours.items() if state in lane.states}
         look = rr.StateConfiguration(
             values=list(used), labels=list(used), colors=np.array([(*rgb(c), 255) for c in used.values()])
         )
         stream.log(entity, look, static=True)
         changes = rr.StateChange.columns(state=list(lane.states))
-        stream.send_columns(entity, indexes=[one.column(lane.time)], columns=changes)
+        stream.send_columns(entity, indexes=[content.column(lane.time)], columns=changes)
 
 
 def steps_of(
     name: str, steps: Sequence[tuple[str, Sequence[CurrentSeries]]]
 ) -> tuple[tuple[str, CurrentSeries], ...]:
     """The recording of that name in every step that has it."""
-    found = [(label, next((one for one in series if one.name == name), None)) for label, series in steps]
-    return tuple((label, one) for label, one in found if one is not None)
+    found = [
+        (label, next((trace for trace in series if trace.name == name), None)) for label, series in steps
+    ]
+    return tuple((label, trace) for label, trace in found if trace is not None)

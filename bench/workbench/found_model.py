@@ -70,26 +70,30 @@ def _of_all(dataset: Dataset, parts: Dataset, settings: FilterSettings) -> Filte
     """Filters chosen for whole recordings; what was set by hand for the fitted parts stays."""
     chosen = _chosen(parts)
     given = {
-        one.name: getattr(settings, one.name)
-        for one in fields(settings)
-        if getattr(settings, one.name) != getattr(chosen, one.name)
+        field.name: getattr(settings, field.name)
+        for field in fields(settings)
+        if getattr(settings, field.name) != getattr(chosen, field.name)
     }
     return replace(_chosen(dataset), **given)
 
 
 def _chosen(dataset: Dataset) -> FilterSettings:
-    fitted = [one for one in dataset.recordings if one.use == "identify"]
-    return choose_settings([one.position for one in fitted], [one.current for one in fitted], fitted[0].rate)
+    fitted = [recording for recording in dataset.recordings if recording.use == "identify"]
+    return choose_settings(
+        [recording.position for recording in fitted],
+        [recording.current for recording in fitted],
+        fitted[0].rate,
+    )
 
 
 def _found_model(problem: Problem, diagnosis: Diagnosis, split: str) -> FoundModel:
     before, after, catalogue = diagnosis.before, diagnosis.after, problem.catalogue
     plain = prepare(replace(problem, effects=()))
     places = places_in(plain.model.geometry, problem.dataset.weighed)
-    each = [one for one in after.effects if one.endswith(TAG)]
+    each = [effect for effect in after.effects if effect.endswith(TAG)]
     own = select_effects(each, places, catalogue, plain.logs)
     instances = select_effects(_requests(after, own), places, catalogue)
-    own, instances = (tuple(_as_found(after, one) for one in some) for some in (own, instances))
+    own, instances = (tuple(_as_found(after, instance) for instance in some) for some in (own, instances))
     present = _present(plain, after)
     plain = with_effects(plain, own, present)
     found = with_effects(plain, (*own, *instances), present)
@@ -97,14 +101,16 @@ def _found_model(problem: Problem, diagnosis: Diagnosis, split: str) -> FoundMod
     # the solution is about itself once more, as identify does it
     found = with_effects(plain, (*own, *instances), present_model(found, solution))
     _, solution = solved_quickly(found)
-    kept = [one for one in before.effects if not one.endswith(TAG)]
-    started = tuple((one.effect.name, one.joint) for one in select_effects(kept, places, catalogue))
+    kept = [effect for effect in before.effects if not effect.endswith(TAG)]
+    started = tuple(
+        (instance.effect.name, instance.joint) for instance in select_effects(kept, places, catalogue)
+    )
     return FoundModel(plain, found, solution, started, split)
 
 
 def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:
     """The effects with one value for all recordings; own: the others."""
-    each = {(one.effect.name, one.place) for one in own}
+    each = {(instance.effect.name, instance.place) for instance in own}
     return [
         name if place == ROBOT else f"{name}:{place}"
         for name, values in result.effect_parameters.items()
@@ -115,9 +121,9 @@ def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str
 
 def _as_found(result: Identification, instance: EffectInstance) -> EffectInstance:
     values = result.effect_parameters[instance.effect.name][instance.place]
-    shapes = {one.name: values[one.name].value for one in instance.effect.shape}
+    shapes = {shape.name: values[shape.name].value for shape in instance.effect.shape}
     effect = replace(instance.effect, **shapes) if shapes else instance.effect
-    linear = {one.name: values[one.name].value for one in effect.parameters}
+    linear = {parameter.name: values[parameter.name].value for parameter in effect.parameters}
     return replace(instance, effect=effect.about(linear))
 
 
@@ -125,6 +131,6 @@ def _present(plain: Prepared, result: Identification) -> PresentModel:
     """The found model as effects see it."""
     gains = np.array([result.drive_gains[joint].value for joint in result.joints])
     extra = plain.dataset.robot.redundant[: plain.layout.redundant]
-    changes = [result.drive_gains[one.joint].value - one.gain for one in extra]
-    theta = np.array([*(one.value for one in result.parameters), *changes])
+    changes = [result.drive_gains[actuator.joint].value - actuator.gain for actuator in extra]
+    theta = np.array([*(parameter.value for parameter in result.parameters), *changes])
     return present_model(plain, Solution(theta, gains, np.ones(len(gains)), "current", result.gains_fitted))

@@ -56,16 +56,18 @@ def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | Non
 
 def _usable(model: FoundModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
     """What may be ticked: found, or judged and not absorbed. The page changes nothing in what the model has itself."""
-    own = {one.effect.name for one in model.plain.effects}  # columns of the model, as the rigid bodies' are
-    found = {one.effect.name for one in model.effects}
-    shown = {one.effect for one in diagnosis.ranking if one.verdict != "absorbed"}
+    own = {
+        instance.effect.name for instance in model.plain.effects
+    }  # columns of the model, as the rigid bodies' are
+    found = {instance.effect.name for instance in model.effects}
+    shown = {verdict.effect for verdict in diagnosis.ranking if verdict.verdict != "absorbed"}
     return {name: effect for name, effect in known.items() if name not in own and name in found | shown}
 
 
 def _ranks(model: FoundModel, diagnosis: Diagnosis) -> dict[str, int]:
     """How early an effect must have its place; those found before all."""
-    ranks = {one.effect: i for i, one in enumerate(diagnosis.ranking)}
-    return ranks | {one.effect.name: -1 for one in model.effects}
+    ranks = {verdict.effect: i for i, verdict in enumerate(diagnosis.ranking)}
+    return ranks | {instance.effect.name: -1 for instance in model.effects}
 
 
 def _carried(
@@ -80,8 +82,8 @@ def _carried(
     """One model's equations, and, where its curves are drawn, a sample of the recordings."""
     robot = model.plain.dataset.robot
     kept = room.kept(system)
-    listed = {one.effect.name for one in system.effects}
-    listed |= {one.effect for one in diagnosis.ranking if one.effect in known}
+    listed = {instance.effect.name for instance in system.effects}
+    listed |= {verdict.effect for verdict in diagnosis.ranking if verdict.effect in known}
     return {
         "version": VERSION,
         "robot": robot.name,
@@ -97,8 +99,8 @@ def _carried(
         "reference": doubles(system.reference),
         "basis": _basis(system.basis),
         "effects": [_effect(model, system, diagnosis, room, name) for name in known if name in listed],
-        "found": [[one.effect.name, one.joint] for one in model.effects],
-        "started": [list(one) for one in model.started],
+        "found": [[instance.effect.name, instance.joint] for instance in model.effects],
+        "started": [list(pair) for pair in model.started],
         "deviations": _deviations(model, diagnosis),
         "recordings": thinned(model, system, kept, short=room.short) if drawn else [],
     }
@@ -135,11 +137,11 @@ def _basis(basis: np.ndarray) -> dict[str, Any]:
 
 def _parameters(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, str]]:
     after = diagnosis.after
-    rigid = [{"name": one.name, "unit": one.unit} for one in after.parameters]
+    rigid = [{"name": parameter.name, "unit": parameter.unit} for parameter in after.parameters]
     effects = [
-        {"name": f"{name} of {spoken(one.effect.name)} at {one.place}", "unit": value.unit}
-        for one in model.plain.effects
-        for name, value in after.effect_parameters[one.effect.name][one.place].items()
+        {"name": f"{name} of {spoken(instance.effect.name)} at {instance.place}", "unit": value.unit}
+        for instance in model.plain.effects
+        for name, value in after.effect_parameters[instance.effect.name][instance.place].items()
     ]
     return rigid + effects
 
@@ -149,28 +151,30 @@ def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]
 
     def of(result: Identification, effects: Sequence[tuple[str, str]]) -> dict[str, Any]:
         stds = [
-            one.std if np.isfinite(one.std) else None
-            for one in (result.drive_gains[joint] for joint in result.joints)
+            gain.std if np.isfinite(gain.std) else None
+            for gain in (result.drive_gains[joint] for joint in result.joints)
         ]
-        return {"effects": [list(one) for one in effects], "gains": stds}
+        return {"effects": [list(effect) for effect in effects], "gains": stds}
 
-    found = [(one.effect.name, one.joint) for one in model.effects]
+    found = [(instance.effect.name, instance.joint) for instance in model.effects]
     return [of(diagnosis.after, found), of(diagnosis.before, model.started)]
 
 
 def _effect(
     model: FoundModel, system: PageSystem, diagnosis: Diagnosis, room: PageRoom, name: str
 ) -> dict[str, Any]:
-    ranks = [one.effect for one in diagnosis.ranking]
+    ranks = [effect_verdict.effect for effect_verdict in diagnosis.ranking]
     verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
-    places = [(i, one) for i, one in enumerate(system.effects) if one.effect.name == name]
+    places = [(i, instance) for i, instance in enumerate(system.effects) if instance.effect.name == name]
     return {
         "name": name,
         "rank": ranks.index(name) if name in ranks else -1,
         "verdict": None if verdict is None else verdict.verdict,
         "why": "" if verdict is None else verdict.why,
         "no_room": name in room.without,
-        "places": [] if name in room.without else [_place(model, system, i, one) for i, one in places],
+        "places": []
+        if name in room.without
+        else [_place(model, system, i, instance) for i, instance in places],
     }
 
 
@@ -179,7 +183,10 @@ def _place(model: FoundModel, system: PageSystem, i: int, instance: EffectInstan
     robot = model.plain.dataset.robot
     names = list(robot.joints)
     joint = names.index(instance.joint) if instance.joint in names else -1
-    rotates = {one.name: one.kind != "slide" for one in model.plain.model.geometry.joints}
+    rotates = {
+        geometry_joint.name: geometry_joint.kind != "slide"
+        for geometry_joint in model.plain.model.geometry.joints
+    }
     turning = rotates.get(instance.joint, True)
     drive = robot.actuators[joint].gain_unit.partition("/")[2] if joint >= 0 else "A"
     shape = effect.shape_values()
@@ -188,9 +195,16 @@ def _place(model: FoundModel, system: PageSystem, i: int, instance: EffectInstan
         "start": system.starts[i],
         "stop": system.starts[i + 1],
         "curved": bool(effect.shape or effect.depends_on_model or effect.about_values()),
-        "parameters": [{"name": one.name, "unit": one.unit_at(turning, drive)} for one in effect.parameters],
+        "parameters": [
+            {"name": parameter.name, "unit": parameter.unit_at(turning, drive)}
+            for parameter in effect.parameters
+        ],
         "shape": [
-            {"name": one.name, "unit": one.unit_at(turning, drive), "value": float(shape[one.name])}
-            for one in effect.shape
+            {
+                "name": parameter.name,
+                "unit": parameter.unit_at(turning, drive),
+                "value": float(shape[parameter.name]),
+            }
+            for parameter in effect.shape
         ],
     }

@@ -25,21 +25,21 @@ def instances_of(
     proposals = propose(origin.context(with_effects(model.found, model.plain.effects)), effects)
     if model.effects:
         proposals = _about_the_found(origin, model, proposals)
-    instances = [one for each in proposals if not each.absorbed for one in each.instances]
+    instances = [instance for each in proposals if not each.absorbed for instance in each.instances]
     names = list(effects)
-    return tuple(sorted(instances, key=lambda one: names.index(one.effect.name)))
+    return tuple(sorted(instances, key=lambda instance: names.index(instance.effect.name)))
 
 
 def _about_the_found(origin: Origin, model: FoundModel, proposals: list[Proposal]) -> list[Proposal]:
     """Proposals as the last round of a search leaves them, which found the effects of `model`."""
-    found = {(one.effect.name, one.joint) for one in model.effects}
+    found = {(instance.effect.name, instance.joint) for instance in model.effects}
     some = []
-    for one in proposals:
-        kept = tuple(each for each in one.instances if (one.name, each.joint) not in found)
+    for proposal in proposals:
+        kept = tuple(each for each in proposal.instances if (proposal.name, each.joint) not in found)
         if kept:
-            some.append(replace(one, instances=kept))
-    names = dict.fromkeys(one.effect.name for one in model.effects)
-    groups = [tuple(one for one in model.effects if one.effect.name == name) for name in names]
+            some.append(replace(proposal, instances=kept))
+    names = dict.fromkeys(instance.effect.name for instance in model.effects)
+    groups = [tuple(instance for instance in model.effects if instance.effect.name == name) for name in names]
     every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
     system = system_about(origin, model.found, every)
     empty = solve_set(system, ())

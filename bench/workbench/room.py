@@ -27,7 +27,7 @@ def room_for(systems: Sequence[PageSystem], ranks: Mapping[str, int]) -> PageRoo
     """Room for the equations of all these systems, which have the same effects; the last in rank go first."""
     if _numbers(systems, ()) * FULL <= MOST_BYTES:
         return PageRoom(False, frozenset())
-    names = sorted({one.effect.name for one in systems[0].effects}, key=lambda name: ranks[name])
+    names = sorted({instance.effect.name for instance in systems[0].effects}, key=lambda name: ranks[name])
     left: list[str] = []
     while names and _numbers(systems, left) * SHORT > MOST_SHORT_BYTES and ranks[names[-1]] >= 0:
         left.append(names.pop())
@@ -36,8 +36,8 @@ def room_for(systems: Sequence[PageSystem], ranks: Mapping[str, int]) -> PageRoo
 
 def _kept(system: PageSystem, without: Collection[str]) -> np.ndarray:
     kept = system.filled()
-    for start, stop, one in zip(system.starts, system.starts[1:], system.effects, strict=False):
-        if one.effect.name in without:
+    for start, stop, instance in zip(system.starts, system.starts[1:], system.effects, strict=False):
+        if instance.effect.name in without:
             kept[:, start:stop] = False
     return kept
 

@@ -18,18 +18,18 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray, *, short: b
     short: in one byte each instead of two. Of the measured current each stretch around such a row also has its
     smallest and largest value.
     """
-    used = [np.flatnonzero(one) for one in kept]
-    lengths = [len(one.time) for one in model.plain.observations]
+    used = [np.flatnonzero(entry) for entry in kept]
+    lengths = [len(observation.time) for observation in model.plain.observations]
     size, most = (1, FEW_BYTES) if short else (2, BYTES)
-    wanted = most / (size * sum(len(one) for one in used) * len(lengths))
+    wanted = most / (size * sum(len(values) for values in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
     found, start = [], 0
-    for one in model.plain.observations:
-        rows = start + np.arange(step // 2, len(one.time), step)
-        edges = np.arange(0, len(one.time), step)
+    for observation in model.plain.observations:
+        rows = start + np.arange(step // 2, len(observation.time), step)
+        edges = np.arange(0, len(observation.time), step)
         motors = []
         for j, columns in enumerate(used):
-            measured, modelled = one.current[:, j], system.modelled[rows, j]
+            measured, modelled = observation.current[:, j], system.modelled[rows, j]
             moving = system.moving[rows, j]
             motors.append(
                 {
@@ -43,14 +43,14 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray, *, short: b
             )
         found.append(
             {
-                "name": one.name,
-                "use": one.use,
-                "payload": one.payload_name,
-                "rows": len(one.time),
+                "name": observation.name,
+                "use": observation.use,
+                "payload": observation.payload_name,
+                "rows": len(observation.time),
                 "step": step,
-                "time": floats(one.time[rows - start]),
+                "time": floats(observation.time[rows - start]),
                 "motors": motors,
             }
         )
-        start += len(one.time)
+        start += len(observation.time)
     return found

@@ -42,20 +42,27 @@ class PageSystem:
 def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
     """The system of a model with the columns of these effects, those that it found among them. nearby: of `model`."""
     plain = model.plain
-    moving = np.concatenate([one.moving for one in plain.observations])
-    fitted = np.concatenate([np.full(len(one.time), one.use == "identify") for one in plain.observations])
-    known = np.concatenate([known_rows(one, plain.dataset.payloads) for one in plain.observations]) * moving
-    current = np.concatenate([one.current for one in plain.observations]) * moving
-    own = np.concatenate([regressor_rows(one, plain.layout) for one in plain.observations])
+    moving = np.concatenate([observation.moving for observation in plain.observations])
+    fitted = np.concatenate(
+        [np.full(len(observation.time), observation.use == "identify") for observation in plain.observations]
+    )
+    known = (
+        np.concatenate(
+            [known_rows(observation, plain.dataset.payloads) for observation in plain.observations]
+        )
+        * moving
+    )
+    current = np.concatenate([observation.current for observation in plain.observations]) * moving
+    own = np.concatenate([regressor_rows(observation, plain.layout) for observation in plain.observations])
     columns = np.concatenate((own, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
-    starts = np.cumsum([own.shape[2], *(len(one.effect.parameters) for one in instances)])
+    starts = np.cumsum([own.shape[2], *(len(instance.effect.parameters) for instance in instances)])
     reference = _reference(model, instances, starts)
     modelled = (columns @ reference + known) / model.solution.gains
     basis = set_apart(columns, reference, columns[fitted] * model.solution.weights[:, None], own.shape[2])
     return PageSystem(
         columns=columns,
         effects=tuple(instances),
-        starts=tuple(int(one) for one in starts),
+        starts=tuple(int(start) for start in starts),
         reference=reference,
         gains=model.solution.gains,
         modelled=modelled,
@@ -70,9 +77,12 @@ def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearb
     """Columns (M, n, k) of effects about the found model; of those not found as they are seen nearby."""
     found, decimation = model.found, model.found.settings.decimation
     near = nearby.signals(found.present, found.signals)
-    exact = [one for one in instances if one in model.effects]
+    exact = [instance for instance in instances if instance in model.effects]
     as_fitted = np.concatenate(
-        [np.zeros(0, bool), *(np.full(len(one.effect.parameters), one in exact) for one in instances)]
+        [
+            np.zeros(0, bool),
+            *(np.full(len(instance.effect.parameters), instance in exact) for instance in instances),
+        ]
     )
     rows = []
     for signals, nearly in zip(found.signals, near, strict=True):
@@ -88,10 +98,10 @@ def _reference(model: FoundModel, instances: Sequence[EffectInstance], starts: n
     reference = np.zeros(starts[-1])
     at = own = int(starts[0])
     reference[:own] = theta[:own]
-    places = [(one.effect.name, one.joint) for one in instances]
-    for one in model.effects:
-        count = len(one.effect.parameters)
-        start = starts[places.index((one.effect.name, one.joint))]
+    places = [(instance.effect.name, instance.joint) for instance in instances]
+    for instance in model.effects:
+        count = len(instance.effect.parameters)
+        start = starts[places.index((instance.effect.name, instance.joint))]
         reference[start : start + count] = theta[at : at + count]
         at += count
     return reference

@@ -45,13 +45,15 @@ def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:
 def currents_figure(what: Compared) -> Figure:
     """Measured and modelled current of every motor with the error below; a column for each recording."""
     with mpl.rc_context(STYLE):
-        blocks = currents_page([one.recording for one in what.series], what.joints)
-        for one in what.series:
-            upper, lower = blocks.of[one.recording][what.joints.index(one.joint)]
-            _draw_currents(upper, one)
-            _draw_error(lower, one)
+        blocks = currents_page([trace.recording for trace in what.series], what.joints)
+        for trace in what.series:
+            upper, lower = blocks.of[trace.recording][what.joints.index(trace.joint)]
+            _draw_currents(upper, trace)
+            _draw_error(lower, trace)
         for name, block in blocks.of.items():
-            block[0][0].set_title(_title([one for one in what.series if one.recording == name]))
+            block[0][0].set_title(
+                _title([motor_trace for motor_trace in what.series if motor_trace.recording == name])
+            )
         units = [what.units[joint][0] for joint in what.joints]
         blocks.label(what.joints, units, units)
     return blocks.figure
@@ -110,30 +112,32 @@ def errors_figure(what: Compared, joint: str) -> Figure:
 
 
 def _title(series: Sequence[MotorSeries]) -> str:
-    one = series[0]
-    load = f", payload {one.payload}" if one.payload else ""
-    return f"{one.recording}, {USES[one.use]}{load}: error {percent(relative_error_of(series))}"
+    first = series[0]
+    load = f", payload {first.payload}" if first.payload else ""
+    return f"{first.recording}, {USES[first.use]}{load}: error {percent(relative_error_of(series))}"
 
 
-def _draw_currents(axes: Axes, one: MotorSeries) -> None:
-    time = with_gaps(one, one.time)
+def _draw_currents(axes: Axes, trace: MotorSeries) -> None:
+    time = with_gaps(trace, trace.time)
     axes.plot(
         time,
-        with_gaps(one, one.measured),
+        with_gaps(trace, trace.measured),
         color=ON_WHITE.measured,
         linewidth=3.2,
         alpha=0.45,
         label="measured",
     )
-    axes.plot(time, with_gaps(one, one.modelled), color=ON_WHITE.modelled, linewidth=1.1, label="modelled")
+    axes.plot(
+        time, with_gaps(trace, trace.modelled), color=ON_WHITE.modelled, linewidth=1.1, label="modelled"
+    )
     axes.margins(x=0.01)
 
 
-def _draw_error(axes: Axes, one: MotorSeries) -> None:
-    draw_noise_band(axes, one.noise)
+def _draw_error(axes: Axes, trace: MotorSeries) -> None:
+    draw_noise_band(axes, trace.noise)
     axes.plot(
-        with_gaps(one, one.time),
-        with_gaps(one, one.error),
+        with_gaps(trace, trace.time),
+        with_gaps(trace, trace.error),
         color=ON_WHITE.error,
         linewidth=0.8,
         label="error",
@@ -141,6 +145,6 @@ def _draw_error(axes: Axes, one: MotorSeries) -> None:
     axes.margins(x=0.01)
 
 
-def with_gaps(one: MotorSeries, values: np.ndarray) -> np.ndarray:
+def with_gaps(trace: MotorSeries, values: np.ndarray) -> np.ndarray:
     """Values with NaN where rows are missing, so that no line is drawn across."""
-    return np.asarray(np.insert(values, np.flatnonzero(np.diff(one.row) > 1) + 1, np.nan))
+    return np.asarray(np.insert(values, np.flatnonzero(np.diff(trace.row) > 1) + 1, np.nan))

@@ -57,11 +57,11 @@ def draw_around_reversals(axes: Axes, errors: ErrorBreakdown, scale: float = 1.0
 
 def draw_branches(axes: Axes, found: Sequence[Branch], scale: float = 1.0) -> None:
     """Points, means of bins, and their spread as a band."""
-    for one in found:
-        colour, drawn = COLOURS[one.direction], points_of(one)
+    for branch in found:
+        colour, drawn = COLOURS[branch.direction], points_of(branch)
         axes.plot(
-            one.x[drawn],
-            one.error[drawn],
+            branch.x[drawn],
+            branch.error[drawn],
             ".",
             color=colour,
             markersize=1.8 * scale,
@@ -69,21 +69,21 @@ def draw_branches(axes: Axes, found: Sequence[Branch], scale: float = 1.0) -> No
             rasterized=True,
         )
         axes.fill_between(
-            one.bins.center,
-            one.bins.mean - one.bins.spread,
-            one.bins.mean + one.bins.spread,
+            branch.bins.center,
+            branch.bins.mean - branch.bins.spread,
+            branch.bins.mean + branch.bins.spread,
             color=colour,
             alpha=0.16,
             linewidth=0.0,
         )
         axes.plot(
-            one.bins.center,
-            one.bins.mean,
+            branch.bins.center,
+            branch.bins.mean,
             color=colour,
             linewidth=1.6 * scale,
             marker="o",
             markersize=3.2 * scale,
-            label=one.direction,
+            label=branch.direction,
         )
     if found:
         _set_limits(axes, found, scale)
@@ -107,21 +107,21 @@ def draw_noise_band(axes: Axes, noise: float, label: str = "± noise of the curr
 
 def _set_limits(axes: Axes, found: Sequence[Branch], scale: float) -> None:
     """All errors in view, unless single ones far off would hide the others: those are marked at the border."""
-    drawn = [points_of(one) for one in found]
-    errors = np.abs(np.concatenate([one.error[rows] for one, rows in zip(found, drawn, strict=True)]))
+    drawn = [points_of(branch) for branch in found]
+    errors = np.abs(np.concatenate([branch.error[rows] for branch, rows in zip(found, drawn, strict=True)]))
     most, largest = float(np.percentile(errors, LIMIT)), float(errors.max())
     reach = 1.08 * min(largest, OUTSIDE * most) or 1.0
     axes.set_ylim(-reach, reach)
-    for one, rows in zip(found, drawn, strict=True):
+    for branch, rows in zip(found, drawn, strict=True):
         for sign, marker in ((1.0, 6), (-1.0, 7)):  # carets that point out of the axes
-            out = sign * one.error[rows] > reach
+            out = sign * branch.error[rows] > reach
             if out.any():
                 axes.plot(
-                    one.x[rows][out],
+                    branch.x[rows][out],
                     np.full(int(out.sum()), sign * 0.99 * reach),
                     linestyle="none",
                     marker=marker,
-                    color=COLOURS[one.direction],
+                    color=COLOURS[branch.direction],
                     markersize=4.0 * scale,
                     clip_on=False,
                 )
@@ -155,10 +155,13 @@ def draw_autocorrelation(axes: Axes, found: Autocorrelation, scale: float = 1.0)
 
 def draw_recordings(axes: Axes, found: Sequence[RecordingError]) -> None:
     """Error of every recording beside the noise of its current, both relative to the current."""
-    names = [f"{shortened(one.recording)}\n{shortened(one.payload or 'no payload')}" for one in found]
+    names = [
+        f"{shortened(recording.recording)}\n{shortened(recording.payload or 'no payload')}"
+        for recording in found
+    ]
     at = np.arange(len(found))
-    axes.barh(at, [100.0 * one.error for one in found], 0.55, color=ON_WHITE.error)
-    axes.barh(at, [100.0 * one.noise for one in found], 0.8, color=NOISE, alpha=0.75)
+    axes.barh(at, [100.0 * recording.error for recording in found], 0.55, color=ON_WHITE.error)
+    axes.barh(at, [100.0 * recording.noise for recording in found], 0.8, color=NOISE, alpha=0.75)
     axes.set_yticks(at, names)
     axes.invert_yaxis()
     small_title(axes, "grey: noise of the current")
@@ -175,9 +178,9 @@ def draw_opposing(axes: Axes, known: Sequence[tuple[str, Opposing]]) -> None:
     at = np.arange(len(known))
     axes.axvline(0.0, color=ZERO, linewidth=0.8)
     axes.errorbar(
-        [one.mean for _, one in known],
+        [opposing.mean for _, opposing in known],
         at,
-        xerr=[WITHIN_95 * one.std for _, one in known],
+        xerr=[WITHIN_95 * opposing.std for _, opposing in known],
         fmt="o",
         color=ON_WHITE.error,
         markersize=4.0,
@@ -192,8 +195,8 @@ def draw_opposing(axes: Axes, known: Sequence[tuple[str, Opposing]]) -> None:
 def draw_shares(axes: Axes, found: Sequence[RegionShares]) -> None:
     """Share of the squared error that lies in every region, beside its share of the time."""
     at = np.arange(len(found))
-    axes.barh(at, [100.0 * one.error for one in found], 0.55, color=ON_WHITE.error)
-    axes.barh(at, [100.0 * one.time for one in found], 0.85, color=NOISE, alpha=0.75)
-    axes.set_yticks(at, [one.region for one in found])
+    axes.barh(at, [100.0 * region.error for region in found], 0.55, color=ON_WHITE.error)
+    axes.barh(at, [100.0 * region.time for region in found], 0.85, color=NOISE, alpha=0.75)
+    axes.set_yticks(at, [region.region for region in found])
     axes.set_ylim(len(found) - 0.4, -0.6)
     small_title(axes, "grey: share of the time")

@@ -51,7 +51,7 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
     joints = list(result.joints)
     spread = error_deviation(result)
     with mpl.rc_context(STYLE):
-        blocks = currents_page([one.name for one in chosen], joints)
+        blocks = currents_page([trace.name for trace in chosen], joints)
         for series in chosen:
             block = blocks.of[series.name]
             block[0][0].set_title(_title(series))
@@ -139,7 +139,7 @@ def write_current_figure(
 
 
 def _chosen(result: Identification, names: Sequence[str] | None) -> list[CurrentSeries]:
-    by_name = {one.name: one for one in result.recordings}
+    by_name = {trace.name: trace for trace in result.recordings}
     for name in names or ():
         if name not in by_name:
             raise BenchError(f"no recording {name!r}; there are: {', '.join(by_name)}")

@@ -51,9 +51,9 @@ def ladder_figure(diagnosis: Diagnosis) -> Figure:
 
 def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
     """Error of every motor on recordings that were not fitted, by the models without and with what is missing."""
-    chosen = [one for one in diagnosis.after.recordings if one.use == "validate"]
+    chosen = [trace for trace in diagnosis.after.recordings if trace.use == "validate"]
     chosen = chosen or list(diagnosis.after.recordings)
-    before = {one.name: one for one in diagnosis.before.recordings} if diagnosis.added else {}
+    before = {trace.name: trace for trace in diagnosis.before.recordings} if diagnosis.added else {}
     gains = {joint: diagnosis.after.drive_gains[joint] for joint in diagnosis.after.joints}
     columns = min(BESIDE, len(chosen))
     rows = -(-len(chosen) // columns)
@@ -87,7 +87,7 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
         figure = Figure(figsize=(8.0, 0.32 * len(rows) + 1.7), dpi=DPI, layout="constrained")
         axes = figure.subplots()
         draw_moved(axes, rows)
-        added = and_list([effect_name(one) for one in diagnosis.added])
+        added = and_list([effect_name(name) for name in diagnosis.added])
         figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
         figure.legend(loc="outside upper right", ncols=3, frameon=False)
     return figure
@@ -96,5 +96,5 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
 def _said_errors(
     name: str, joint: str, before: CurrentSeries | None, after: CurrentSeries, motor: int
 ) -> str:
-    errors = [percent(relative_error([one], motor)) for one in (before, after) if one is not None]
+    errors = [percent(relative_error([trace], motor)) for trace in (before, after) if trace is not None]
     return f"{name}, {joint}: error {', then '.join(errors)}"

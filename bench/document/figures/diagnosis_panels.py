@@ -57,14 +57,14 @@ def rungs(diagnosis: Diagnosis) -> list[Rung]:
     return [
         Rung(label, _percents(step.identify), _percents(step.validate))
         for label, step in zip(
-            step_labels([one.effects for one in diagnosis.ladder]), diagnosis.ladder, strict=True
+            step_labels([step.effects for step in diagnosis.ladder]), diagnosis.ladder, strict=True
         )
     ]
 
 
 def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
     """Gains, where they were fitted, and (parameters) what the data determine beside them."""
-    before = {one.name: one for one in diagnosis.before.parameters}
+    before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
     found = [
         Moved(
             f"gain {joint}",
@@ -78,9 +78,9 @@ def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
     if not parameters:
         return found
     return found + [
-        Moved(one.name, before[one.name], one)
-        for one in diagnosis.after.parameters
-        if one.name in before and not is_poor(one)
+        Moved(parameter.name, before[parameter.name], parameter)
+        for parameter in diagnosis.after.parameters
+        if parameter.name in before and not is_poor(parameter)
     ]
 
 
@@ -88,8 +88,8 @@ def draw_ladder(axes: Axes, steps: Sequence[Rung], floor: float, scale: float = 
     """A bar for each error from zero on, and the noise of the currents as a line. floor: percent."""
     at = np.arange(len(steps))
     for shift, label, colour, values in (
-        (-BAR / 2, "fitted", BEFORE_PALE, [one.fitted for one in steps]),
-        (BAR / 2, "not fitted", AFTER, [one.not_fitted for one in steps]),
+        (-BAR / 2, "fitted", BEFORE_PALE, [rung.fitted for rung in steps]),
+        (BAR / 2, "not fitted", AFTER, [rung.not_fitted for rung in steps]),
     ):
         known = [(i, value) for i, value in zip(at, values, strict=True) if value is not None]
         if not known:
@@ -100,9 +100,9 @@ def draw_ladder(axes: Axes, steps: Sequence[Rung], floor: float, scale: float = 
     axes.axvline(
         floor, color=NOISE, linewidth=2.4 * scale, label=f"noise of the currents, {percent(floor / 100.0)}"
     )
-    axes.set_yticks(at, [one.label for one in steps])
+    axes.set_yticks(at, [rung.label for rung in steps])
     axes.set_ylim(len(steps) - 0.4, -0.6)
-    axes.set_xlim(0.0, 1.18 * max(value or 0.0 for one in steps for value in (one.fitted, one.not_fitted)))
+    axes.set_xlim(0.0, 1.18 * max(value or 0.0 for rung in steps for value in (rung.fitted, rung.not_fitted)))
     axes.set_xlabel("error of the current [%]")
     axes.grid(visible=False, axis="y")
 
@@ -112,16 +112,24 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0
 
     No bars: their lengths would say nothing on a scale that is even up to `EVEN_NATS` and logarithmic beyond.
     """
-    shown = [one for one in diagnosis.ranking if one.verdict != "absorbed"][:most]
+    shown = [effect_verdict for effect_verdict in diagnosis.ranking if effect_verdict.verdict != "absorbed"][
+        :most
+    ]
     at = np.arange(len(shown))
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
     for verdict, colour in VERDICT_COLOURS.items():
-        of_it = [(one.evidence, i) for i, one in zip(at, shown, strict=True) if one.verdict == verdict]
+        of_it = [
+            (effect_verdict.evidence, i)
+            for i, effect_verdict in zip(at, shown, strict=True)
+            if effect_verdict.verdict == verdict
+        ]
         if of_it:
             evidence, places = zip(*of_it, strict=True)
             axes.plot(evidence, places, "o", color=colour, markersize=6.0 * scale, label=verdict)
-    declared = even_then_logarithmic(axes, [one.evidence for one in shown], EVEN_NATS, "nats")
-    axes.set_yticks(at, [effect_name(one.effect) for one in shown])
+    declared = even_then_logarithmic(
+        axes, [effect_verdict.evidence for effect_verdict in shown], EVEN_NATS, "nats"
+    )
+    axes.set_yticks(at, [effect_name(effect_verdict.effect) for effect_verdict in shown])
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.set_xlabel(f"evidence [nats]{declared}")
     axes.grid(visible=True, axis="y", linewidth=0.5 * scale, alpha=0.5)
@@ -140,16 +148,19 @@ def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit
 def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
     """Values before and after with their 95 % intervals, in percent of the value after; nominal gains between them."""
     at = np.arange(len(rows))
-    apart = 0.17 if all(one.nominal is None for one in rows) else 0.28
-    factor = [100.0 / abs(one.after.value) if one.after.value else 0.0 for one in rows]
+    apart = 0.17 if all(row.nominal is None for row in rows) else 0.28
+    factor = [100.0 / abs(row.after.value) if row.after.value else 0.0 for row in rows]
     for shift, colour, marker, label, values in (
-        (-apart, BEFORE, "s", "before", [one.before for one in rows]),
-        (apart, AFTER, "o", "after", [one.after for one in rows]),
+        (-apart, BEFORE, "s", "before", [row.before for row in rows]),
+        (apart, AFTER, "o", "after", [row.after for row in rows]),
     ):
         axes.errorbar(
-            [(one.value - row.after.value) * f for one, row, f in zip(values, rows, factor, strict=True)],
+            [
+                (quantity.value - row.after.value) * f
+                for quantity, row, f in zip(values, rows, factor, strict=True)
+            ],
             at + shift,
-            xerr=[WITHIN_95 * one.std * f for one, f in zip(values, factor, strict=True)],
+            xerr=[WITHIN_95 * quantity.std * f for quantity, f in zip(values, factor, strict=True)],
             fmt=marker,
             color=colour,
             markersize=4.5 * scale,
@@ -158,9 +169,9 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
             label=label,
         )
     nominal = [
-        (i, (one.nominal - one.after.value) * f)
-        for i, one, f in zip(at, rows, factor, strict=True)
-        if one.nominal is not None
+        (i, (row.nominal - row.after.value) * f)
+        for i, row, f in zip(at, rows, factor, strict=True)
+        if row.nominal is not None
     ]
     if nominal:
         axes.plot(
@@ -175,7 +186,7 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
         )
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
     declared = even_then_logarithmic(axes, axes.get_xlim(), EVEN_PERCENT, "%")
-    axes.set_yticks(at, [one.label for one in rows])
+    axes.set_yticks(at, [row.label for row in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlabel(f"difference to the value after [%]{declared}")
 

@@ -79,7 +79,7 @@ def paper_figure(what: PaperFigure, width: float) -> Figure:
     side_by_side = not what.stacked and width > WIDTHS["one_column"]
     columns = min(ACROSS, len(what.panels)) if side_by_side else 1
     rows = [what.panels[i : i + columns] for i in range(0, len(what.panels), columns)]
-    heights = [max(one.height for one in row) for row in rows]
+    heights = [max(drawn.height for drawn in row) for row in rows]
     with mpl.rc_context(PRINT):
         size = (width / INCH, (sum(heights) + LEGEND_ROOM) / INCH)
         figure = Figure(figsize=size, layout="constrained")
@@ -137,7 +137,7 @@ def csv_of(numbers: Numbers) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(numbers.keys())
     for row in zip(*numbers.values(), strict=True):
-        writer.writerow([_exact(one) for one in row])
+        writer.writerow([_exact(entry) for entry in row])
     return text.getvalue()
 
 

@@ -43,13 +43,13 @@ def error_figures(what: Compared) -> list[PaperFigure]:
         ("error_by_acceleration", "acceleration", lambda joint: f"acceleration [{units[joint]}/s²]"),
         ("error_by_current", "current", lambda joint: f"modelled current [{what.units[joint][0]}]"),
     ]
-    found = [_currents(what, name) for name in dict.fromkeys(one.recording for one in what.series)]
+    found = [_currents(what, name) for name in dict.fromkeys(trace.recording for trace in what.series)]
     motors = [error_breakdown(what, joint) for joint in joints]
     found += [
-        _against(motors, name, [one.against(variable, SPREAD_BINS) for one in motors], label)
+        _against(motors, name, [breakdown.against(variable, SPREAD_BINS) for breakdown in motors], label)
         for name, variable, label in variables
     ]
-    at_reversals = [one.around_reversals for one in motors]
+    at_reversals = [breakdown.around_reversals for breakdown in motors]
     if any(at_reversals):
         found.append(
             _against(motors, "error_at_reversals", at_reversals, lambda _: "time from a reversal [s]")
@@ -58,46 +58,48 @@ def error_figures(what: Compared) -> list[PaperFigure]:
 
 
 def _currents(what: Compared, recording: str) -> PaperFigure:
-    series = [one for one in what.series if one.recording == recording]
+    series = [trace for trace in what.series if trace.recording == recording]
     panels, numbers = [], []
-    for one in series:
-        unit = what.units[one.joint][0]
-        panels.append(Panel(partial(_draw_current, one, unit), CURRENT))
-        panels.append(Panel(partial(_draw_error, one, unit, one is series[-1]), ERROR))
+    for trace in series:
+        unit = what.units[trace.joint][0]
+        panels.append(Panel(partial(_draw_current, trace, unit), CURRENT))
+        panels.append(Panel(partial(_draw_error, trace, unit, trace is series[-1]), ERROR))
         numbers.append(
             {
-                "motor": [one.joint] * len(one.time),
-                "time [s]": one.time.tolist(),
-                f"measured [{unit}]": one.measured.tolist(),
-                f"modelled [{unit}]": one.modelled.tolist(),
-                f"error [{unit}]": one.error.tolist(),
-                f"noise [{unit}]": [one.noise] * len(one.time),
+                "motor": [trace.joint] * len(trace.time),
+                "time [s]": trace.time.tolist(),
+                f"measured [{unit}]": trace.measured.tolist(),
+                f"modelled [{unit}]": trace.modelled.tolist(),
+                f"error [{unit}]": trace.error.tolist(),
+                f"noise [{unit}]": [trace.noise] * len(trace.time),
             }
         )
     name = f"currents_{file_part(recording)}"
     return PaperFigure(name, tuple(panels), {"": _joined(numbers)}, stacked=True)
 
 
-def _draw_current(one: MotorSeries, unit: str, axes: Axes) -> None:
-    time = with_gaps(one, one.time)
+def _draw_current(trace: MotorSeries, unit: str, axes: Axes) -> None:
+    time = with_gaps(trace, trace.time)
     axes.plot(
         time,
-        with_gaps(one, one.measured),
+        with_gaps(trace, trace.measured),
         color=ON_WHITE.measured,
         linewidth=1.8,
         alpha=0.45,
         label="measured",
     )
-    axes.plot(time, with_gaps(one, one.modelled), color=ON_WHITE.modelled, linewidth=0.6, label="modelled")
-    axes.set_ylabel(f"{one.joint} [{unit}]")
+    axes.plot(
+        time, with_gaps(trace, trace.modelled), color=ON_WHITE.modelled, linewidth=0.6, label="modelled"
+    )
+    axes.set_ylabel(f"{trace.joint} [{unit}]")
     axes.margins(x=0.01)
 
 
-def _draw_error(one: MotorSeries, unit: str, last: bool, axes: Axes) -> None:
-    draw_noise_band(axes, one.noise, "± noise")
+def _draw_error(trace: MotorSeries, unit: str, last: bool, axes: Axes) -> None:
+    draw_noise_band(axes, trace.noise, "± noise")
     axes.plot(
-        with_gaps(one, one.time),
-        with_gaps(one, one.error),
+        with_gaps(trace, trace.time),
+        with_gaps(trace, trace.error),
         color=ON_WHITE.error,
         linewidth=0.45,
         label="error",
@@ -120,24 +122,24 @@ def _against(
         current, joint = motor.current, motor.joint
         x, error = label(joint), f"error [{current}]"
         panels.append(Panel(partial(_draw_against, motor, branches, x, error), CLOUD))
-        for one in branches:
-            rows, drawn = len(one.bins.mean), points_of(one)
+        for branch in branches:
+            rows, drawn = len(branch.bins.mean), points_of(branch)
             means.append(
                 {
                     "motor": [joint] * rows,
-                    "direction": [one.direction] * rows,
-                    x: one.bins.center.tolist(),
-                    f"mean {error}": one.bins.mean.tolist(),
-                    f"standard deviation [{current}]": one.bins.spread.tolist(),
-                    "rows": [float(count) for count in one.bins.count],
+                    "direction": [branch.direction] * rows,
+                    x: branch.bins.center.tolist(),
+                    f"mean {error}": branch.bins.mean.tolist(),
+                    f"standard deviation [{current}]": branch.bins.spread.tolist(),
+                    "rows": [float(count) for count in branch.bins.count],
                 }
             )
             points.append(
                 {
                     "motor": [joint] * len(drawn),
-                    "direction": [one.direction] * len(drawn),
-                    x: one.x[drawn].tolist(),
-                    error: one.error[drawn].tolist(),
+                    "direction": [branch.direction] * len(drawn),
+                    x: branch.x[drawn].tolist(),
+                    error: branch.error[drawn].tolist(),
                 }
             )
     return PaperFigure(name, tuple(panels), {"": _joined(means), "_points": _joined(points)})

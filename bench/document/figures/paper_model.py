@@ -35,12 +35,12 @@ def gain_figure(result: Identification) -> PaperFigure:
     gains = result.drive_gains
     numbers: Numbers = {
         "joint": list(gains),
-        "unit": [one.unit for one in gains.values()],
-        "nominal": [one.nominal for one in gains.values()],
-        "value": [one.value for one in gains.values()],
-        "standard deviation": [one.std for one in gains.values()],
-        "change [%]": [100.0 * (one.value / one.nominal - 1.0) for one in gains.values()],
-        "95 % interval [± %]": [100.0 * WITHIN_95 * one.std / abs(one.nominal) for one in gains.values()],
+        "unit": [gain.unit for gain in gains.values()],
+        "nominal": [gain.nominal for gain in gains.values()],
+        "value": [gain.value for gain in gains.values()],
+        "standard deviation": [gain.std for gain in gains.values()],
+        "change [%]": [100.0 * (gain.value / gain.nominal - 1.0) for gain in gains.values()],
+        "95 % interval [± %]": [100.0 * WITHIN_95 * gain.std / abs(gain.nominal) for gain in gains.values()],
     }
     height = FOOT + 6.0 * len(gains)
     return PaperFigure("drive_gains", (Panel(partial(_draw_gains, gains), height),), {"": numbers})
@@ -54,23 +54,23 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
     ranking = _ranking(diagnosis)
     if not diagnosis.added:
         return [ranking]
-    before = {one.name: one for one in diagnosis.before.recordings}
-    judged = [one for one in diagnosis.after.recordings if one.use == "validate"]
+    before = {trace.name: trace for trace in diagnosis.before.recordings}
+    judged = [trace for trace in diagnosis.after.recordings if trace.use == "validate"]
     rows = moved(diagnosis, parameters=True)
-    gains = [one for one in rows if one.nominal is not None]
+    gains = [row for row in rows if row.nominal is not None]
     figures = [_ladder(diagnosis), ranking]
     figures += [_moved("gains_before_after", gains)] if gains else []
-    figures += [_moved("parameters_before_after", [one for one in rows if one.nominal is None])]
-    return figures + [_before_after(diagnosis, before[one.name], one) for one in judged]
+    figures += [_moved("parameters_before_after", [row for row in rows if row.nominal is None])]
+    return figures + [_before_after(diagnosis, before[trace.name], trace) for trace in judged]
 
 
 def _draw_gains(gains: Mapping[str, DriveGain], axes: Axes) -> None:
     at = np.arange(len(gains))
     axes.axvline(0.0, color=ZERO, linewidth=0.6, label="nominal")
     axes.errorbar(
-        [100.0 * (one.value / one.nominal - 1.0) for one in gains.values()],
+        [100.0 * (gain.value / gain.nominal - 1.0) for gain in gains.values()],
         at,
-        xerr=[100.0 * WITHIN_95 * one.std / abs(one.nominal) for one in gains.values()],
+        xerr=[100.0 * WITHIN_95 * gain.std / abs(gain.nominal) for gain in gains.values()],
         fmt="o",
         color=AFTER,
         markersize=2.6,
@@ -78,7 +78,7 @@ def _draw_gains(gains: Mapping[str, DriveGain], axes: Axes) -> None:
         linewidth=0.8,
         label="identified, 95 % interval",
     )
-    axes.set_yticks(at, [f"{joint} [{pretty_unit(one.unit)}]" for joint, one in gains.items()])
+    axes.set_yticks(at, [f"{joint} [{pretty_unit(gain.unit)}]" for joint, gain in gains.items()])
     axes.set_ylim(len(gains) - 0.5, -0.5)
     axes.set_xlabel("drive gain against its nominal value [%]")
 
@@ -86,9 +86,9 @@ def _draw_gains(gains: Mapping[str, DriveGain], axes: Axes) -> None:
 def _ladder(diagnosis: Diagnosis) -> PaperFigure:
     steps, floor = rungs(diagnosis), 100.0 * diagnosis.unexplained.noise_floor
     numbers: Numbers = {
-        "model": [one.label for one in steps],
-        "error, fitted [%]": [one.fitted for one in steps],
-        "error, not fitted [%]": [one.not_fitted for one in steps],
+        "model": [rung.label for rung in steps],
+        "error, fitted [%]": [rung.fitted for rung in steps],
+        "error, not fitted [%]": [rung.not_fitted for rung in steps],
         "noise of the currents [%]": [floor] * len(steps),
     }
     panel = Panel(partial(_draw_ladder, steps, floor), FOOT + 2.2 * BAR * len(steps))
@@ -102,15 +102,15 @@ def _draw_ladder(steps: Sequence[Rung], floor: float, axes: Axes) -> None:
 def _ranking(diagnosis: Diagnosis) -> PaperFigure:
     ranking = diagnosis.ranking
     numbers: Numbers = {
-        "effect": [one.effect for one in ranking],
-        "verdict": [one.verdict for one in ranking],
-        "evidence [nats]": [one.evidence for one in ranking],
-        "error without [%]": [100.0 * one.error_before for one in ranking],
-        "error with [%]": [100.0 * one.error_after for one in ranking],
-        "at": [" ".join(one.actuators) for one in ranking],
-        "alternatives": [" ".join(one.alternatives) for one in ranking],
+        "effect": [verdict.effect for verdict in ranking],
+        "verdict": [verdict.verdict for verdict in ranking],
+        "evidence [nats]": [verdict.evidence for verdict in ranking],
+        "error without [%]": [100.0 * verdict.error_before for verdict in ranking],
+        "error with [%]": [100.0 * verdict.error_after for verdict in ranking],
+        "at": [" ".join(verdict.actuators) for verdict in ranking],
+        "alternatives": [" ".join(verdict.alternatives) for verdict in ranking],
     }
-    rows = min(SHOWN, sum(one.verdict != "absorbed" for one in ranking))
+    rows = min(SHOWN, sum(verdict.verdict != "absorbed" for verdict in ranking))
     panel = Panel(partial(_draw_ranking, diagnosis), FOOT + BAR * rows)
     return PaperFigure("ranking", (panel,), {"": numbers})
 
@@ -121,16 +121,16 @@ def _draw_ranking(diagnosis: Diagnosis, axes: Axes) -> None:
 
 def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
     numbers: dict[str, list[float | str | None]] = {
-        "name": [one.name for one in rows],
-        "unit": [one.after.unit for one in rows],
-        "before": [one.before.value for one in rows],
-        "standard deviation before": [one.before.std for one in rows],
-        "after": [one.after.value for one in rows],
-        "standard deviation after": [one.after.std for one in rows],
+        "name": [row.name for row in rows],
+        "unit": [row.after.unit for row in rows],
+        "before": [row.before.value for row in rows],
+        "standard deviation before": [row.before.std for row in rows],
+        "after": [row.after.value for row in rows],
+        "standard deviation after": [row.after.std for row in rows],
     }
-    nominal = any(one.nominal is not None for one in rows)
+    nominal = any(row.nominal is not None for row in rows)
     if nominal:
-        numbers["nominal"] = [one.nominal for one in rows]
+        numbers["nominal"] = [row.nominal for row in rows]
     panel = Panel(partial(_draw_moved, rows), FOOT + (WITH_NOMINAL if nominal else MOVED) * len(rows))
     return PaperFigure(name, (panel,), {"": numbers})
 

@@ -10,8 +10,10 @@ from bench.effects.display_names import named_after
 
 def diagnosis_markdown(diagnosis: Diagnosis) -> str:
     """What is missing in sentences, the error after each added effect, and the verdicts with their reasons."""
-    told = [one for one in diagnosis.ranking if one.verdict != "not supported"]
-    others = [effect_name(one.effect) for one in diagnosis.ranking if one.verdict == "not supported"]
+    told = [verdict for verdict in diagnosis.ranking if verdict.verdict != "not supported"]
+    others = [
+        effect_name(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "not supported"
+    ]
     parts = ["### What is missing", "\n\n".join(map(named_after, summary_sentences(diagnosis)))]
     parts += ["### Error after each added effect", markdown(ladder_table(diagnosis))]
     if told:
@@ -19,5 +21,5 @@ def diagnosis_markdown(diagnosis: Diagnosis) -> str:
     if others:
         parts.append(f"Not supported: {', '.join(others)}.")
     if told:
-        parts.append("\n".join(f"- {named_after(reason(diagnosis, one))}" for one in told))
+        parts.append("\n".join(f"- {named_after(reason(diagnosis, verdict))}" for verdict in told))
     return "\n\n".join(parts) + "\n"

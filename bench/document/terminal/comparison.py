@@ -23,19 +23,20 @@ def where_report(where: WhereItFails, console: Console | None = None) -> None:
 def motors_table(where: WhereItFails) -> Table:
     """A row a motor: error, noise of the current, how long errors are alike, warm-up, and payloads."""
     motors = where.motors
-    loads = [one.part for one in motors[0].by_load] if motors else []
+    loads = [opposing.part for opposing in motors[0].by_load] if motors else []
     columns = [
-        Column("motor", [one.joint for one in motors]),
-        Column("error", [one.error for one in motors], "share"),
-        Column("noise", [one.noise for one in motors], "share"),
-        Column("× noise", [_ratio(one.error, one.noise) for one in motors], "number", format="s"),
-        Column("alike over", [one.memory for one in motors], "number", 3, ".2g", "s"),
-        Column("first third", [one.warm_up[0].error for one in motors], "share", 1),
-        Column("last third", [one.warm_up[1].error for one in motors], "share", 1),
+        Column("motor", [motor.joint for motor in motors]),
+        Column("error", [motor.error for motor in motors], "share"),
+        Column("noise", [motor.noise for motor in motors], "share"),
+        Column("× noise", [_ratio(motor.error, motor.noise) for motor in motors], "number", format="s"),
+        Column("alike over", [motor.memory for motor in motors], "number", 3, ".2g", "s"),
+        Column("first third", [motor.warm_up[0].error for motor in motors], "share", 1),
+        Column("last third", [motor.warm_up[1].error for motor in motors], "share", 1),
     ]
     if len(loads) > 1:
         columns += [
-            Column(load, [one.by_load[k].error for one in motors], "share", 2) for k, load in enumerate(loads)
+            Column(load, [motor.by_load[k].error for motor in motors], "share", 2)
+            for k, load in enumerate(loads)
         ]
     return Table(tuple(columns))
 

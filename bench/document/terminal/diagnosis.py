@@ -46,10 +46,12 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     if diagnosis.missing:
         console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
     if left_out:
-        names = ", ".join(effect_name(one.effect) for one in left_out)
+        names = ", ".join(effect_name(verdict.effect) for verdict in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
-    told = [one for one in shown if verbose or not diagnosis.missing or one.verdict != "not supported"]
-    section(console, "Why", sentences_list([named_after(reason(diagnosis, one)) for one in told]))
+    told = [
+        verdict for verdict in shown if verbose or not diagnosis.missing or verdict.verdict != "not supported"
+    ]
+    section(console, "Why", sentences_list([named_after(reason(diagnosis, verdict)) for verdict in told]))
     if diagnosis.added:
         if diagnosis.after.gains_fitted:
             gains = gains_before_after(diagnosis.before, diagnosis.after)
@@ -71,6 +73,6 @@ def _shown(
     ranking: Sequence[EffectVerdict], verbose: bool
 ) -> tuple[list[EffectVerdict], list[EffectVerdict]]:
     """Which verdicts are shown, and which are only named: those not supported but for the first few."""
-    unsupported = [one for one in ranking if one.verdict == "not supported"]
+    unsupported = [verdict for verdict in ranking if verdict.verdict == "not supported"]
     left_out = [] if verbose else unsupported[SHOWN:]
-    return [one for one in ranking if one not in left_out], left_out
+    return [verdict for verdict in ranking if verdict not in left_out], left_out

@@ -33,7 +33,7 @@ def identification_report(
     """
     console = console or Console()
     width = console.width
-    payloads = sorted({one.payload for one in result.recordings if one.payload is not None})
+    payloads = sorted({trace.payload for trace in result.recordings if trace.payload is not None})
     facts = [
         f"estimator {result.method}",
         f"effects {', '.join(result.effects)}" if result.effects else "rigid bodies only",
@@ -87,8 +87,8 @@ def sentences_list(sentences: Sequence[str], style: str = "") -> Grid:
     grid = Grid.grid(padding=(0, 1, 0, 0))
     grid.add_column(style=style)
     grid.add_column()
-    for one in sentences:
-        grid.add_row("•", one)
+    for sentence in sentences:
+        grid.add_row("•", sentence)
     return grid
 
 
@@ -97,8 +97,8 @@ def _groupings(result: Identification) -> Grid:
     grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column(overflow="fold", style="dim")
-    for one in result.parameters:
-        grid.add_row(one.name, one.grouping)
+    for parameter in result.parameters:
+        grid.add_row(parameter.name, parameter.grouping)
     return grid
 
 
@@ -111,7 +111,7 @@ def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: S
 
 
 def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
-    poor = sum(is_poor(one) for one in quantities)
+    poor = sum(is_poor(quantity) for quantity in quantities)
     if poor:
         share = f"standard error above {100 * POOR:.0f} % of the value"
         text = f"! {poor} of {len(quantities)} poorly determined: {share}"

@@ -56,28 +56,32 @@ def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = GAPS) 
     """Narrow the gaps, then leave out strips of the highest rank, until all fit into `width`."""
     kept = list(strips)
     while True:
-        total = sum(one.width for one in kept)
+        total = sum(strip.width for strip in kept)
         gap = next((gap for gap in gaps if total + gap * (len(kept) - 1) <= width), gaps[-1])
         room = width - total - gap * (len(kept) - 1)
-        last = max(kept, key=lambda one: one.rank)
+        last = max(kept, key=lambda strip: strip.rank)
         if room >= 0 or last.rank == 0:
             return Fit(tuple(kept), gap, room)
-        kept = [one for one in kept if one.rank < last.rank]
+        kept = [strip for strip in kept if strip.rank < last.rank]
 
 
 def printed(table: Table, width: int = WIDTH) -> rich.table.Table:
     """A table at most `width` wide, or as near as its columns of rank 0 allow; those are then folded."""
-    strips = [_strip(one) for one in table.columns if one.kind not in {"bar", "terms"}]
-    for one in table.columns:
-        if one.kind == "bar":
+    strips = [_strip(column) for column in table.columns if column.kind not in {"bar", "terms"}]
+    for column in table.columns:
+        if column.kind == "bar":
             room = width - sum(strip.width for strip in strips) - 2 * len(strips)
             length = max(min(room, BAR), LEAST_BAR)
-            strips.append(Strip(one.header, [bar(share, length) for share in one.cells], rank=one.rank))
-        elif one.kind == "terms":
+            strips.append(
+                Strip(column.header, [bar(share, length) for share in column.cells], rank=column.rank)
+            )
+        elif column.kind == "terms":
             fit = fit_strips(strips, width)
             room = fit.room - fit.gap
-            if room >= NARROWEST_TERMS and any(one.cells):
-                strips.append(Strip(one.header, [shortened(cell, room) for cell in one.cells], style="dim"))
+            if room >= NARROWEST_TERMS and any(column.cells):
+                strips.append(
+                    Strip(column.header, [shortened(cell, room) for cell in column.cells], style="dim")
+                )
     return _rich(fit_strips(strips, width), table)
 
 
@@ -89,37 +93,43 @@ def _rich(fit: Fit, table: Table) -> rich.table.Table:
         header_style="dim",
         show_edge=False,
     )
-    folds = any(one.folds for one in fit.strips)
-    for one in fit.strips:
-        whole = fit.room >= 0 or (folds and not one.folds)
-        grid.add_column(one.header, justify=one.justify, style=one.style, no_wrap=whole, overflow="fold")
+    folds = any(strip.folds for strip in fit.strips)
+    for strip in fit.strips:
+        whole = fit.room >= 0 or (folds and not strip.folds)
+        grid.add_column(
+            strip.header, justify=strip.justify, style=strip.style, no_wrap=whole, overflow="fold"
+        )
     for row, (mark, *cells) in enumerate(
-        zip(table.mark_of_rows, *(one.cells for one in fit.strips), strict=True)
+        zip(table.mark_of_rows, *(part.cells for part in fit.strips), strict=True)
     ):
         grid.add_row(*cells, style=STYLES[mark], end_section=row in table.ends)
     return grid
 
 
-def _strip(one: Column) -> Strip:
-    texts = one.texts
-    if one.kind == "quantity":
+def _strip(column: Column) -> Strip:
+    texts = column.texts
+    if column.kind == "quantity":
         texts = _aligned(texts)
-    if one.kind == "deviation":
-        texts = [f"{'! ' if poor else ''}{text}" for text, poor in zip(texts, one.poor, strict=True)]
+    if column.kind == "deviation":
+        texts = [f"{'! ' if poor else ''}{text}" for text, poor in zip(texts, column.poor, strict=True)]
     return Strip(
-        one.header, texts, "right" if one.kind in RIGHT else "left", one.rank, folds=one.kind == "sentence"
+        column.header,
+        texts,
+        "right" if column.kind in RIGHT else "left",
+        column.rank,
+        folds=column.kind == "sentence",
     )
 
 
 def _aligned(texts: Sequence[str]) -> list[str]:
     """Values with their deviations that stand under each other at the sign between; what is absorbed as it is."""
     pairs = [text.replace(f" {GIVEN}", f"   {GIVEN}") for text in texts]
-    apart = [_PARTS.fullmatch(one) for one in pairs]
-    first = max((len(one[1]) for one in apart if one), default=0)
-    second = max((len(one[3]) for one in apart if one), default=0)
+    apart = [_PARTS.fullmatch(pair) for pair in pairs]
+    first = max((len(match[1]) for match in apart if match), default=0)
+    second = max((len(match[3]) for match in apart if match), default=0)
     return [
-        f"{one[1]:>{first}}{one[2]}{one[3]:<{second}}" if one else text
-        for text, one in zip(texts, apart, strict=True)
+        f"{match[1]:>{first}}{match[2]}{match[3]:<{second}}" if match else text
+        for text, match in zip(texts, apart, strict=True)
     ]
 
 

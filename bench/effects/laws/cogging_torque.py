@@ -40,7 +40,7 @@ class CoggingTorque(ActuatorEffect):
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         if not samples:
             return super().brackets(parameter, samples)
-        return strongest_periods(samples, [np.ones(len(one.position)) for one in samples])
+        return strongest_periods(samples, [np.ones(len(joint_samples.position)) for joint_samples in samples])
 
     def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)

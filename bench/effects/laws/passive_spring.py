@@ -33,4 +33,4 @@ class PassiveSpring(Effect):
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         position = passive_position(robot, joint)
         laws = (position, -np.ones(len(position)))
-        return np.stack([seen_by_motors(robot, joint, one) for one in laws], axis=2)
+        return np.stack([seen_by_motors(robot, joint, law) for law in laws], axis=2)

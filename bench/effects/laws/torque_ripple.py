@@ -51,7 +51,7 @@ class TorqueRipple(ActuatorEffect):
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         if not samples:
             return super().brackets(parameter, samples)
-        return strongest_periods(samples, [one.motor_torque for one in samples])
+        return strongest_periods(samples, [joint_samples.motor_torque for joint_samples in samples])
 
     def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)

@@ -77,7 +77,9 @@ class TransmissionError(Effect):
         if not samples:
             return super().brackets(parameter, samples)
         pace = max(samples[0].speed, np.finfo(float).tiny)
-        return strongest_periods(samples, [1.0 + (one.velocity / pace) ** 2 for one in samples])
+        return strongest_periods(
+            samples, [1.0 + (joint_samples.velocity / pace) ** 2 for joint_samples in samples]
+        )
 
     def beside(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:
         return (next_to(self.periods, samples),) if samples else super().beside(parameter, samples)

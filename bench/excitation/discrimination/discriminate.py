@@ -65,17 +65,17 @@ def discriminate(
     first = rivals[0]
     noise, around = noise_of(rivals), envelope(first, widen)
     measured, joints = first.prepared.measured, dataset.robot.joints
-    seconds = max(float(np.ptp(one.time)) for one in measured)
+    seconds = max(float(np.ptp(measurement.time)) for measurement in measured)
     duration = duration or float(np.clip(round(seconds), SHORTEST, LONGEST))
-    absorbed = tuple(one.request for one in rivals if one.absorbed)
+    absorbed = tuple(rival.request for rival in rivals if rival.absorbed)
     asked: tuple[Question, ...] = (question(*rivals, noise), question(*rivals[::-1], noise))
     asked = () if absorbed else asked
-    loads = list(dict.fromkeys([None, *(one.recording.payload for one in measured)]))
+    loads = list(dict.fromkeys([None, *(measurement.recording.payload for measurement in measured)]))
     progress.phase("testing whether one effect can do what the other does")
     imitated = _imitated(asked, around, loads, duration, seed)
-    asked = tuple(one for one in asked if one.truth.request not in imitated)
+    asked = tuple(query for query in asked if query.truth.request not in imitated)
     motion = best_motion(asked, around, loads, duration, seed, progress) if asked else None
-    shown = {one.request: 0.0 if one.absorbed else shown_nats(one) for one in rivals}
+    shown = {rival.request: 0.0 if rival.absorbed else shown_nats(rival) for rival in rivals}
     nothing = motion is not None and motion.nats < FAINT and max(shown.values()) < NEEDED
     motion = None if nothing else motion
     found = Discrimination(
@@ -84,12 +84,12 @@ def discriminate(
         error_over_noise=error_over_noise(rivals),
         shown=shown,
         nothing=nothing,
-        joints={one.joint: one.gain_unit for one in dataset.robot.actuators},
+        joints={actuator.joint: actuator.gain_unit for actuator in dataset.robot.actuators},
         absorbed=absorbed,
         imitated=imitated,
         questions=asked,
         envelope=around,
-        given_seconds=sum(float(np.ptp(one.time)) for one in measured),
+        given_seconds=sum(float(np.ptp(measurement.time)) for measurement in measured),
         judged_rows=_judged_rows(dataset, first),
         motion=motion,
         recorded=recorded_facts(measured, joints),
@@ -107,8 +107,8 @@ def discriminate(
 
 def _judged_rows(dataset: Dataset, rival: Rival) -> int:
     """How many equations of the given data a diagnosis judges on: those of recordings that it does not fit."""
-    kept = {one.name for one in dataset.recordings if one.use == "validate"}
-    rows = {one.name: int(one.moving.sum()) for one in rival.prepared.observations}
+    kept = {recording.name for recording in dataset.recordings if recording.use == "validate"}
+    rows = {observation.name: int(observation.moving.sum()) for observation in rival.prepared.observations}
     if not kept:
         return round(HELD_OUT * sum(rows.values()))
     return sum(count for name, count in rows.items() if name in kept)
@@ -116,10 +116,10 @@ def _judged_rows(dataset: Dataset, rival: Rival) -> int:
 
 def _with_second_payload(dataset: Dataset) -> Dataset:
     """The dataset with one more payload, heavier than all, that no recording carries."""
-    known = [one for one in dataset.payloads.values() if one.mass is not None]
+    known = [payload for payload in dataset.payloads.values() if payload.mass is not None]
     if dataset.robot.tool_site is None or not known:
         return dataset
-    heaviest = max(known, key=lambda one: one.mass or 0.0)
+    heaviest = max(known, key=lambda payload: payload.mass or 0.0)
     center = np.zeros(3) if heaviest.center_of_mass is None else heaviest.center_of_mass
     inertia = np.zeros(6) if heaviest.inertia is None else heaviest.inertia
     second = Payload(SECOND, HEAVIER * (heaviest.mass or 0.0), center, HEAVIER * inertia)
@@ -146,17 +146,17 @@ def _imitated(
         return ()
     rival = asked[0].truth
     random = np.random.default_rng(seed)
-    left = {one.truth.request: 0.0 for one in asked}
+    left = {query.truth.request: 0.0 for query in asked}
     for i, (_, trajectory) in zip(range(TRIED), starts(rival, around, duration, random), strict=False):
         time = times_of(trajectory, band_of(around, trajectory))
         tree = feasible_motion(rival.prepared.model.geometry, around.joint, trajectory, time)
         if tree is None:
             continue
         plan = planned(rival, trajectory, time, tree, loads[i % len(loads)])
-        for one in asked:
-            current = predicted(one.truth, plan)
-            share = share_left(one, plan, current, separation(one, plan, current))
-            left[one.truth.request] = max(left[one.truth.request], share)
+        for query in asked:
+            current = predicted(query.truth, plan)
+            share = share_left(query, plan, current, separation(query, plan, current))
+            left[query.truth.request] = max(left[query.truth.request], share)
     return tuple(name for name, share in left.items() if share < ALIKE)
 
 

@@ -12,7 +12,7 @@ from bench.residuals.motor import current_noise
 def own_estimate(rival: Rival) -> tuple[np.ndarray, np.ndarray]:
     """Parameters (k,) of the rival's own effect, and their covariance (k, k) as errors in a row are alike."""
     size = len(rival.solution.theta)
-    first = size - sum(len(one.effect.parameters) for one in rival.own)
+    first = size - sum(len(instance.effect.parameters) for instance in rival.own)
     spread = uncertainty(rival.stack, rival.solution, "autocorrelated")
     return rival.solution.theta[first:], spread.covariance[first:size, first:size]
 
@@ -39,7 +39,7 @@ def error_over_noise(rivals: Sequence[Rival]) -> float:
     The noise is read off the spectra of the logged currents above the motion's band, as `bench diagnose` does.
     0 where the currents have no noise.
     """
-    return min(_over_noise(one) for one in rivals)
+    return min(_over_noise(rival) for rival in rivals)
 
 
 def _over_noise(rival: Rival) -> float:

@@ -35,8 +35,8 @@ def discrimination_figure(found: Discrimination) -> Figure:
             for column, (kind, low, high) in enumerate(
                 (("position", recorded.low, recorded.high), ("velocity", -recorded.speed, recorded.speed))
             ):
-                one = axes[j, column]
-                one.axhspan(
+                panel = axes[j, column]
+                panel.axhspan(
                     low,
                     high,
                     color=BAND,
@@ -44,8 +44,8 @@ def discrimination_figure(found: Discrimination) -> Figure:
                     linewidth=0.0,
                     label="recorded so far; at the right: the noise",
                 )
-                one.plot(table["time"], table[f"{kind}.{joint}"], color=MOVING, linewidth=1.1)
-                one.set_ylabel(f"{joint} [{length}{'/s' if column else ''}]")
+                panel.plot(table["time"], table[f"{kind}.{joint}"], color=MOVING, linewidth=1.1)
+                panel.set_ylabel(f"{joint} [{length}{'/s' if column else ''}]")
             axes[j, 2].set_ylabel(f"{joint}, current [σ of noise]")
             axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0)
             for asked, answer, colour in zip(found.questions, found.motion.answers, COLOURS, strict=False):

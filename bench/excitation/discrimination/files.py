@@ -102,9 +102,9 @@ def _coefficients(found: Discrimination, trajectory: FourierTrajectory) -> str:
 
 
 def _readme(found: Discrimination, rate: float) -> str:
-    first, second = (one.partition(":")[0] for one in found.effects)
+    first, second = (effect.partition(":")[0] for effect in found.effects)
     lines = [f"# {found.robot}: {' or '.join(found.effects)}?", ""]
-    lines += [f"- {one}" for one in sentences(found)]
+    lines += [f"- {sentence}" for sentence in sentences(found)]
     if found.motion is None:
         return "\n".join(lines) + "\n"
     robot = found.robot if found.robot in built_in_robots() else "ROBOT"
@@ -145,8 +145,8 @@ def _table(found: Discrimination) -> list[str]:
         "|---|---|---:|---:|---:|---:|---:|",
     ]
 
-    def row(joint: str, what: str, one: MotionFacts) -> str:
-        values = (one.low, one.high, one.speed, one.acceleration, one.reversals)
+    def row(joint: str, what: str, motion: MotionFacts) -> str:
+        values = (motion.low, motion.high, motion.speed, motion.acceleration, motion.reversals)
         return f"| {joint} | {what} | {' | '.join(f'{value:.3g}' for value in values)} |"
 
     for joint, facts in found.planned.items():

@@ -33,16 +33,20 @@ class Envelope:
 def envelope(rival: Rival, widen: float) -> Envelope:
     """The limits, those of the recordings times `widen`."""
     prepared = rival.prepared
-    measured, recordings = prepared.measured, [one.recording for one in prepared.measured]
+    measured, recordings = prepared.measured, [measurement.recording for measurement in prepared.measured]
     rate = recordings[0].rate
-    bands = signal_bands([one.position for one in recordings], [one.current for one in recordings], rate)
-    slowest = 1.0 / max(float(np.ptp(one.time)) for one in recordings)
+    bands = signal_bands(
+        [recording.position for recording in recordings],
+        [recording.current for recording in recordings],
+        rate,
+    )
+    slowest = 1.0 / max(float(np.ptp(recording.time)) for recording in recordings)
     return Envelope(
         joint=limits_of(prepared.model.geometry),
-        velocity=widen * _largest([one.velocity for one in measured]),
-        acceleration=widen * _largest([one.acceleration for one in measured]),
-        current=widen * ROOM * _largest([one.current for one in recordings]),
-        stroke=STROKE * np.ptp(np.concatenate([one.position for one in recordings]), axis=0),
+        velocity=widen * _largest([measurement.velocity for measurement in measured]),
+        acceleration=widen * _largest([measurement.acceleration for measurement in measured]),
+        current=widen * ROOM * _largest([recording.current for recording in recordings]),
+        stroke=STROKE * np.ptp(np.concatenate([recording.position for recording in recordings]), axis=0),
         frequency=FASTER * max(bands.motion, slowest),
         band=prepared.settings.band(rate),
     )
@@ -50,4 +54,4 @@ def envelope(rival: Rival, widen: float) -> Envelope:
 
 def _largest(series: Sequence[np.ndarray]) -> np.ndarray:
     """Largest size of every column (n,) over all series (N, n)."""
-    return np.max([np.abs(one).max(axis=0) for one in series], axis=0)
+    return np.max([np.abs(values).max(axis=0) for values in series], axis=0)

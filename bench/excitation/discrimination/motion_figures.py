@@ -16,10 +16,10 @@ def recorded_facts(measured: Sequence[Measured], joints: Sequence[str]) -> dict[
     """What the recordings do, by joint."""
     return {
         joint: _facts(
-            [one.position[:, j] for one in measured],
-            [one.velocity[:, j] for one in measured],
-            [one.acceleration[:, j] for one in measured],
-            sum(float(np.ptp(one.time)) for one in measured),
+            [measurement.position[:, j] for measurement in measured],
+            [measurement.velocity[:, j] for measurement in measured],
+            [measurement.acceleration[:, j] for measurement in measured],
+            sum(float(np.ptp(measurement.time)) for measurement in measured),
         )
         for j, joint in enumerate(joints)
     }
@@ -41,7 +41,7 @@ def _facts(
     acceleration: Sequence[np.ndarray],
     seconds: float,
 ) -> MotionFacts:
-    speed = max(float(np.abs(one).max()) for one in velocity)
+    speed = max(float(np.abs(values).max()) for values in velocity)
     count, turning = 0, []
     for v, a in zip(velocity, acceleration, strict=True):
         fast = np.flatnonzero(np.abs(v) > SLOW * speed)
@@ -49,10 +49,10 @@ def _facts(
         count += len(turns)
         turning += np.abs(a[turns]).tolist()
     return MotionFacts(
-        low=min(float(one.min()) for one in position),
-        high=max(float(one.max()) for one in position),
+        low=min(float(values.min()) for values in position),
+        high=max(float(values.max()) for values in position),
         speed=speed,
-        acceleration=max(float(np.abs(one).max()) for one in acceleration),
+        acceleration=max(float(np.abs(values).max()) for values in acceleration),
         reversals=count / seconds,
         turning=float(np.median(turning)) if turning else 0.0,
     )

@@ -65,7 +65,7 @@ def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
     current = np.asarray(rigid / gains)
     for _ in range(MOST_ROUNDS):
         seen = _seen(rival, plan, current)
-        columns = np.concatenate([effect_columns(one, seen) for one in effects], axis=2)
+        columns = np.concatenate([effect_columns(instance, seen) for instance in effects], axis=2)
         before, current = current, np.asarray((rigid + columns @ rival.values) / gains)
         if not rival.follows_current or np.abs(current - before).max() <= SETTLED * np.abs(current).max():
             break
@@ -97,11 +97,13 @@ def tangents(rival: Rival, seen: Sequence[RobotSignals], decimation: int) -> np.
                 continue
             step = STEP * (abs(instance.effect.shape_values()[shape.name]) or 1.0)
             moved = [_moved(instance, shape.name, d) for d in (-step, step)]
-            low, high = (np.concatenate([effect_rows(one, decimation, [m]) for one in seen]) for m in moved)
+            low, high = (
+                np.concatenate([effect_rows(signals, decimation, [m]) for signals in seen]) for m in moved
+            )
             columns.append((high - low) @ values / (2.0 * step))
     if columns:
         return np.stack(columns, axis=2)
-    rows = sum(len(effect_rows(one, decimation, [])) for one in seen)
+    rows = sum(len(effect_rows(signals, decimation, [])) for signals in seen)
     return np.zeros((rows, len(seen[0].joints), 0))
 
 

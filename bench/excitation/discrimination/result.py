@@ -68,13 +68,16 @@ class Discrimination:
     @property
     def given(self) -> Mapping[str, float]:
         """Expected nats of the given data, by the effect that is taken for the true one."""
-        return {one.truth.request: one.given_nats for one in self.questions}
+        return {question.truth.request: question.given_nats for question in self.questions}
 
     @property
     def promised(self) -> Mapping[str, float]:
         """The same of given data and new motion together."""
         answers = () if self.motion is None else self.motion.answers
-        return {one.truth.request: answer.nats for one, answer in zip(self.questions, answers, strict=False)}
+        return {
+            question.truth.request: answer.nats
+            for question, answer in zip(self.questions, answers, strict=False)
+        }
 
     @property
     def growth(self) -> float:

@@ -79,12 +79,13 @@ def fit_rivals(problem: Problem, requests: tuple[str, str]) -> tuple[Rival, Riva
 
 def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
     """The noise of the currents, from the errors of the model that fits better."""
-    errors = [residual_series(one.stack, one.solution) for one in rivals]
+    errors = [residual_series(rival.stack, rival.solution) for rival in rivals]
     sizes = [
-        float(np.sum((error * one.solution.weights) ** 2)) for error, one in zip(errors, rivals, strict=True)
+        float(np.sum((error * rival.solution.weights) ** 2))
+        for error, rival in zip(errors, rivals, strict=True)
     ]
     better = rivals[int(np.argmin(sizes))]
-    weights = np.max([one.solution.weights for one in rivals], axis=0)
+    weights = np.max([rival.solution.weights for rival in rivals], axis=0)
     series = residual_series(better.stack, better.solution) * weights
     parts = np.split(series, better.stack.starts[1:])
     prepared = better.prepared
@@ -95,8 +96,8 @@ def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
 def _fitted(prepared: Prepared, request: str) -> Rival:
     prepared = settled(prepared)
     stack, solution = solved_quickly(prepared)
-    own = tuple(one for one in prepared.effects if one.request == request)
-    count = sum(len(one.effect.parameters) for one in own)  # requests come last
+    own = tuple(instance for instance in prepared.effects if instance.request == request)
+    count = sum(len(instance.effect.parameters) for instance in own)  # requests come last
     kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
     absorbed = not np.any(kept >= prepared.layout.size - count)
     present = present_model(prepared, solution)
@@ -107,11 +108,13 @@ def _fitted(prepared: Prepared, request: str) -> Rival:
 
 def _follows_current(prepared: Prepared, present: PresentModel) -> bool:
     """Whether other currents in the first recording would give other columns."""
-    if not any(one.effect.depends_on_model for one in prepared.effects):
+    if not any(instance.effect.depends_on_model for instance in prepared.effects):
         return False
     measured = prepared.measured[0]
     columns = []
     for factor in (1.0, 2.0):
         seen = robot_signals(prepared.model, replace(measured, current=factor * measured.current), present)
-        columns.append(np.concatenate([effect_columns(one, seen) for one in prepared.effects], axis=2))
+        columns.append(
+            np.concatenate([effect_columns(instance, seen) for instance in prepared.effects], axis=2)
+        )
     return not np.array_equal(columns[0], columns[1])

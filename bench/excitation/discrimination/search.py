@@ -38,7 +38,7 @@ class DesignedMotion:
     @property
     def nats(self) -> float:
         """The smaller of the answers."""
-        return min(one.nats for one in self.answers)
+        return min(answer.nats for answer in self.answers)
 
 
 def best_motion(
@@ -51,7 +51,7 @@ def best_motion(
 ) -> DesignedMotion | None:
     """The motion of `duration` s with the largest evidence, the smaller of all answers; None without any."""
     random = np.random.default_rng(seed)
-    rivals = tuple({one.truth.request: one.truth for one in questions}.values())
+    rivals = tuple({question.truth.request: question.truth for question in questions}.values())
     best: tuple[Movement, DesignedMotion] | None = None
     progress.phase("trying random motions", STARTS)
     for i, (movement, trajectory) in enumerate(starts(rivals[0], envelope, duration, random)):
@@ -185,10 +185,12 @@ def judged(
     best: DesignedMotion | None = None
     for payload in loads:
         plan = planned(first, trajectory, time, tree, payload)
-        currents = {one.truth.request: predicted(one.truth, plan) for one in questions}
+        currents = {question.truth.request: predicted(question.truth, plan) for question in questions}
         if any(np.any(np.abs(i) > envelope.current) for i in currents.values()):
             continue
-        answers = tuple(separation(one, plan, currents[one.truth.request]) for one in questions)
+        answers = tuple(
+            separation(question, plan, currents[question.truth.request]) for question in questions
+        )
         found = DesignedMotion(trajectory, payload, answers)
         if best is None or found.nats > (WORTH if best.payload is None else 1.0) * best.nats:
             best = found

@@ -51,9 +51,9 @@ def length_unit(found: Discrimination, joint: str) -> str:
 
 
 def _answer(found: Discrimination) -> list[str]:
-    names = [_spoken(one) for one in found.effects]
+    names = [_spoken(effect) for effect in found.effects]
     if found.absorbed:
-        taken = and_list([_spoken(one) for one in found.absorbed])
+        taken = and_list([_spoken(name) for name in found.absorbed])
         verdict = (
             f"No motion of this robot can tell {and_list(names)} apart: the model's own parameters take up {taken} "
             "completely, whatever the motion, with these payloads."
@@ -64,7 +64,7 @@ def _answer(found: Discrimination) -> list[str]:
             f"No motion of this robot can tell {and_list(names)} apart: each does all that the other does.",
             *found.notes,
         ]
-    lines = [*found.notes, *(_imitated(found, one) for one in found.imitated)]
+    lines = [*found.notes, *(_imitated(found, name) for name in found.imitated)]
     if found.nothing:
         shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in found.shown.items()])
         lines.append(
@@ -168,7 +168,7 @@ def _not_enough(found: Discrimination) -> list[str]:
 
 
 def _imitated(found: Discrimination, name: str) -> str:
-    other = next(one for one in found.effects if one != name)
+    other = next(effect for effect in found.effects if effect != name)
     return (
         f"{_capital(_spoken(other))} can do all that {_spoken(name)} does, as a special case: data can only speak for "
         f"{_spoken(other)}, and the simpler {_spoken(name)} is believed as long as they do not."
@@ -181,20 +181,20 @@ def _nats(values: Mapping[str, float]) -> str:
 
 def _carrying(found: Discrimination) -> str:
     if found.motion is None or found.motion.payload is None:
-        return " without a payload" if any(one for one in _loads(found)) else ""
+        return " without a payload" if any(load for load in _loads(found)) else ""
     return f" with {found.motion.payload}"
 
 
 def _loads(found: Discrimination) -> list[str]:
     return [
-        one.recording.payload
-        for one in found.questions[0].truth.prepared.measured
-        if one.recording.payload is not None
+        measurement.recording.payload
+        for measurement in found.questions[0].truth.prepared.measured
+        if measurement.recording.payload is not None
     ]
 
 
 def _names(found: Discrimination) -> list[str]:
-    return [one.partition(":")[0] for one in found.effects]
+    return [effect.partition(":")[0] for effect in found.effects]
 
 
 def _spoken(request: str) -> str:

@@ -51,7 +51,7 @@ def plan_after(
     known = _known(prepared, nominal)
     room = room_of(nominal.model.geometry, _with_recorded(table, prepared))
     shape = shape_of(room, table)
-    loads = dict.fromkeys(one.payload_name for one in prepared.fitted)
+    loads = dict.fromkeys(observation.payload_name for observation in prepared.fitted)
     begun: list[Started] = []
     for load in loads:
         if load is None or nominal.payloads[load].mass is not None:
@@ -61,7 +61,7 @@ def plan_after(
             )
     if not begun:
         raise BenchError(f"{dataset.folder}: every fitted recording carries a payload of unknown mass")
-    best = min(begun, key=lambda one: min(map(one.search.value, [*one.random, *one.sparse])))
+    best = min(begun, key=lambda start: min(map(start.search.value, [*start.random, *start.sparse])))
     plan = searched(dataset.robot, best, (NEXT,), aim, progress)
     return replace(plan, before=best.search.criterion(equations(known)))
 
@@ -69,9 +69,9 @@ def plan_after(
 def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
     """The machine as the data give it, with the noise of its log."""
     found = fit(prepared)
-    values = {one.name: one.value for one in found.parameters}
+    values = {parameter.name: parameter.value for parameter in found.parameters}
     dataset, model = prepared.dataset, prepared.model
-    carried = [one.payload_name for one in prepared.fitted]
+    carried = [observation.payload_name for observation in prepared.fitted]
     return Nominal(
         model=model,
         base=np.array([values.get(name, 0.0) for name in model.base.names]),
@@ -88,26 +88,32 @@ def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
 def _noise(prepared: Prepared, table: ExperimentTable) -> Noise:
     """As the user says, else as the spectra of the recordings say."""
     told = noise_of(prepared.dataset.robot, table)
-    recordings = [one.recording for one in prepared.measured]
+    recordings = [measurement.recording for measurement in prepared.measured]
     rate = recordings[0].rate
-    bands = signal_bands([one.position for one in recordings], [one.current for one in recordings], rate)
+    bands = signal_bands(
+        [recording.position for recording in recordings],
+        [recording.current for recording in recordings],
+        rate,
+    )
     current = np.sqrt(bands.current_noise * rate / 2.0) if told.current is None else told.current
     return Noise(current if np.all(current > 0.0) else None, told.ratio, told.encoder, rate)
 
 
 def _known(prepared: Prepared, nominal: Nominal) -> tuple[Evidence, ...]:
     """What the fitted recordings tell."""
-    used = [one for one in prepared.measured if one.recording.use == "identify"]
+    used = [measurement for measurement in prepared.measured if measurement.recording.use == "identify"]
     decimation = prepared.settings.decimation
     return tuple(
         row_evidence(
             nominal,
             PlannedRows(
-                measured.tree.at(decimated_indices(len(measured.time), decimation)), one.moving, decimation
+                measured.tree.at(decimated_indices(len(measured.time), decimation)),
+                observation.moving,
+                decimation,
             ),
-            one.payload_name,
+            observation.payload_name,
         )
-        for measured, one in zip(used, prepared.fitted, strict=True)
+        for measured, observation in zip(used, prepared.fitted, strict=True)
     )
 
 
@@ -117,6 +123,8 @@ def _with_recorded(table: ExperimentTable, prepared: Prepared) -> ExperimentTabl
     changes = {}
     for key in ("velocity", "acceleration"):
         if getattr(table, key) is None:
-            largest = np.max([np.abs(getattr(one, key)).max(axis=0) for one in prepared.measured], axis=0)
+            largest = np.max(
+                [np.abs(getattr(measurement, key)).max(axis=0) for measurement in prepared.measured], axis=0
+            )
             changes[key] = dict(zip(joints, largest.tolist(), strict=True))
     return table.model_copy(update=changes)

@@ -42,10 +42,10 @@ def extremes(trajectory: FourierTrajectory) -> Extremes:
     if duration > 2.0 * ramp:
         found.append(_piece(trajectory, ramp, duration - ramp, blended=False))
     return Extremes(
-        np.min([one.low for one in found], axis=0),
-        np.max([one.high for one in found], axis=0),
-        np.max([one.velocity for one in found], axis=0),
-        np.max([one.acceleration for one in found], axis=0),
+        np.min([piece.low for piece in found], axis=0),
+        np.max([piece.high for piece in found], axis=0),
+        np.max([piece.velocity for piece in found], axis=0),
+        np.max([piece.acceleration for piece in found], axis=0),
     )
 
 

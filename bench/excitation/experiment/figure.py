@@ -22,12 +22,12 @@ def plan_figure(plan: ExperimentPlan) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 1.9 * len(robot.joints) + 1.0), dpi=DPI, layout="constrained")
         axes = figure.subplots(len(robot.joints), 3, sharex=True, squeeze=False)
-        for name, load, one, colour in zip(
+        for name, load, trial, colour in zip(
             plan.names, plan.search.loads, plan.motions, COLOURS, strict=False
         ):
             time = plan.search.shape.times
-            position, velocity, _ = one.trajectory.evaluate(time)
-            current = seen(plan.nominal, one.motion, load).current
+            position, velocity, _ = trial.trajectory.evaluate(time)
+            current = seen(plan.nominal, trial.motion, load).current
             for j in range(len(robot.joints)):
                 for column, values in enumerate((position, velocity, current)):
                     axes[j, column].plot(time, values[:, j], color=colour, linewidth=1.1, label=name)

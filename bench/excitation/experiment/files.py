@@ -78,16 +78,16 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
         "steps": plan.aim.steps,
         "unknowns": [
             {
-                "name": one.name,
-                "kind": one.kind,
-                "unit": one.unit,
-                "nominal": one.value,
-                "std": one.std,
-                "relative_to": one.size,
-                "grouping": one.grouping,
+                "name": expected.name,
+                "kind": expected.kind,
+                "unit": expected.unit,
+                "nominal": expected.value,
+                "std": expected.std,
+                "relative_to": expected.size,
+                "grouping": expected.grouping,
                 "aimed_at": i in plan.targets,
             }
-            for i, one in enumerate(told.unknowns)
+            for i, expected in enumerate(told.unknowns)
         ],
         "undetermined": [list(names) for names in told.together],
         "gain_accuracy": None
@@ -204,14 +204,14 @@ def _quoted(text: str) -> str:
 
 def _readme(plan: ExperimentPlan, told: Forecast, drawn: tuple[str, ...]) -> str:
     lines = [f"# {plan.robot.name}: motions to identify it with", ""]
-    lines += [f"- {one}" for one in sentences(plan, told)]
+    lines += [f"- {sentence}" for sentence in sentences(plan, told)]
     lines += [f"\n![The motions]({PICTURE})"] if PICTURE in drawn else []
     lines += ["", "| unknown | nominal | standard error | of its size |", "|---|---:|---:|---:|"]
-    for one in told.unknowns:
-        value = "" if np.isnan(one.value) else f"{one.value:.4g}"
-        std = "undetermined" if one.std is None else f"{one.std:.2g} {one.unit}"
-        share = "" if one.std is None else percent(one.relative)
-        lines.append(f"| {one.name} | {value} | {std} | {share} |")
+    for expected in told.unknowns:
+        value = "" if np.isnan(expected.value) else f"{expected.value:.4g}"
+        std = "undetermined" if expected.std is None else f"{expected.std:.2g} {expected.unit}"
+        share = "" if expected.std is None else percent(expected.relative)
+        lines.append(f"| {expected.name} | {value} | {std} | {share} |")
     robot = plan.robot.name if plan.robot.name in built_in_robots() else "ROBOT"
     lines += ["", "## Record it", ""]
     lines.append(

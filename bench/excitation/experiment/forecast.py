@@ -78,7 +78,7 @@ class Forecast:
 def covariance_of(plan: ExperimentPlan, rows: Sequence[PlannedRows]) -> tuple[Determined, bool]:
     """Covariance (P, P) by the noise of currents and the steps of encoders, and whether these matter."""
     search, nominal = plan.search, plan.nominal
-    own = [row_evidence(nominal, one, load) for one, load in zip(rows, search.loads, strict=True)]
+    own = [row_evidence(nominal, planned, load) for planned, load in zip(rows, search.loads, strict=True)]
     everything = [*search.known, *own]
     fit = equations(everything)
     found = determined(fit)
@@ -86,8 +86,8 @@ def covariance_of(plan: ExperimentPlan, rows: Sequence[PlannedRows]) -> tuple[De
         return found, False
     weights = 1.0 / pooled_variance(everything)
     extra = [
-        encoder_score(nominal, one.trajectory, load, weights)
-        for one, load in zip(plan.motions, search.loads, strict=True)
+        encoder_score(nominal, trial.trajectory, load, weights)
+        for trial, load in zip(plan.motions, search.loads, strict=True)
     ]
     both = determined(replace(fit, score=fit.score + np.sum(extra, axis=0)))
     stepped = np.diag(both.covariance) > STEPPED**2 * np.diag(found.covariance)
@@ -100,12 +100,12 @@ def forecast(plan: ExperimentPlan, gain_accuracy: float | None = None) -> Foreca
     gain_accuracy: relative; then the payload mass and the time that are enough for it are looked for. They are standard
     errors of noise: an effect that the model lacks is no part of them.
     """
-    rows = planned_rows(plan.nominal, [one.trajectory for one in plan.motions], plan.search.loads)
+    rows = planned_rows(plan.nominal, [trial.trajectory for trial in plan.motions], plan.search.loads)
     found, stepped = covariance_of(plan, rows)
     std = np.sqrt(np.maximum(np.diag(found.covariance), 0.0))
     unknowns = tuple(
-        replace(one, std=None if found.undetermined[i] else float(std[i]), size=float(plan.sizes[i]))
-        for i, one in enumerate(described(plan.nominal))
+        replace(expected, std=None if found.undetermined[i] else float(std[i]), size=float(plan.sizes[i]))
+        for i, expected in enumerate(described(plan.nominal))
     )
     together = tuple(tuple(unknowns[i].name for i in direction) for direction in found.directions)
     enough = None if gain_accuracy is None else enough_for(plan, rows, gain_accuracy)
@@ -124,10 +124,10 @@ def described(nominal: Nominal) -> Iterator[Expected]:
         for name, i in zip(payload_parameter_names(payload, index), index, strict=True):
             yield Expected(name, "payload", UNITS[i], nan, None, 1.0)
     kinds = {joint.name: joint.kind for joint in nominal.model.geometry.joints}
-    for one in nominal.effects:
-        for parameter in one.effect.parameters:
-            rotates = kinds.get(one.joint) != "slide"
-            name = f"{one.effect.name}:{one.joint or ROBOT}.{parameter.name}"
+    for instance in nominal.effects:
+        for parameter in instance.effect.parameters:
+            rotates = kinds.get(instance.joint) != "slide"
+            name = f"{instance.effect.name}:{instance.joint or ROBOT}.{parameter.name}"
             yield Expected(name, "effect", unit_at(parameter.unit, rotates), nan, None, 1.0)
     if nominal.gains_fitted:
         for actuator in robot.actuators:
@@ -149,7 +149,7 @@ def _notes(
             listed = ", ".join(names[:-1])
             yield f"{listed} and {names[-1]} stay undetermined: they only show together, as one sum."
     aimed = [unknowns[i] for i in plan.targets]
-    weak = [one.name for one in aimed if WEAK < one.relative < float("inf")]
+    weak = [entry.name for entry in aimed if WEAK < entry.relative < float("inf")]
     if weak:
         yield (
             f"Not to be had from motions of this kind, with standard errors of more than {WEAK:.0%} of their size: "
@@ -164,11 +164,11 @@ def gain_error(plan: ExperimentPlan, rows: Sequence[PlannedRows], mass: float | 
     """
     nominal = _with_mass(plan.nominal, mass)
     told = []
-    for one, load in zip((rows[0], rows[-1]), (None, *nominal.payloads), strict=False):
-        what = seen(nominal, one.motion, load)
+    for planned, load in zip((rows[0], rows[-1]), (None, *nominal.payloads), strict=False):
+        what = seen(nominal, planned.motion, load)
         if np.any(np.abs(what.current * nominal.gains) > plan.room.torque):
             return float("inf")
-        told.append(row_evidence(nominal, one, load))
+        told.append(row_evidence(nominal, planned, load))
     found = determined(equations(told))
     first = nominal.layout.size
     if not nominal.gains_fitted or found.undetermined[first:].any():

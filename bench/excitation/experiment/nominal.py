@@ -116,11 +116,11 @@ def _effects(nominal: Nominal, motion: Motion, payload: str | None) -> np.ndarra
     measured = Measured(
         recording, settings, motion.time, position, velocity, acceleration, current, motion, gaps
     )
-    declared = {name: payload_columns(one).known for name, one in nominal.payloads.items()}
+    declared = {name: payload_columns(load).known for name, load in nominal.payloads.items()}
     speeds = np.sqrt(np.mean(velocity**2, axis=0))
     present = PresentModel(nominal.gains, nominal.base, declared, declared, speeds)
     signals = robot_signals(nominal.model, measured, present)
-    return np.concatenate([effect_columns(one, signals) for one in nominal.effects], axis=2)
+    return np.concatenate([effect_columns(instance, signals) for instance in nominal.effects], axis=2)
 
 
 @dataclass(frozen=True)
@@ -153,17 +153,21 @@ def evidence(nominal: Nominal, what: SeenMotion, duration: float) -> Evidence:
 def equations(recordings: Sequence[Evidence]) -> Equations:
     """The fit as the estimator makes it: it weights each motor by its error over all recordings."""
     weight = 1.0 / pooled_variance(recordings)[:, None, None]
-    normal = np.sum([(one.grams * weight).sum(axis=0) for one in recordings], axis=0)
+    normal = np.sum([(recording.grams * weight).sum(axis=0) for recording in recordings], axis=0)
     score = np.sum(
-        [(one.grams * weight**2 * one.variance[:, None, None]).sum(axis=0) for one in recordings], axis=0
+        [
+            (recording.grams * weight**2 * recording.variance[:, None, None]).sum(axis=0)
+            for recording in recordings
+        ],
+        axis=0,
     )
     return Equations(normal, score)
 
 
 def pooled_variance(recordings: Sequence[Evidence]) -> np.ndarray:
     """The variance (n,) of each motor's currents over all recordings."""
-    share = np.array([one.samples for one in recordings])
-    return np.asarray(share @ np.array([one.variance for one in recordings]) / share.sum())
+    share = np.array([recording.samples for recording in recordings])
+    return np.asarray(share @ np.array([recording.variance for recording in recordings]) / share.sum())
 
 
 def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.ndarray:
@@ -178,9 +182,9 @@ def reference_sizes(nominal: Nominal, recordings: Sequence[SeenMotion]) -> np.nd
     own = np.abs(nominal.base)
     largest = {unit: float(own[units == unit].max()) for unit in sorted(set(units))}
     sizes[: layout.base] = np.maximum(own, [SMALLEST * largest[unit] for unit in units])
-    torque = np.concatenate([one.current * nominal.gains for one in recordings])
+    torque = np.concatenate([motion.current * nominal.gains for motion in recordings])
     rms = np.sqrt(np.mean(torque**2, axis=0))
-    columns = np.concatenate([one.jacobian for one in recordings]) * nominal.gains[:, None]
+    columns = np.concatenate([motion.jacobian for motion in recordings]) * nominal.gains[:, None]
     for at in range(layout.base, layout.size):
         strength = np.sqrt(np.mean(columns[:, :, at] ** 2, axis=0))
         share = np.max(strength / rms)

@@ -62,7 +62,7 @@ class Aim:
     @property
     def effects(self) -> tuple[str, ...]:
         """The effects among what is wanted."""
-        return tuple(one for one in self.wanted if one not in (ALL, GAINS, PARAMETERS))
+        return tuple(name for name in self.wanted if name not in (ALL, GAINS, PARAMETERS))
 
 
 WHOLE = Aim()
@@ -110,7 +110,7 @@ def nominal_machine(
     payloads: dict[str, Payload] = {} if payload is None else {PAYLOAD: payload}
     effects = _effects(model, requests, catalogue, tuple(payloads))
     prior = cad_prior(model.geometry)
-    count = sum(len(one.effect.parameters) for one in effects)
+    count = sum(len(instance.effect.parameters) for instance in effects)
     layout = parameter_layout(model, payloads, [None, *payloads], count)
     return Nominal(
         model=model,
@@ -154,12 +154,12 @@ def _effects(
 
 def check_linear(effects: Sequence[EffectInstance]) -> None:
     """Raise BenchError for an effect with parameters that are not linear."""
-    for one in effects:
-        if one.effect.shape:
-            names = ", ".join(shape.name for shape in one.effect.shape)
+    for instance in effects:
+        if instance.effect.shape:
+            names = ", ".join(shape.name for shape in instance.effect.shape)
             raise BenchError(
-                f"effect {one.request!r}: nothing can be told of it before there are data, {names} is not linear: plan "
-                "for the linear effect that is most like it"
+                f"effect {instance.request!r}: nothing can be told of it before there are data, {names} "
+                "is not linear: plan for the linear effect that is most like it"
             )
 
 
@@ -238,9 +238,9 @@ def started(
 def _sizes(nominal: Nominal, loads: tuple[str | None, ...], starts: Sequence[Candidate]) -> np.ndarray:
     """Against which standard errors are held, by a few motions at random."""
     looked_at = [
-        seen(nominal, one.motion, load)
+        seen(nominal, trial.motion, load)
         for candidate in starts[:LOOKED_AT]
-        for one, load in zip(candidate, loads, strict=True)
+        for trial, load in zip(candidate, loads, strict=True)
     ]
     return reference_sizes(nominal, looked_at)
 
@@ -268,17 +268,17 @@ def targets_of(nominal: Nominal, wanted: Sequence[str]) -> np.ndarray:
     layout = nominal.layout
     gains = np.arange(layout.size, nominal.size)
     found: list[int] = []
-    for one in wanted:
-        if one == GAINS and not nominal.gains_fitted:
+    for name in wanted:
+        if name == GAINS and not nominal.gains_fitted:
             raise BenchError("the drive gains cannot be identified without a payload of known mass: give one")
-        if one in (ALL, PARAMETERS):
+        if name in (ALL, PARAMETERS):
             found += range(layout.base)
-        if one in (ALL, GAINS):
+        if name in (ALL, GAINS):
             found += gains.tolist()
         at = layout.size - layout.effects
         for instance in nominal.effects:
             count = len(instance.effect.parameters)
-            if instance.request == one:
+            if instance.request == name:
                 found += range(at, at + count)
             at += count
     return np.unique(found)

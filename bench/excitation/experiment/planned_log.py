@@ -32,8 +32,8 @@ def planned_rows(
     nominal: Nominal, trajectories: Sequence[FourierTrajectory], loads: Sequence[str | None]
 ) -> list[PlannedRows]:
     """The rows that a fit to all these motions would have, each with its payload."""
-    logs = [_log(nominal, one, load) for one, load in zip(trajectories, loads, strict=True)]
-    positions, currents = [one[1] for one in logs], [one[2] for one in logs]
+    logs = [_log(nominal, trajectory, load) for trajectory, load in zip(trajectories, loads, strict=True)]
+    positions, currents = [log[1] for log in logs], [log[2] for log in logs]
     settings = choose_settings(positions, currents, nominal.noise.rate)
     return [
         _rows(nominal, motion, trajectory, settings)

@@ -83,7 +83,7 @@ class Search:
 
     def fit(self, candidate: Sequence[Tried]) -> Equations:
         """The equations of some motions, with all that is known already."""
-        return equations([*self.known, *(one.evidence for one in candidate)])
+        return equations([*self.known, *(trial.evidence for trial in candidate)])
 
     def tried(
         self, trajectory: FourierTrajectory, load: str | None, near: Motion | None = None
@@ -144,9 +144,9 @@ def random_candidates(
                 )
                 if few:
                     drawn = _with_few(drawn, random)
-                one = search.shrunk(filled(room, drawn, grow=True), load)
-                if one is not None:
-                    candidate.append(one)
+                shrunk = search.shrunk(filled(room, drawn, grow=True), load)
+                if shrunk is not None:
+                    candidate.append(shrunk)
                     break
             else:
                 raise BenchError(
@@ -223,7 +223,7 @@ def best_candidate(
     for count, share in ROUNDS:
         pool = sorted(pool, key=search.value)[:count]
         each = int(share * steps / len(pool))
-        pool = [improved(search, one, each, random, progress) for one in pool]
+        pool = [improved(search, candidate, each, random, progress) for candidate in pool]
     return min(pool, key=search.value)
 
 
@@ -231,8 +231,8 @@ def proven(search: Search, candidate: Candidate) -> dict[int, Tried]:
     """Each motion, shrunk until it keeps every limit between samples, too, by its recording's number."""
     geometry, room = search.nominal.model.geometry, search.room
     kept: dict[int, Tried] = {}
-    for number, (one, load) in enumerate(zip(candidate, search.loads, strict=True)):
-        trajectory = filled(room, one.trajectory)
+    for number, (trial, load) in enumerate(zip(candidate, search.loads, strict=True)):
+        trajectory = filled(room, trial.trajectory)
         for _ in range(MOST_SHRINKS):
             time = fine_times(trajectory)
             motion = robot_motion(geometry, room, trajectory, time, dense=True)
@@ -258,5 +258,5 @@ def _keeps_torque(search: Search, motion: Motion, load: str | None) -> bool:
 
 def random_values(search: Search, candidates: Sequence[Candidate]) -> Mapping[str, float]:
     """The criterion of random motions: best and median."""
-    values = sorted(search.value(one) for one in candidates)
+    values = sorted(search.value(candidate) for candidate in candidates)
     return {"best": values[0], "median": float(np.median(values))}

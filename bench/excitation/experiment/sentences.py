@@ -69,25 +69,28 @@ def _noise(plan: ExperimentPlan) -> str:
 
 
 def _gains(told: Forecast) -> str:
-    gains = [one for one in told.unknowns if one.kind == "gain"]
+    gains = [expected for expected in told.unknowns if expected.kind == "gain"]
     if not gains:
         return ""
-    listed = ", ".join(f"{one.name} ± {percent(one.relative)}" for one in gains)
+    listed = ", ".join(f"{gain.name} ± {percent(gain.relative)}" for gain in gains)
     return f"Standard errors to be expected of the drive gains: {listed}."
 
 
 def _parameters(plan: ExperimentPlan, told: Forecast) -> str:
     parameters = [told.unknowns[i] for i in plan.targets if told.unknowns[i].kind != "gain"]
-    known = sorted((one for one in parameters if one.std is not None), key=lambda one: -one.relative)
+    known = sorted(
+        (parameter for parameter in parameters if parameter.std is not None),
+        key=lambda parameter: -parameter.relative,
+    )
     if not known:
         return ""
-    listed = ", ".join(named(one) for one in known[:MOST_NAMED])
+    listed = ", ".join(named(parameter) for parameter in known[:MOST_NAMED])
     return f"Of {len(parameters)} parameters the least certain: {listed}."
 
 
-def named(one: Expected) -> str:
+def named(expected: Expected) -> str:
     """An unknown with its standard error."""
-    return f"{one.name} ± {one.std:.2g} {one.unit}"
+    return f"{expected.name} ± {expected.std:.2g} {expected.unit}"
 
 
 def enough(found: Enough) -> list[str]:

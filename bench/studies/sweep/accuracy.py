@@ -47,7 +47,7 @@ def noise_floor(
     simulation: Simulation, series: Sequence[CurrentSeries], settings: FilterSettings, use: str
 ) -> float:
     """RMS of the currents' noise after the fit's filters, as a share of the RMS of the measured currents."""
-    by_name = {one.name: one for one in series if one.use == use}
+    by_name = {trace.name: trace for trace in series if trace.use == use}
     noise = measured = 0.0
     for recording in simulation.recordings:
         name = f"{recording.name}.{simulation.scenario.settings.file_format}"

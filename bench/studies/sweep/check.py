@@ -73,14 +73,16 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
     _print(console, comparisons, verbose=options.verbose)
     for alarm in alarms:
         console.print(f"[red]{alarm}[/]", highlight=False, soft_wrap=True)
-    worse = sum(one.verdict in ALARMS for one in comparisons)
+    worse = sum(comparison.verdict in ALARMS for comparison in comparisons)
     counts = [f"{worse} worse"]
     for verdict, name in (("better", "better"), ("same", "as before"), ("new", "new")):
-        count = sum(one.verdict == verdict for one in comparisons)
+        count = sum(comparison.verdict == verdict for comparison in comparisons)
         counts += [f"{count} {name}"] if count or verdict != "new" else []
     took = duration_text(time.monotonic() - start)
     console.print(f"{len(comparisons)} figures in {took}: {', '.join(counts)}", highlight=False)
-    changed = list(dict.fromkeys(one.sweep for one in comparisons if one.verdict in ALARMS))
+    changed = list(
+        dict.fromkeys(comparison.sweep for comparison in comparisons if comparison.verdict in ALARMS)
+    )
     if changed and not (options.full and options.verbose):
         only = " ".join(f"--only {name}" for name in changed)
         step = f"next: bench check --full --verbose {only}    runs all of their seeds and shows every figure"
@@ -163,7 +165,7 @@ def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> Non
 
 def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose: bool) -> None:
     """What changed; with `verbose` everything."""
-    shown = [one for one in comparisons if verbose or one.verdict != "same"]
+    shown = [comparison for comparison in comparisons if verbose or comparison.verdict != "same"]
     if not shown:
         return
     table = Table(
@@ -175,24 +177,32 @@ def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose:
     table.add_column("", no_wrap=True)
     order = {verdict: i for i, verdict in enumerate((*ALARMS, "new", "better", "same"))}
     by_line: dict[str, list[ReferenceComparison]] = {}
-    for one in shown:
-        by_line.setdefault(f"{one.sweep}, {one.line}" if one.line else one.sweep, []).append(one)
+    for comparison in shown:
+        by_line.setdefault(
+            f"{comparison.sweep}, {comparison.line}" if comparison.line else comparison.sweep, []
+        ).append(comparison)
     for line, found in by_line.items():
         table.add_row(line, style="bold")
-        for one in sorted(found, key=lambda one: (order[one.verdict], -(one.change or 0.0))):
-            table.add_row(f"  {one.metric}", *_cells(one), style=COLORS.get(one.verdict))
+        for reference_comparison in sorted(
+            found, key=lambda compared: (order[compared.verdict], -(compared.change or 0.0))
+        ):
+            table.add_row(
+                f"  {reference_comparison.metric}",
+                *_cells(reference_comparison),
+                style=COLORS.get(reference_comparison.verdict),
+            )
     console.print(table)
     console.print("[dim]Change for the worse, in units of the spread from seed to seed.[/]", highlight=False)
 
 
-def _cells(one: ReferenceComparison) -> list[str]:
+def _cells(comparison: ReferenceComparison) -> list[str]:
     return [
-        _text(one.reference),
-        _text(one.now),
-        "–" if one.change is None else f"{one.change:+.2g} σ",
-        f"{one.tolerance:g} σ",
-        "" if one.limit is None else number(one.limit),
-        one.verdict,
+        _text(comparison.reference),
+        _text(comparison.now),
+        "–" if comparison.change is None else f"{comparison.change:+.2g} σ",
+        f"{comparison.tolerance:g} σ",
+        "" if comparison.limit is None else number(comparison.limit),
+        comparison.verdict,
     ]
 
 

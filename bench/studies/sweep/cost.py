@@ -85,7 +85,9 @@ def _on_payload(axis: Axis) -> bool:
 def _optimised(content: Any) -> bool:
     default = (content.get("design") or {}).get("optimise", False)
     return any(
-        (one.get("design") or {}).get("optimise", default) for one in content["recordings"] if "design" in one
+        (recording.get("design") or {}).get("optimise", default)
+        for recording in content["recordings"]
+        if "design" in recording
     )
 
 
@@ -94,18 +96,22 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
     run = plan.run(0)
     content = without_share(run.content)
     whole = scenario_from_dict(content, run.base)
-    durations = [one.design.duration for one in whole.settings.recordings if one.design is not None]
+    durations = [table.design.duration for table in whole.settings.recordings if table.design is not None]
     if len(durations) < len(whole.settings.recordings):
         return None, None
     short = {"optimise": False, "duration": TRIAL, "ramp": 0.25}
-    recordings = [{**one, "design": {**one["design"], **short}} for one in content["recordings"]]
+    recordings = [
+        {**recording, "design": {**recording["design"], **short}} for recording in content["recordings"]
+    ]
     scenario = scenario_from_dict({**content, "recordings": recordings}, run.base, run.base, whole.robot)
     start = time.perf_counter()
     try:
         simulation = simulate(scenario, resolve_trajectories(scenario), threads=1)
         simulating = time.perf_counter() - start
         whole_data = as_dataset(simulation)
-        part = replace(whole_data, recordings=tuple(_beginning(one) for one in whole_data.recordings))
+        part = replace(
+            whole_data, recordings=tuple(_beginning(recording) for recording in whole_data.recordings)
+        )
         _, short_time, long_time = (_identifying(data, run) for data in (part, part, whole_data))
         diagnosing = ROUNDS * _diagnosing(whole_data, run) if run.identify["diagnose"] else 0.0
     except BenchError:  # too short a movement may be too little for this robot, and says nothing

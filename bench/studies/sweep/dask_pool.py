@@ -81,7 +81,7 @@ class DaskPool:
         except queue.Empty:
             pass
         ended = {key: self._futures.pop(key) for key in found}
-        values = self._gathered({key: one for key, one in ended.items() if one.status == "finished"})
+        values = self._gathered({key: entry for key, entry in ended.items() if entry.status == "finished"})
         outcomes = []
         for key in found:
             value = values.get(key)

@@ -22,4 +22,4 @@ def kept_design(folder: Path, name: str) -> dict[str, FourierTrajectory] | None:
     if not path.is_file():
         return None
     content = json.loads(path.read_text(encoding="utf-8"))
-    return {recording: FourierTrajectory.from_dict(one) for recording, one in content.items()}
+    return {recording: FourierTrajectory.from_dict(entry) for recording, entry in content.items()}

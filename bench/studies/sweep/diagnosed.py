@@ -14,12 +14,12 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
 
     An effect that the data cannot tell from the true one counts as found.
     """
-    modelled = tuple(dict.fromkeys(one.request for one in prepared.effects))
+    modelled = tuple(dict.fromkeys(instance.request for instance in prepared.effects))
     found = diagnose(problem_of(prepared.dataset, modelled, filters=prepared.settings))
     hidden = {effect.name for effect in simulation.machine.hidden} - {
-        one.effect.name for one in prepared.effects
+        instance.effect.name for instance in prepared.effects
     }
-    alternatives = {one.effect: {one.effect, *one.alternatives} for one in found.ranking}
+    alternatives = {verdict.effect: {verdict.effect, *verdict.alternatives} for verdict in found.ranking}
     missed = [name for name in hidden if not any(name in alternatives[other] for other in found.missing)]
     invented = [name for name in found.missing if not alternatives[name] & hidden]
     gains = found.after.drive_gains.values()

@@ -68,15 +68,15 @@ def _parameters(simulation: Simulation, prepared: Prepared, result: Identificati
     )
     metrics: Metrics = {}
     errors, within = [], []
-    for one in result.parameters:
-        metrics[f"parameter.{one.name}"] = one.value
-        metrics[f"parameter.{one.name}.std"] = one.std
-        if one.name not in true:
+    for parameter in result.parameters:
+        metrics[f"parameter.{parameter.name}"] = parameter.value
+        metrics[f"parameter.{parameter.name}.std"] = parameter.std
+        if parameter.name not in true:
             continue
-        metrics[f"parameter.{one.name}.true"] = true[one.name]
-        within.append(float(abs(one.value - true[one.name]) <= WITHIN_95 * one.std))
-        if one.relative_std < WELL_KNOWN:
-            errors.append(abs(one.value / true[one.name] - 1.0))
+        metrics[f"parameter.{parameter.name}.true"] = true[parameter.name]
+        within.append(float(abs(parameter.value - true[parameter.name]) <= WITHIN_95 * parameter.std))
+        if parameter.relative_std < WELL_KNOWN:
+            errors.append(abs(parameter.value / true[parameter.name] - 1.0))
     metrics["parameter_error"] = max(errors, default=float("nan"))
     metrics["parameter_within"] = float(np.mean(within)) if within else float("nan")
     return metrics

@@ -51,13 +51,14 @@ def plot_sweep(
         if not style.bands or not style.joined:  # side by side, or their bars would hide each other
             at = _moved(at, list(positions.values()), DODGE * (i - (len(found) - 1) / 2), wide=wide)
         _draw(axes, at, spreads, name, COLORS[i % len(COLORS)], style)
-    middles = [one.median for _, _, spreads in found for one in spreads]
+    middles = [spread.median for _, _, spreads in found for spread in spreads]
     if is_share(y):
         axes.axhline(COVERAGE, color="#888888", linewidth=0.8, linestyle="--")
     elif logarithmic or (logarithmic is None and _is_wide(middles)):
         axes.set_yscale("log")
         _plain_ticks(
-            axes.yaxis, [end for _, _, spreads in found for one in spreads for end in (one.low, one.high)]
+            axes.yaxis,
+            [end for _, _, spreads in found for spread in spreads for end in (spread.low, spread.high)],
         )
     axes.set_xlabel(x)
     axes.set_ylabel(y)
@@ -122,8 +123,8 @@ def _plain_ticks(axis: Axis, values: Sequence[float]) -> None:
 def _draw(
     axes: Axes, at: np.ndarray, spreads: Sequence[Spread], name: Any, color: str, style: _Style
 ) -> None:
-    middle = np.array([one.mean if style.share else one.median for one in spreads])
-    low, high = (np.array([getattr(one, end) for one in spreads]) for end in ("low", "high"))
+    middle = np.array([spread.mean if style.share else spread.median for spread in spreads])
+    low, high = (np.array([getattr(spread, end) for spread in spreads]) for end in ("low", "high"))
     label = None if name is None else str(name)
     if style.bands and style.joined and len(at) > 1:
         axes.fill_between(at, low, high, color=color, alpha=0.13, linewidth=0)

@@ -67,7 +67,7 @@ def _checked(run: Run, seen: _Seen) -> Scenario:
         seen.robots[name] = load_robot(name)
     content = without_share(run.content)
     scenario = scenario_from_dict(content, run.base, run.base, seen.robots.get(str(name)))
-    seen.payloads.update(one.payload for one in scenario.settings.recordings if one.payload is not None)
+    seen.payloads.update(table.payload for table in scenario.settings.recordings if table.payload is not None)
     _check_joints(run, scenario)
     try:
         identify = IdentifyTable.model_validate(run.identify)

@@ -139,28 +139,31 @@ class Driver:
                     self._take(outcome)
             report(self._journal)
 
-    def _placed(self, one: _Set) -> bool:
+    def _placed(self, run_set: _Set) -> bool:
         """Take the next step towards the runs of a set; whether they need no more than a free slot, or have failed."""
-        first = one.runs[0]
-        if one.design not in self._designs and (kept := kept_design(self._folder, one.design)) is not None:
-            self._designs[one.design] = _Common(kept, None)
-        design = self._designs.get(one.design)
+        first = run_set.runs[0]
+        if (
+            run_set.design not in self._designs
+            and (kept := kept_design(self._folder, run_set.design)) is not None
+        ):
+            self._designs[run_set.design] = _Common(kept, None)
+        design = self._designs.get(run_set.design)
         if design is None:
-            self._ask(_CommonJob(self._designs, one.design), lambda: self._work.design(first))
+            self._ask(_CommonJob(self._designs, run_set.design), lambda: self._work.design(first))
             return False
         if design.fault is not None:
-            return self._fail(one.runs, design.fault)
+            return self._fail(run_set.runs, design.fault)
         motion = None
-        if one.shared:
-            if one.motion not in self._motions:
-                job = _CommonJob(self._motions, one.motion)
+        if run_set.shared:
+            if run_set.motion not in self._motions:
+                job = _CommonJob(self._motions, run_set.motion)
                 self._ask(job, lambda: self._work.motion(first, design.value))
                 return False
-            common = self._motions[one.motion]
+            common = self._motions[run_set.motion]
             if common.fault is not None:
-                return self._fail(one.runs, common.fault)
-            motion = Shared(one.motion, common.value)
-        self._ready.append(_RunJob(one.runs, design.value, motion))
+                return self._fail(run_set.runs, common.fault)
+            motion = Shared(run_set.motion, common.value)
+        self._ready.append(_RunJob(run_set.runs, design.value, motion))
         return True
 
     def _doing(self) -> str:
@@ -211,12 +214,12 @@ class Driver:
         if job.found is self._designs and outcome.fault is None:
             keep_design(self._folder, job.name, outcome.value)
         for known, needed in (
-            (self._designs, {one.design for one in self._waiting}),
-            (self._motions, {one.motion for one in self._waiting}),
+            (self._designs, {run_set.design for run_set in self._waiting}),
+            (self._motions, {run_set.motion for run_set in self._waiting}),
         ):
             for name in known.keys() - needed:
                 del known[name]
-        self._waiting = [one for one in self._waiting if not self._placed(one)]
+        self._waiting = [run_set for run_set in self._waiting if not self._placed(run_set)]
 
 
 def _sets(plan: Planned, is_done: Callable[[int], bool]) -> Iterator[_Set]:

@@ -67,7 +67,7 @@ def _position(elements: Sequence[Any], name: str) -> int | None:
 def _element_name(elements: Sequence[Any], index: int) -> str:
     """Its `name` or `effect` where no other element has the same, otherwise its number."""
     for key in NAMES:
-        names = [one.get(key) if isinstance(one, Mapping) else None for one in elements]
+        names = [element.get(key) if isinstance(element, Mapping) else None for element in elements]
         own = names[index]
         if isinstance(own, str) and names.count(own) == 1:
             return own

@@ -94,8 +94,8 @@ def _in_parts(values: Sequence[Any]) -> list[Any]:
         return list(values)
     place: dict[Any, SummaryPart] = {}
     for part in np.array_split(np.sort(np.array(known, dtype=float)), PARTS):
-        one = SummaryPart(float(part[0]), float(np.median(part)), float(part[-1]))
-        place |= {value: one for value in part.tolist() if value not in place}
+        known_part = SummaryPart(float(part[0]), float(np.median(part)), float(part[-1]))
+        place |= {value: known_part for value in part.tolist() if value not in place}
     return [None if value is None else place.get(value) for value in values]
 
 

@@ -128,9 +128,9 @@ def slim(simulation: Simulation) -> Simulation:
     nothing = np.empty((0, 0))
     recordings = tuple(
         replace(
-            one,
+            recording,
             motion=replace(
-                one.motion,
+                recording.motion,
                 qpos=nothing,
                 qvel=nothing,
                 qacc=nothing,
@@ -138,9 +138,9 @@ def slim(simulation: Simulation) -> Simulation:
                 reference=nothing,
                 gaps=nothing,
             ),
-            log=replace(one.log, time=nothing, position=nothing, current=nothing),
+            log=replace(recording.log, time=nothing, position=nothing, current=nothing),
         )
-        for one in simulation.recordings
+        for recording in simulation.recordings
     )
     return replace(simulation, recordings=recordings)
 

@@ -125,9 +125,9 @@ def show(summary: TrialSummary, console: Console) -> None:
 def scenario_seconds(setup: Setup) -> float:
     """Duration of the longest designed movement, s; 0 if none is designed."""
     durations = [
-        float({**setup.content.get("design", {}), **one["design"]}.get("duration", 0.0))
-        for one in setup.content["recordings"]
-        if isinstance(one.get("design"), dict)
+        float({**setup.content.get("design", {}), **recording["design"]}.get("duration", 0.0))
+        for recording in setup.content["recordings"]
+        if isinstance(recording.get("design"), dict)
     ]
     return max(durations, default=0.0)
 

@@ -39,15 +39,15 @@ def compatible(effects: Iterable[str]) -> bool:
     return not any(exclusive(a, b) for a, b in combinations(names, 2))
 
 
-def exclusive(one: str, other: str) -> bool:
+def exclusive(name: str, other: str) -> bool:
     """Whether a machine has one of these two at most: rivals, or of effects of which some contain the others."""
-    return other in _kin(one)
+    return other in _kin(name)
 
 
 @cache
 def _kin(effect: str) -> frozenset[str]:
     """An effect with all that it contains or that contain it, their rivals, and so on."""
-    groups = [*RIVALS, *(frozenset({name, *one.contains}) for name, one in CATALOGUE.items() if one.contains)]
+    groups = [*RIVALS, *(frozenset({name, *law.contains}) for name, law in CATALOGUE.items() if law.contains)]
     kin = frozenset({effect})
     while wider := frozenset().union(*(group for group in groups if kin & group)) - kin:
         kin |= wider
@@ -58,7 +58,7 @@ def expected(effects: Iterable[str]) -> tuple[str, ...]:
     """The effects with the companions that are hidden beside them."""
     names = list(dict.fromkeys(effects))
     for name in tuple(names):
-        names += [one for one in COMPANIONS.get(name, ()) if one not in names]
+        names += [word for word in COMPANIONS.get(name, ()) if word not in names]
     return tuple(names)
 
 

@@ -24,7 +24,7 @@ def write_figures(summary: TrialSummary, rows: Sequence[Row], stem: Path) -> lis
     drawn = []
     figures = {
         "confusion": confusion_figure(summary) if set(summary.confusion) - {NOTHING} else None,
-        "misses": misses_figure(summary) if any(one.first.of for one in summary.misses) else None,
+        "misses": misses_figure(summary) if any(miss.first.of for miss in summary.misses) else None,
         "errors": errors_figure(rows),
     }
     for name, figure in figures.items():
@@ -75,17 +75,17 @@ def misses_figure(summary: TrialSummary) -> Figure:
     """Share of effects that are not named first, by their own error over the noise floor."""
     figure = Figure(figsize=(6.0, 3.4), layout="constrained")
     axes = figure.add_subplot()
-    classes = [one for one in summary.misses if one.first.of]
+    classes = [miss for miss in summary.misses if miss.first.of]
     at = np.arange(len(classes))
     for shift, colour, label, shares in (
-        (-0.12, ORANGE, "not named first", [one.first for one in classes]),
-        (0.12, BLUE, "nor openly undecided", [one.first_undecided for one in classes]),
+        (-0.12, ORANGE, "not named first", [miss.first for miss in classes]),
+        (0.12, BLUE, "nor openly undecided", [miss.first_undecided for miss in classes]),
     ):
-        missed = np.array([1.0 - one.value for one in shares])
-        bounds = np.array([[1.0 - one.interval[1], 1.0 - one.interval[0]] for one in shares])
+        missed = np.array([1.0 - share.value for share in shares])
+        bounds = np.array([[1.0 - share.interval[1], 1.0 - share.interval[0]] for share in shares])
         spread = np.abs(bounds - missed[:, None]).T
         axes.errorbar(at + shift, missed, spread, fmt="o", color=colour, capsize=3, markersize=5, label=label)
-    axes.set_xticks(at, [f"{size_text(one)}\n({one.first.of})" for one in classes])
+    axes.set_xticks(at, [f"{size_text(miss)}\n({miss.first.of})" for miss in classes])
     axes.set_xlabel("error of the model without the effect, over the noise floor (cases)")
     axes.set_ylabel("share of cases")
     axes.set_ylim(-0.03, 1.03)

@@ -25,7 +25,10 @@ def moving_alike(simulation: Simulation, joints: Sequence[str]) -> dict[str, str
     model = simulation.machine.models[None]
     rates = {
         joint: np.concatenate(
-            [one.motion.qvel[:, int(model.joint(joint).dofadr[0])] for one in simulation.recordings]
+            [
+                recording.motion.qvel[:, int(model.joint(joint).dofadr[0])]
+                for recording in simulation.recordings
+            ]
         )
         for joint in joints
     }
@@ -55,13 +58,13 @@ def intervals(
     for effect in dict.fromkeys(effect for effect, _, _ in true):
         places = result.effect_parameters.get(effect, {})
         for place, values in places.items():
-            for name, one in values.items():
+            for name, quantity in values.items():
                 at = "" if place == ROBOT else place
                 truth = true.get((effect, alike.get(at, at) if where(effect) == "passive" else at, name))
-                if truth is not None and 0 < one.std < np.inf:
+                if truth is not None and 0 < quantity.std < np.inf:
                     found.append(
                         {"effect": effect, "at": at, "parameter": name}
-                        | {"truth": truth, "value": one.value, "std": one.std}
+                        | {"truth": truth, "value": quantity.value, "std": quantity.std}
                     )
     return found
 

@@ -50,14 +50,16 @@ def judged(
     """
     companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} - set(drawn)
     aside = (optional(drawn) | set(parts)) - set(expected)
-    missing = [one for one in missing if one.effect not in aside]
-    leading = next((one for one in missing if one.effect not in companions), None)
+    missing = [named for named in missing if named.effect not in aside]
+    leading = next((named for named in missing if named.effect not in companions), None)
     return Judgement(
         first=leading is not None and leading.effect in drawn,
         first_undecided=leading is not None and any(leading.may_be(effect) for effect in drawn),
-        exact={one.effect for one in missing} == set(expected),
+        exact={named.effect for named in missing} == set(expected),
         exact_undecided=_matches(missing, tuple(expected)),
-        wrong=tuple(one.effect for one in missing if one.effect not in expected and one.verdict == "missing"),
+        wrong=tuple(
+            named.effect for named in missing if named.effect not in expected and named.verdict == "missing"
+        ),
     )
 
 
@@ -66,7 +68,7 @@ def _matches(missing: Sequence[Named], expected: Sequence[str]) -> bool:
     if len(missing) != len(expected):
         return False
     return any(
-        all(one.may_be(effect) for one, effect in zip(missing, order, strict=True))
+        all(named.may_be(effect) for named, effect in zip(missing, order, strict=True))
         for order in permutations(expected)
     )
 
@@ -74,8 +76,10 @@ def _matches(missing: Sequence[Named], expected: Sequence[str]) -> bool:
 def named_from(verdicts: Sequence[Mapping[str, object]]) -> list[Named]:
     """Named effects from their plain form: effect, verdict, alternatives."""
     return [
-        Named(str(one["effect"]), str(one["verdict"]), tuple(map(str, _texts(one["alternatives"]))))
-        for one in verdicts
+        Named(
+            str(verdict["effect"]), str(verdict["verdict"]), tuple(map(str, _texts(verdict["alternatives"])))
+        )
+        for verdict in verdicts
     ]
 
 

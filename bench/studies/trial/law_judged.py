@@ -45,11 +45,12 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
     laws at motors that have none.
     """
     joint, numbers = _hidden_law(simulation)
-    here = [one for one in diagnosis.discovered if one.place == joint]
+    here = [law for law in diagnosis.discovered if law.place == joint]
     known = {
-        one.effect
-        for one in simulation.scenario.settings.hidden
-        if one.joint in (None, joint) and joint in diagnosis.after.effect_parameters.get(one.effect, ())
+        hidden_effect.effect
+        for hidden_effect in simulation.scenario.settings.hidden
+        if hidden_effect.joint in (None, joint)
+        and joint in diagnosis.after.effect_parameters.get(hidden_effect.effect, ())
     } - named_parts(numbers)
 
     def error(but: Collection[str]) -> float:
@@ -57,8 +58,8 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
 
     return {
         "law": json.dumps(numbers),
-        "law.found": " | ".join(f"{one.place}: {one.formula}" for one in diagnosis.discovered),
-        "law.elsewhere": sum(one.place != joint for one in diagnosis.discovered),
+        "law.found": " | ".join(f"{law.place}: {law.formula}" for law in diagnosis.discovered),
+        "law.elsewhere": sum(law.place != joint for law in diagnosis.discovered),
         "law.error": error(()),
         "law.alone": error(known),
         "law.structure": bool(here) and _alike(numbers, here),
@@ -67,7 +68,9 @@ def law_columns(simulation: Simulation, diagnosis: Diagnosis, prepared: Prepared
 
 def _hidden_law(simulation: Simulation) -> tuple[str, dict[str, float]]:
     """The motor and the numbers of the law."""
-    hidden = next(one for one in simulation.scenario.settings.hidden if one.effect == LAW)
+    hidden = next(
+        hidden_effect for hidden_effect in simulation.scenario.settings.hidden if hidden_effect.effect == LAW
+    )
     return str(hidden.joint), {name: float(value) for name, value in hidden.parameters.items()}
 
 
@@ -91,8 +94,8 @@ def _torque_error(
         found = rows.effects[:, motor] @ values
         law, known, time = _true_torques(simulation, rows.name, motor, but)
         wanted, alone = (
-            decimate(bridged(one[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
-            for one in (np.interp(seen.time, time, torque) for torque in (law + known, law))
+            decimate(bridged(entry[:, None], [seen.gaps[motor]]), model.settings.decimation)[:, 0]
+            for entry in (np.interp(seen.time, time, torque) for torque in (law + known, law))
         )
         moving = rows.moving[:, motor]
         difference += float(((found - wanted)[moving] ** 2).sum())
@@ -112,11 +115,11 @@ def _found_model(
     for name, at in found.items():
         for place, quantities in at.items():
             request = name if place == ROBOT else f"{name}:{place}"
-            (one,) = select_effects([request], places, catalogue)
+            (instance,) = select_effects([request], places, catalogue)
             told = {label: quantity.value for label, quantity in quantities.items()}
-            shape = {parameter.name: told[parameter.name] for parameter in one.effect.shape}
-            effect = replace(one.effect, **shape).about(told)
-            instances.append(replace(one, effect=effect))
+            shape = {parameter.name: told[parameter.name] for parameter in instance.effect.shape}
+            effect = replace(instance.effect, **shape).about(told)
+            instances.append(replace(instance, effect=effect))
             values += [0.0 if name in but else told[parameter.name] for parameter in effect.parameters]
     model = with_effects(prepared, instances)
     return settled(model, nearly=True), np.array(values)
@@ -127,7 +130,9 @@ def _true_torques(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of the hidden law and of the other known effects at its motor, along a recording's true motion (N,); time s."""
     _, numbers = _hidden_law(simulation)
-    motion = next(one.motion for one in simulation.recordings if one.name == Path(name).stem)
+    motion = next(
+        recording.motion for recording in simulation.recordings if recording.name == Path(name).stem
+    )
     machine = simulation.machine
     torque = motion.torque[:, motor]
     dof = machine.dofs[motor]
@@ -135,17 +140,20 @@ def _true_torques(
     others = motion.torque.sum(axis=1) - torque
     unit = unit_torque(numbers, position, velocity, motion.qacc[:, dof], torque, others, motion.time)
     known = np.zeros(len(torque))
-    for one in simulation.scenario.settings.hidden:
-        if one.effect not in (LAW, *but) and one.joint in (None, simulation.robot.joints[motor]):
-            known += TORQUES[one.effect](one.parameters, position, velocity)
+    for hidden_effect in simulation.scenario.settings.hidden:
+        if hidden_effect.effect not in (LAW, *but) and hidden_effect.joint in (
+            None,
+            simulation.robot.joints[motor],
+        ):
+            known += TORQUES[hidden_effect.effect](hidden_effect.parameters, position, velocity)
     return numbers["c"] * unit, known, motion.time
 
 
 def _alike(numbers: Mapping[str, float], found: Sequence[Discovered]) -> bool:
     """Whether the found laws go by the same variables, and oppose the motion if the hidden one does."""
     wanted = {variable for name, variable in VARIABLES.items() if numbers.get(name)}
-    looks = [each for one in found for term in one.terms for each in term.looks_at]
-    seen = {f"{one.what} of others" if one.motor else one.what for one in looks}
+    looks = [each for law in found for term in law.terms for each in term.looks_at]
+    seen = {f"{look.what} of others" if look.motor else look.what for look in looks}
     odd = any(
         each.what == "velocity" and not each.motor and each.role in ("direction", "signed", "memory")
         for each in looks

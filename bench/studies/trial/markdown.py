@@ -81,14 +81,14 @@ def parts(summary: TrialSummary) -> list[MarkdownPart]:
 
 def targets_table(summary: TrialSummary) -> Table:
     """Every figure that was tried beside its bound; in bold what is surely not kept."""
-    tried = [one for one in summary.targets if one.reached is not None]
+    tried = [target for target in summary.targets if target.reached is not None]
     heads = ("figure", "reached", "must be", "kept", "cases", "95 % interval")
     cells = zip(*map(target_cells, tried), strict=True) if tried else [()] * len(heads)
     columns = tuple(
-        Column(head, one, "sentence" if head in FOLDED else "text")
-        for head, one in zip(heads, cells, strict=True)
+        Column(head, cell, "sentence" if head in FOLDED else "text")
+        for head, cell in zip(heads, cells, strict=True)
     )
-    return Table(columns, tuple("strong" if one.verdict == NO else "" for one in tried))
+    return Table(columns, tuple("strong" if target.verdict == NO else "" for target in tried))
 
 
 def confusion_table(summary: TrialSummary) -> Table:
@@ -116,21 +116,21 @@ def absorbed_table(summary: TrialSummary) -> Table:
     return Table(
         (
             Column("hidden", list(summary.absorbed), "effect"),
-            Column("cases", [one.of for one in summary.absorbed.values()], "number"),
-            Column("nothing named beside", [one.count for one in summary.absorbed.values()], "number"),
+            Column("cases", [share.of for share in summary.absorbed.values()], "number"),
+            Column("nothing named beside", [share.count for share in summary.absorbed.values()], "number"),
         )
     )
 
 
 def misses_table(summary: TrialSummary) -> Table:
     """How many effects were named first, by their own error; classes without a case are left out."""
-    tried = [one for one in summary.misses if one.first.of]
+    tried = [miss for miss in summary.misses if miss.first.of]
     return Table(
         (
-            Column("own error / noise floor", [size_text(one) for one in tried]),
-            Column("cases", [one.first.of for one in tried], "number"),
-            Column("named first", [percent(one.first) for one in tried], "number", format="s"),
-            Column("or undecided", [percent(one.first_undecided) for one in tried], "number", format="s"),
+            Column("own error / noise floor", [size_text(miss) for miss in tried]),
+            Column("cases", [miss.first.of for miss in tried], "number"),
+            Column("named first", [percent(miss.first) for miss in tried], "number", format="s"),
+            Column("or undecided", [percent(miss.first_undecided) for miss in tried], "number", format="s"),
         )
     )
 
@@ -139,12 +139,20 @@ def coverage_table(summary: TrialSummary) -> Table:
     """How many intervals of every parameter hold the truth."""
     return Table(
         (
-            Column("effect", [one.effect for one in summary.coverage], "effect"),
-            Column("parameter", [one.parameter for one in summary.coverage]),
-            Column("intervals", [one.within.of for one in summary.coverage], "number"),
-            Column("hold the truth", [percent(one.within) for one in summary.coverage], "number", format="s"),
+            Column("effect", [coverage.effect for coverage in summary.coverage], "effect"),
+            Column("parameter", [coverage.parameter for coverage in summary.coverage]),
+            Column("intervals", [coverage.within.of for coverage in summary.coverage], "number"),
             Column(
-                "median deviation / std", [one.deviation for one in summary.coverage], "number", format=".2f"
+                "hold the truth",
+                [percent(coverage.within) for coverage in summary.coverage],
+                "number",
+                format="s",
+            ),
+            Column(
+                "median deviation / std",
+                [coverage.deviation for coverage in summary.coverage],
+                "number",
+                format=".2f",
             ),
         )
     )
@@ -152,7 +160,7 @@ def coverage_table(summary: TrialSummary) -> Table:
 
 def failures_table(summary: TrialSummary) -> Table:
     """Why cases came to nothing, the most frequent reason first."""
-    ranked = sorted(summary.failed.items(), key=lambda one: -one[1])
+    ranked = sorted(summary.failed.items(), key=lambda pair: -pair[1])
     return Table(
         (
             Column("reason", [reason for reason, _ in ranked], "sentence"),

@@ -70,7 +70,9 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
     if duration is not None:
         content["design"] = {**content.get("design", {}), "duration": duration}
     weighed = [
-        name for name, one in content.get("payloads", {}).items() if "mass" in one.get("declared", one)
+        name
+        for name, payload in content.get("payloads", {}).items()
+        if "mass" in payload.get("declared", payload)
     ]
     geometry = read_geometry(found)
     places = places_in(geometry, weighed)

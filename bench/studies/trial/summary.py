@@ -144,7 +144,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
             lambda r: r["error_over_floor.told"] <= FLOOR_FACTOR,
         )
     )
-    held = [one for row in hiding if row["exact"] for one in _held(row["intervals"])]
+    held = [interval for row in hiding if row["exact"] for interval in _held(row["intervals"])]
     within = Share(sum(held), len(held))
     found.append(Target(TargetFigure.INTERVALS, within.value, 0.88, 0.99, within))
     return tuple(found)
@@ -215,25 +215,25 @@ def _misses(rows: Sequence[Row]) -> tuple[Miss, ...]:
 def _coverage(rows: Sequence[Row]) -> tuple[Coverage, ...]:
     by_parameter: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for row in rows:
-        for one in json.loads(row["intervals"]):
-            by_parameter.setdefault((one["effect"], one["parameter"]), []).append(one)
+        for load in json.loads(row["intervals"]):
+            by_parameter.setdefault((load["effect"], load["parameter"]), []).append(load)
     return tuple(
         Coverage(
             effect,
             parameter,
-            Share(sum(_holds(one) for one in ones), len(ones)),
-            _median([abs(one["value"] - one["truth"]) / one["std"] for one in ones]),
+            Share(sum(_holds(interval) for interval in ones), len(ones)),
+            _median([abs(interval["value"] - interval["truth"]) / interval["std"] for interval in ones]),
         )
         for (effect, parameter), ones in sorted(by_parameter.items())
     )
 
 
 def _held(intervals: str) -> list[bool]:
-    return [_holds(one) for one in json.loads(intervals)]
+    return [_holds(load) for load in json.loads(intervals)]
 
 
-def _holds(one: Mapping[str, Any]) -> bool:
-    return bool(abs(one["value"] - one["truth"]) <= WITHIN_95 * one["std"])
+def _holds(interval: Mapping[str, Any]) -> bool:
+    return bool(abs(interval["value"] - interval["truth"]) <= WITHIN_95 * interval["std"])
 
 
 def _median(values: Sequence[float]) -> float:

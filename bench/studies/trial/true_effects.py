@@ -61,11 +61,11 @@ def true_values(effect: str, hidden: True_, *, slide: bool = False) -> dict[str,
     """The model's parameters of an effect, as they truly are; empty for an effect that no model knows."""
     if effect not in CATALOGUE or effect not in HIDDEN_EFFECTS:
         return {}
-    own = {one.name: one.default for one in fields(HIDDEN_EFFECTS[effect]) if one.default is not MISSING} | {
-        **hidden
-    }
+    own = {
+        field.name: field.default for field in fields(HIDDEN_EFFECTS[effect]) if field.default is not MISSING
+    } | {**hidden}
     known = CATALOGUE[effect]
-    names = [*(one.name for one in known.parameters), *(one.name for one in known.shape)]
+    names = [*(parameter.name for parameter in known.parameters), *(shape.name for shape in known.shape)]
     values = {name: float(own[name]) for name in names if name in own}
     values |= {name: float(rule(own)) for name, rule in OTHERWISE.get(effect, {}).items()}
     if slide and "periods" in values:
@@ -78,20 +78,20 @@ def as_logged(hidden: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
     With the logged position p = q + offset, a cos(w q) + b sin(w q) and k (q - q0) have other a, b and q0 in p.
     """
-    offsets = {one.get("joint"): one["offset"] for one in hidden if one["effect"] == "encoder_offset"}
-    return [_shifted(dict(one), offsets.get(one.get("joint"), 0.0)) for one in hidden]
+    offsets = {entry.get("joint"): entry["offset"] for entry in hidden if entry["effect"] == "encoder_offset"}
+    return [_shifted(dict(entry), offsets.get(entry.get("joint"), 0.0)) for entry in hidden]
 
 
-def _shifted(one: dict[str, Any], offset: float) -> dict[str, Any]:
+def _shifted(entry: dict[str, Any], offset: float) -> dict[str, Any]:
     if not offset:
-        return one
-    if one["effect"] == "joint_spring":
-        return one | {"q0": one["q0"] + offset}
-    if one["effect"] in ("cogging_torque", "torque_ripple", "transmission_error"):
-        angle = 2 * np.pi * offset / one["period"]
-    elif one["effect"] == "position_dependent_friction":
-        angle = one.get("harmonic", 1.0) * offset
+        return entry
+    if entry["effect"] == "joint_spring":
+        return entry | {"q0": entry["q0"] + offset}
+    if entry["effect"] in ("cogging_torque", "torque_ripple", "transmission_error"):
+        angle = 2 * np.pi * offset / entry["period"]
+    elif entry["effect"] == "position_dependent_friction":
+        angle = entry.get("harmonic", 1.0) * offset
     else:
-        return one
-    turned = complex(one["a"], one["b"]) * np.exp(1j * angle)
-    return one | {"a": turned.real, "b": turned.imag}
+        return entry
+    turned = complex(entry["a"], entry["b"]) * np.exp(1j * angle)
+    return entry | {"a": turned.real, "b": turned.imag}

@@ -131,5 +131,5 @@ def law_along(numbers: Mapping[str, float], reference: Reference, joint: str) ->
     m = reference.movement(joint)
     starts = np.flatnonzero(np.diff(m.time) < 0.0) + 1
     signals = (m.position, m.velocity, m.acceleration, m.torque, m.other_torques, m.time)
-    parts = zip(*(np.split(one, starts) for one in signals), strict=True)
+    parts = zip(*(np.split(signal, starts) for signal in signals), strict=True)
     return np.concatenate([unit_torque(numbers, *part) for part in parts])

@@ -42,10 +42,10 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     return Table(
         (
             Column("figure", [name for name, *_ in figures], "sentence"),
-            Column("reached", [f"{100.0 * one.value:.0f} %" if one.of else "–" for one in shares]),
+            Column("reached", [f"{100.0 * share.value:.0f} %" if share.of else "–" for share in shares]),
             Column("goal", [goal for *_, goal in figures]),
-            Column("cases", [f"{one.count} of {one.of}" for one in shares]),
-            Column("95 % interval", [_interval(one) for one in shares]),
+            Column("cases", [f"{share.count} of {share.of}" for share in shares]),
+            Column("95 % interval", [_interval(share) for share in shares]),
         )
     )
 
@@ -73,7 +73,7 @@ def cases_table(rows: Sequence[Row]) -> Table:
 
 def _formula(found: str | None) -> str:
     """A law as code, so that no star or bar of it is taken for markup."""
-    return "–" if not found else ", ".join(f"`{one}`" for one in found.split(" | "))
+    return "–" if not found else ", ".join(f"`{entry}`" for entry in found.split(" | "))
 
 
 def write_unknown(robot: str, rows: Sequence[Row], folder: Path, nothing: Sequence[Row] = ()) -> list[Path]:

@@ -116,11 +116,11 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     """Diagnose the log of a simulation, which is all that the diagnosis is given, and judge the answer."""
     dataset = as_dataset(simulation)
     diagnosis = find_missing_effects(problem_of(dataset))
-    hidden = [_plain_entry(one) for one in simulation.scenario.settings.hidden]
+    hidden = [_plain_entry(hidden_effect) for hidden_effect in simulation.scenario.settings.hidden]
     known = [name for name in case.effects if name != LAW]
     told, alone = _told(setup, dataset, hidden, known)
     floor = _floor(simulation, told)
-    own = {effect: _error(one) / floor for effect, one in alone.items()}
+    own = {effect: _error(result) / floor for effect, result in alone.items()}
     if case.kind in UNNAMED:
         own[case.effects[0]] = _error(told) / floor
     row = _case_columns(setup, case, number) | {"parameters": json.dumps(hidden)}
@@ -153,8 +153,8 @@ def _case_columns(setup: Setup, case: Case, number: int) -> Row:
     }
 
 
-def _plain_entry(one: Any) -> Entry:
-    return {"effect": one.effect, **({"joint": one.joint} if one.joint else {}), **one.parameters}
+def _plain_entry(effect: Any) -> Entry:
+    return {"effect": effect.effect, **({"joint": effect.joint} if effect.joint else {}), **effect.parameters}
 
 
 def _told(
@@ -173,7 +173,7 @@ def _told(
     alone = {}
     for name in effects:
         gone = {name, *PARTS.get(name, ())}
-        alone[name] = _fitted(prepared, [one for one in wanted if one.partition(":")[0] not in gone])
+        alone[name] = _fitted(prepared, [word for word in wanted if word.partition(":")[0] not in gone])
     return told, alone
 
 
@@ -194,18 +194,18 @@ def _floor(simulation: Simulation, result: Identification) -> float:
 
 
 def _answer(case: Case, diagnosis: Diagnosis) -> Row:
-    by_name = {one.effect: one for one in diagnosis.ranking}
+    by_name = {verdict.effect: verdict for verdict in diagnosis.ranking}
     wanted = [name for name in expected(case.effects) if name != LAW]  # no catalogue has a name for it
     verdicts = [
         {
-            "effect": one.effect,
-            "verdict": one.verdict,
-            "evidence": round(one.evidence, 3),
-            "actuators": list(one.actuators),
-            "alternatives": list(one.alternatives),
+            "effect": verdict.effect,
+            "verdict": verdict.verdict,
+            "evidence": round(verdict.evidence, 3),
+            "actuators": list(verdict.actuators),
+            "alternatives": list(verdict.alternatives),
         }
         for name in (*diagnosis.missing, *(n for n in wanted if n not in diagnosis.missing))
-        if (one := by_name.get(name)) is not None
+        if (verdict := by_name.get(name)) is not None
     ]
     named = named_from(verdicts[: len(diagnosis.missing)])
     drawn = case.effects[1:] if case.kind in UNNAMED else case.effects

@@ -111,7 +111,7 @@ def transmission_error_size(reference: Reference, _effect: str, joint: str | Non
     rate = slope * j.acceleration - steepness**2 * wave * j.velocity**2
 
     def felt(x: float) -> float:
-        return _shifted(reference, j, [-x * one for one in (wave, slope * j.velocity, rate)])
+        return _shifted(reference, j, [-x * values for values in (wave, slope * j.velocity, rate)])
 
     return {"a": 0.0, "b": _solved(felt, 1e-3 * period, share, 1), "period": period}
 
@@ -186,8 +186,8 @@ def _felt(
     columns = slice(None) if motor is None else machine.robot.joints.index(motor)
     changes, torques = [], []
     for s in _samples(reference):
-        one, other = (motor_torque(m, s.payload, s.pose, s.q, s.qd, s.qdd) for m in (machine, without))
-        changes.append((one - other)[:, columns])
+        with_it, other = (motor_torque(m, s.payload, s.pose, s.q, s.qd, s.qdd) for m in (machine, without))
+        changes.append((with_it - other)[:, columns])
         torques.append(other[:, columns])
     return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
 
@@ -218,9 +218,9 @@ def _shifted(reference: Reference, j: JointMovement, shifts: list[Array]) -> flo
         for values, shift in zip((s.q, s.qd, s.qdd), shifts, strict=True):
             moved.append(values.copy())
             moved[-1][:, i] += shift[s.first + s.rows]
-        one = motor_torque(machine, s.payload, s.pose, *moved)
+        moved_torque = motor_torque(machine, s.payload, s.pose, *moved)
         other = motor_torque(machine, s.payload, s.pose, s.q, s.qd, s.qdd)
-        changes.append((one - other)[:, i])
+        changes.append((moved_torque - other)[:, i])
         torques.append(other[:, i])
     return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
 

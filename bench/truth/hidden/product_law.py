@@ -95,7 +95,7 @@ def unit_torque(
         sign = sign * np.sign(torque)
     driven = sign * _product(p, position, velocity, acceleration, torque, others, time)
     after = _remembered(p, float(time[1] - time[0]), (1, 1))
-    return np.array([after(np.array([[one]]))[0, 0] for one in driven])
+    return np.array([after(np.array([[entry]]))[0, 0] for entry in driven])
 
 
 def _rubs(p: Parameters) -> Array:

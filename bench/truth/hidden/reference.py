@@ -44,7 +44,7 @@ class Reference:
 
         def rate(values: list[Array]) -> list[Array]:
             period = self.simulation.scenario.log_period
-            return [np.gradient(one, period) for one in values]
+            return [np.gradient(value, period) for value in values]
 
         torque = [r.motion.torque[:, i] for r in recordings]
         current = [r.current[:, i] for r in recordings]

@@ -28,15 +28,17 @@ def _hidden_of(source: str, path: Path) -> dict[str, type[HiddenEffect]]:
     name = module_name(source, path, PREFIX)
     module = sys.modules.get(name) or module_of(source, path, PREFIX)
     classes = [
-        one
-        for one in vars(module).values()
-        if isinstance(one, type) and issubclass(one, HiddenEffect) and one.__module__ == name
+        member
+        for member in vars(module).values()
+        if isinstance(member, type) and issubclass(member, HiddenEffect) and member.__module__ == name
     ]
-    found = {one.name: one for one in classes if isinstance(inspect.getattr_static(one, "name", None), str)}
+    found = {
+        kind.name: kind for kind in classes if isinstance(inspect.getattr_static(kind, "name", None), str)
+    }
     if not found:
         raise BenchError(f"{path}: no subclass of HiddenEffect or JointEffect that has a name")
-    for one in found.values():
-        one.__reduce__ = _reducer(source, path)  # type: ignore[assignment, method-assign]
+    for kind in found.values():
+        kind.__reduce__ = _reducer(source, path)  # type: ignore[assignment, method-assign]
     return found
 
 
@@ -44,7 +46,7 @@ def _reducer(source: str, path: Path) -> Callable[[Any], tuple[Any, ...]]:
     """How such an effect goes to another process, which has not run its file: with the file's text."""
 
     def reduced(effect: Any) -> tuple[Any, ...]:
-        values = {one.name: getattr(effect, one.name) for one in fields(effect)}
+        values = {field.name: getattr(effect, field.name) for field in fields(effect)}
         return _restored, (source, str(path), effect.name, values)
 
     return reduced
