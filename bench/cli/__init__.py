@@ -34,7 +34,7 @@ COMMANDS = {
     ),
     "robot": LazyCommand(
         "bench.cli.robot:robot",
-        "Check a robot folder: joints, loops, home pose, singularities.",
+        "Make and check a robot folder: joints, loops, home pose.",
         MEASUREMENTS,
     ),
     "identify": LazyCommand(

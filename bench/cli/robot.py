@@ -1,17 +1,22 @@
 """`bench robot`: what concerns a robot alone, without measurements."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from bench.cli.completion import robots
 from bench.cli.last_lines import next_line, say, write_answer, wrote
 from bench.cli.options import json_option
+from bench.cli.parameters import Assignment
+
+if TYPE_CHECKING:
+    from bench.dataset.robot_toml import MjcfParts
 
 
 @click.group("robot")
 def robot() -> None:
-    """Check a robot folder: joints, loops, home pose, singularities."""
+    """Make and check a robot folder: joints, loops, home pose."""
 
 
 @robot.command("check")
@@ -41,3 +46,69 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
         write_answer(json_file, report_json(report))
         say([wrote(json_file, "answer")])
     say([next_line(["open", "--robot", folder] if Path(folder).is_dir() else ["open"], "takes its logs")])
+
+
+@robot.command("new")
+@click.argument("model", metavar="MODEL.xml", type=click.Path(path_type=Path))
+@click.option(
+    "--motor",
+    "motors",
+    type=Assignment(float),
+    multiple=True,
+    metavar="NAME=GAIN",
+    help="A motor: the joint that it drives (or a fixed tendon, or an actuator of the file with its gear) and its"
+    " nominal drive gain. Repeat for each; their order is that of every table.",
+)
+@click.option(
+    "--unit",
+    type=click.Choice(["A", "V", "1"]),
+    default="A",
+    show_default=True,
+    help="What the drives command: amperes, volts; 1: torques or forces are logged themselves.",
+)
+@click.option("--tool", metavar="SITE", help="The site of the file at which a payload is fixed.")
+@click.option("--name", help="The robot's name. [default: the file's, without its suffix]")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Where robot.toml goes. [default: beside the MJCF]",
+)
+@click.option("--overwrite", is_flag=True, help="Replace a robot.toml that is there already.")
+def new(
+    model: Path,
+    motors: tuple[tuple[str, float], ...],
+    unit: Literal["A", "V", "1"],
+    tool: str | None,
+    name: str | None,
+    output: Path | None,
+    overwrite: bool,
+) -> None:
+    """Write the robot.toml of an MJCF file: its motors, their nominal gains, its tool.
+
+    Without a --motor, it says what MODEL.xml has.
+    """
+    from bench.cli.parameters import unique
+    from bench.dataset.robot_toml import ROBOT_FILE, mjcf_parts, write_robot_toml
+
+    if not motors:
+        raise click.UsageError(
+            f"give each motor as --motor NAME=GAIN; {model} has {_listed(mjcf_parts(model))}"
+        )
+    unique(motors, "--motor")
+    folder = write_robot_toml(
+        model, motors, unit=unit, tool=tool, name=name, folder=output, overwrite=overwrite
+    )
+    say([wrote(folder / ROBOT_FILE, "robot"), next_line(["robot", "check", folder])])
+
+
+def _listed(parts: "MjcfParts") -> str:
+    """What the file has, by kind."""
+    nouns = {"joint": "joints", "tendon": "fixed tendons", "motor": "actuators with a gear"}
+    named = [
+        (noun, [part.name for part in parts.motors if part.drives == kind]) for kind, noun in nouns.items()
+    ]
+    return "; ".join(
+        f"{noun} {', '.join(names)}" for noun, names in [*named, ("sites", parts.sites)] if names
+    ) or ("no joint with a name")

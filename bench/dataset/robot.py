@@ -178,8 +178,8 @@ def _find_description(robot: str | Path, relative_to: Path | None) -> Path:
     raise BenchError(f"robot {str(robot)!r}: neither a built-in robot nor a folder: {hint}")
 
 
-def _compiler_message(path: Path, text: str) -> str:
-    """MuJoCo's message in one line that starts with file and line, without the parser's own bookkeeping."""
+def compiler_message(path: Path, text: str) -> str:
+    """MuJoCo's message on a file in one line that starts with file and line, without the parser's own bookkeeping."""
     text = one_line(text).removeprefix("XML Error: ").removeprefix("Error: ")
     line = re.search(r",? ?[Ll]ine(?: number)? ?[=:]? ?(\d+)", text)
     where = f"{path}, line {line.group(1)}" if line else str(path)
@@ -212,7 +212,7 @@ def _checked(
         model = robot_model(model_path, _transmissions(actuators))
         joint_names = [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
     except (ValueError, mujoco.FatalError) as error:
-        raise BenchError(_compiler_message(model_path, str(error))) from error
+        raise BenchError(compiler_message(model_path, str(error))) from error
     except BenchError as error:
         raise BenchError(f"{description}: actuators: {error}") from None
 

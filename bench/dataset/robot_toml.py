@@ -1,0 +1,176 @@
+"""A robot.toml for an MJCF file: what of the file a motor may drive, and the text that says which motors drive it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from bench.basics.errors import BenchError, meant
+from bench.dataset.robot import compiler_message, load_robot
+from bench.files.atomic import atomic_path
+
+if TYPE_CHECKING:
+    import mujoco
+
+ROBOT_FILE = "robot.toml"
+Unit = Literal["A", "V", "1"]
+"""What the drive commands: a current, the voltage of an amplifier; or torques and forces are logged themselves."""
+
+
+@dataclass(frozen=True)
+class MotorPart:
+    """What a motor may drive. effort: of a motor on it; actuated: whether an actuator of the file acts on it."""
+
+    name: str
+    drives: Literal["joint", "tendon", "motor"]
+    effort: Literal["N*m", "N"]
+    actuated: bool
+
+
+@dataclass(frozen=True)
+class MjcfParts:
+    """Of an MJCF file: what motors may drive, joints first, and the sites that a payload may be fixed at."""
+
+    path: Path
+    motors: tuple[MotorPart, ...]
+    sites: tuple[str, ...]
+
+    @property
+    def named(self) -> Mapping[str, MotorPart]:
+        """By name; of a joint and an actuator of the same name the joint."""
+        found: dict[str, MotorPart] = {}
+        for part in self.motors:
+            found.setdefault(part.name, part)
+        return found
+
+
+def mjcf_parts(path: str | Path) -> MjcfParts:
+    """What an MJCF file offers. Raises BenchError, with file and line, where MuJoCo refuses it."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
+
+    path = Path(path)
+    if not path.is_file():
+        raise BenchError(f"{path}: there is no such file")
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+        motors = tuple(part for part in _motors(model) if part.name)
+        sites = (model.site(i).name for i in range(model.nsite))
+        return MjcfParts(path, motors, tuple(name for name in sites if name))
+    except (ValueError, mujoco.FatalError) as error:
+        raise BenchError(compiler_message(path, str(error))) from error
+
+
+def robot_toml(
+    model: str, name: str, motors: Sequence[tuple[str, float]], parts: MjcfParts, unit: Unit, tool: str | None
+) -> str:
+    """The text of a robot.toml. model: the MJCF as the file names it; motors: names with their nominal gains, in order.
+
+    Raises BenchError for a motor or a site that the MJCF has not.
+    """
+    lines = [f"name = {_text(name)}", f"model = {_text(model)}"]
+    for motor, gain in motors:
+        if motor not in parts.named:
+            hint = meant(motor, parts.named, f"{parts.path.name} has")
+            raise BenchError(f"motor {motor!r}: no joint, fixed tendon or actuator with a gear: {hint}")
+        part = parts.named[motor]
+        gain_unit = unit if unit == "1" else f"{part.effort}/{unit}"
+        lines += [
+            "",
+            "[[actuators]]",
+            f"{part.drives} = {_text(motor)}",
+            f"gain = {gain!r}",
+            f"gain_unit = {_text(gain_unit)}",
+        ]
+    if tool is not None:
+        if tool not in parts.sites:
+            raise BenchError(f"tool {tool!r}: no site: {meant(tool, parts.sites, f'{parts.path.name} has')}")
+        lines += ["", "[tool]", f"site = {_text(tool)}"]
+    return "\n".join(lines) + "\n"
+
+
+def write_robot_toml(
+    mjcf: str | Path,
+    motors: Sequence[tuple[str, float]],
+    *,
+    unit: Unit = "A",
+    tool: str | None = None,
+    name: str | None = None,
+    folder: str | Path | None = None,
+    overwrite: bool = False,
+) -> Path:
+    """Write the robot.toml of an MJCF file, and return its folder: by default that of the file.
+
+    motors: joints, tendons or actuators of the file with their nominal drive gains, in the order of every table; unit:
+    of what the drives command; tool: the site at which a payload is fixed. What reads as no robot is not written.
+    Raises BenchError, and nothing is written: a motor or a site that the file has not, what `load_robot` refuses, a
+    robot.toml that is there already.
+    """
+    mjcf = Path(mjcf)
+    target = Path(folder if folder is not None else mjcf.parent) / ROBOT_FILE
+    if target.exists() and not overwrite:
+        raise BenchError(
+            f"{target}: is there already; give another folder, or say that it is to be overwritten"
+        )
+    text = robot_toml(_from(target.parent, mjcf), name or mjcf.stem, motors, mjcf_parts(mjcf), unit, tool)
+    with atomic_path(target) as partial:
+        partial.write_text(text, encoding="utf-8")
+        try:
+            load_robot(partial)
+        except BenchError as error:
+            raise BenchError(str(error).replace(str(partial), str(target))) from None
+    return target.parent
+
+
+def _from(folder: Path, file: Path) -> str:
+    try:
+        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # on another drive
+        return file.resolve().as_posix()
+
+
+def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
+    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
+
+    efforts: dict[int, Literal["N*m", "N"]] = {
+        int(mujoco.mjtJoint.mjJNT_HINGE): "N*m",
+        int(mujoco.mjtJoint.mjJNT_SLIDE): "N",
+    }
+    on_joint, on_tendon = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_TENDON)
+    acts = {
+        (int(kind), int(at))
+        for kind, at in zip(model.actuator_trntype, model.actuator_trnid[:, 0], strict=True)
+    }
+    joints = {j: efforts[int(kind)] for j, kind in enumerate(model.jnt_type) if int(kind) in efforts}
+    tendons = {
+        t: effort for t in range(model.ntendon) if (effort := _tendon_effort(model, t, joints)) is not None
+    }
+    for j, effort in joints.items():
+        yield MotorPart(model.joint(j).name, "joint", effort, (on_joint, j) in acts)
+    for t, effort in tendons.items():
+        yield MotorPart(model.tendon(t).name, "tendon", effort, (on_tendon, t) in acts)
+    for a in range(model.nu):
+        kind, at = int(model.actuator_trntype[a]), int(model.actuator_trnid[a, 0])
+        driven = {on_joint: joints, on_tendon: tendons}.get(kind, {})
+        if at in driven and model.actuator_gear[a, 0] != 1.0:
+            yield MotorPart(model.actuator(a).name, "motor", driven[at], True)
+
+
+def _tendon_effort(
+    model: mujoco.MjModel, tendon: int, joints: Mapping[int, Literal["N*m", "N"]]
+) -> Literal["N*m", "N"] | None:
+    """Of a motor on a fixed tendon: a torque, unless all of its joints slide; None for a tendon in space."""
+    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
+
+    first = int(model.tendon_adr[tendon])
+    wraps = range(first, first + int(model.tendon_num[tendon]))
+    if any(int(model.wrap_type[w]) != int(mujoco.mjtWrap.mjWRAP_JOINT) for w in wraps):
+        return None
+    return "N" if all(joints.get(int(model.wrap_objid[w])) == "N" for w in wraps) else "N*m"
+
+
+def _text(value: str) -> str:
+    return json.dumps(value, ensure_ascii=False)  # a JSON string is a TOML basic string
