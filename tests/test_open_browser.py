@@ -2,11 +2,14 @@
 
 import json
 import shlex
+import shutil
 
 import pytest
 from playwright.sync_api import expect
 
 from bench.cli import main
+from bench.dataset.catalogue import built_in_robots
+from bench.dataset.dataset import load_dataset
 from tests.open_kit import opened, short_dataset, write_log
 
 LEFT = "viscous_friction:left"
@@ -243,3 +246,45 @@ def test_a_second_browser_hears_of_what_the_first_does(look, logs, tmp_path):
         first.locator("#name").fill("my_data")
         expect(first.locator("#add-log")).to_contain_text("my_data: is there already")
         expect(first.locator("#import")).to_be_disabled()
+
+
+def test_a_robot_of_one_s_own_is_made_of_its_mjcf_and_takes_a_log_with_lines_on_top(
+    look, logs, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    log = tmp_path / "outside" / "free.csv"
+    log.parent.mkdir()
+    log.write_text("one,two,three,four,five,six\n" + (logs / "free.csv").read_text())
+    shutil.copy(built_in_robots()["five_bar"] / "five_bar.xml", log.parent / "my_arm.xml")
+    (tmp_path / "opened").mkdir()
+    with opened(tmp_path / "opened", cwd=tmp_path) as site:
+        page = look(site, width=PHONE)
+        page.locator("#files").set_input_files(log.parent / "my_arm.xml")
+        page.locator("#own-robot summary").click()
+        page.locator("#mjcf").select_option("my_arm.xml")
+        expect(page.locator("#make-robot")).to_be_disabled()
+        for joint, gain in (("left", "3"), ("right", "3.2")):
+            page.locator(".motors label").filter(has_text=f"{joint} hinge").locator("input").check()
+            page.get_by_label(f"Nominal drive gain of {joint}", exact=True).fill(gain)
+        expect(page.locator("#robot-tool")).to_have_value("tool")
+        assert page.evaluate(WIDER, PHONE) == []
+        line = page.locator("#own-robot .command pre").inner_text()
+        page.locator("#make-robot").click()
+        expect(page.locator("#make-robot")).to_have_count(0)  # made: the panel is new
+        page.locator("#files").set_input_files(log)
+        page.locator("#robot").select_option("my_arm")
+        page.locator("#skip").fill("1")
+        page.locator("#skip").press("Enter")
+        page.get_by_role("button", name="It is in deg").first.click()
+        expect(page.locator(".targets .said.fine")).to_have_count(5)
+        page.get_by_role("radio", name="none").check()
+        expect(page.locator("#add-log .command pre").last).to_contain_text("--skip-rows 1")
+        page.locator("#import").click()
+        expect(page.locator("#add-log .done")).to_be_visible()
+        assert page.heard == []
+    written = tmp_path / "opened" / "my_arm" / "robot.toml"
+    ours = written.read_bytes()
+    written.unlink()
+    assert main(shlex.split(line)[1:]) == 0  # the command in the shell
+    assert written.read_bytes() == ours
+    assert load_dataset(tmp_path / "opened" / "my_data").robot.nominal_gains.tolist() == [3.0, 3.2]

@@ -29,7 +29,10 @@ def test_everything_is_found_for_what_it_is(tmp_path):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text("")
     shutil.copytree(built_in_robots()["five_bar"], tmp_path / "arm")
+    for name, text in (("mine.xml", "<!-- CAD --><mujoco/>"), ("other.xml", "<robot/>")):
+        (tmp_path / name).write_text(text)
     found = Folder(tmp_path).look()
+    assert found.mjcfs == ["mine.xml"]
     assert found.datasets == ["data"]
     assert found.logs == ["log.csv", "more/log.mat"]
     assert found.runs == ["data.results/1-compare"]

@@ -188,6 +188,7 @@ def test_only_what_belongs_to_the_page_is_an_asset(site, name):
         ("program.bag", b"#!/bin/sh", "does not begin as"),
         ("program.csv", b"\x7fELF\0\0", "is no text"),
         ("book.csv", b"PK\x03\x04", "Excel"),
+        ("program.xml", b"\x7fELF\0\0", "is no text"),
     ],
 )
 def test_only_logs_are_taken(site, root, name, content, says):
@@ -263,6 +264,10 @@ def test_a_log_that_breaks_off_leaves_nothing(site, root):
             "payload_center": [0.0, 1.0],
         },
         {"step": "robot", "robot": "/"},
+        {"step": "new robot", "model": "../x.xml", "name": "x", "motors": [["a", 1.0]]},
+        {"step": "new robot", "model": "x.xml", "name": "../x", "motors": [["a", 1.0]]},
+        {"step": "new robot", "model": "x.xml", "name": "x", "motors": [["a\nb", 1.0]]},
+        {"step": "new robot", "model": "x.xml", "name": "x", "motors": []},
         {"step": "robot", "robot": "--help"},
         {"step": "import", "log": "log.csv", "robot": "five_bar", "dataset": "../x", "columns": {}},
         {"step": "import", "log": "log.csv", "robot": "five_bar", "dataset": "x", "columns": {"a": "b\nc"}},

@@ -162,11 +162,15 @@ class Pages:
         inside = self.folder.inside
         if name in ("columns", "checks"):
             known = {"columns": {}, "scale": {}, "rate": None, "split_gaps": False, "accept": []} | asked
+            skipped = asked.get("skip_rows", 0)
             return known | {
+                "skip_rows": skipped if isinstance(skipped, int) and skipped >= 0 else 0,
                 "topic": _text(asked, "topic") if asked.get("topic") else None,
                 "log": str(inside(_text(asked, "log"))),
                 "robot": self.folder.robot(_text(asked, "robot")),
             }
+        if name == "parts":
+            return {"model": str(inside(_text(asked, "model")))}
         if name == "runs":
             paths = _texts(asked, "paths")
             for path in paths:

@@ -25,7 +25,7 @@ GAP = "a gap of "
 class Mapped:
     """How a log is to be imported. scale: the units that are given, by column; split_gaps: it is cut at gaps.
 
-    topic: of a ROS bag.
+    topic: of a ROS bag. skip_rows: lines on top to leave out.
     """
 
     columns: Mapping[str, str]
@@ -34,6 +34,7 @@ class Mapped:
     split_gaps: bool = False
     accept: Sequence[str] = ()
     topic: str | None = None
+    skip_rows: int = 0
 
 
 def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
@@ -42,7 +43,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     remedy: {"unit": its name}, {"split_gaps": true}, {"accept": the check}, or None.
     Raises BenchError where the file is no log.
     """
-    log = read_log(path, Reading(topic=mapped.topic))
+    log = read_log(path, Reading(mapped.skip_rows, topic=mapped.topic))
     joints = {joint.name: joint for joint in joint_facts(robot)}
     found: dict[str, list[dict[str, Any]]] = {}
     series: dict[str, np.ndarray] = {}

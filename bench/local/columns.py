@@ -24,15 +24,16 @@ CURRENT = frozenset(
 )
 
 
-def look_at(path: str, robot: Robot, topic: str | None = None) -> dict[str, Any]:
+def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 0) -> dict[str, Any]:
     """The columns of the log in a file; see `columns_of`. Raises BenchError where it cannot be read.
 
     topics: those of a ROS bag that hold joint states; of several, one must be named before there are columns.
+    skip_rows: lines on top of a text to leave out.
     """
     topics = joint_topics(Path(path)) if is_bag(Path(path)) else ()
     if len(topics) > 1 and topic is None:
         return {"topics": topics}
-    return {**columns_of(read_log(path, Reading(topic=topic)), robot), "topics": topics}
+    return {**columns_of(read_log(path, Reading(skip_rows, topic=topic)), robot), "topics": topics}
 
 
 def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:

@@ -11,12 +11,15 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset_toml import DATASET_FILE
+from bench.dataset.robot_toml import ROBOT_FILE
 from bench.logs.log_file import TEXTS
 from bench.logs.ros_bag import SUFFIXES as BAGS
 from bench.page.folder import RUN_FILE
 
 LOGS = (*TEXTS, ".mat", ".npz", ".parquet", *BAGS)
-ROBOT_FILE = "robot.toml"
+MODELS = (".xml",)
+MJCF = b"<mujoco"
+BEGINNING = 1 << 16  # bytes of a model file in which that stands
 DEEP, MANY = 6, 5000  # levels and entries that are looked at
 RESULTS = ".results"  # what the folder of a dataset's results ends in
 MODEL = re.compile(r"(\d+-diagnosis-)?model(-\d+)?\.json")  # in it
@@ -28,10 +31,12 @@ class FolderEntry:
     """What lies in the folder, as paths relative to it, with slashes.
 
     robots: what a command takes -> its words; runs: folders of results; models: model files beside them.
+    mjcfs: MJCF files without a robot.toml beside them.
     """
 
     datasets: list[str] = field(default_factory=list)
     logs: list[str] = field(default_factory=list)
+    mjcfs: list[str] = field(default_factory=list)
     robots: dict[str, str] = field(default_factory=dict)
     runs: list[str] = field(default_factory=list)
     models: list[str] = field(default_factory=list)
@@ -122,6 +127,8 @@ class Folder:
             elif ROBOT_FILE not in files:
                 logs = sorted(name for name in files if Path(name).suffix.lower() in LOGS)
                 found.logs.extend(name if place == "." else f"{place}/{name}" for name in logs)
+                models = sorted(name for name in files if _is_mjcf(folder / name))
+                found.mjcfs.extend(name if place == "." else f"{place}/{name}" for name in models)
         return replace(found, runs=_by_time(runs))
 
     def _folders(self) -> Iterator[tuple[Path, list[str]]]:
@@ -131,6 +138,16 @@ class Folder:
             folders[:] = [] if deep else sorted(name for name in folders if not name.startswith("."))
             folders[:] = [name for name in folders if not (folder / name).is_symlink()]
             yield folder, [name for name in files if not name.startswith(".")]
+
+
+def _is_mjcf(path: Path) -> bool:
+    if path.suffix.lower() not in MODELS or path.is_symlink():
+        return False
+    try:
+        with path.open("rb") as file:
+            return MJCF in file.read(BEGINNING)
+    except OSError:
+        return False
 
 
 def _by_time(runs: list[tuple[float, str]]) -> list[str]:

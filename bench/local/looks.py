@@ -10,6 +10,7 @@ from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.dataset_toml import DATASET_FILE, DatasetSpec
 from bench.dataset.robot import load_robot
+from bench.dataset.robot_toml import mjcf_parts
 from bench.effects import places_in
 from bench.effects.display_names import begun, spoken
 from bench.files.atomic import finite
@@ -25,16 +26,26 @@ from bench.page.model_errors import model_beside
 from bench.page.section_errors import currents_section
 from bench.page.section_run import CommandRun
 
+MAPPED = ("columns", "scale", "rate", "split_gaps", "accept", "topic", "skip_rows")
+
 
 def columns(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """The columns of a log, and what they may be."""
-    return look_at(arguments["log"], load_robot(arguments["robot"]), arguments["topic"])
+    return look_at(
+        arguments["log"], load_robot(arguments["robot"]), arguments["topic"], arguments["skip_rows"]
+    )
 
 
 def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """What an import would say of each column."""
-    given = {key: arguments[key] for key in ("columns", "scale", "rate", "split_gaps", "accept", "topic")}
+    given = {key: arguments[key] for key in MAPPED}
     return checked(arguments["log"], load_robot(arguments["robot"]), Mapped(**given))
+
+
+def parts(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+    """What an MJCF file has that motors may drive, and its sites."""
+    found = mjcf_parts(arguments["model"])
+    return {"motors": [asdict(part) for part in found.named.values()], "sites": list(found.sites)}
 
 
 def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
@@ -95,6 +106,7 @@ def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
 LOOKS = {
     "columns": columns,
     "checks": checks,
+    "parts": parts,
     "dataset": dataset,
     "curves": curves,
     "machine": machine,

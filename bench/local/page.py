@@ -13,6 +13,7 @@ SCRIPTS = (
     "figure.js",
     "columns.js",
     "payload.js",
+    "robots.js",
     "dataset.js",
     "gains.js",
     "recordings.js",

@@ -12,6 +12,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset_toml import DATASET_FILE
 from bench.dataset.recording import Use
 from bench.dataset.recording_checks import Check
+from bench.dataset.robot_toml import Unit
 from bench.files.toml_input import UserTable, first_mistake
 from bench.local.folder import RESULTS, Folder
 from bench.page.section_run import quoted
@@ -48,6 +49,18 @@ class ImportLog(UserTable):
     topic: str | None = None
     split_gaps: bool = False
     accept: tuple[Check, ...] = ()
+    skip_rows: Annotated[int, Field(ge=0)] = 0
+
+
+class NewRobot(UserTable):
+    """A robot.toml is made for an MJCF file. motors: names and nominal gains; name: of the robot."""
+
+    step: Literal["new robot"]
+    model: Name
+    name: Name
+    motors: tuple[tuple[Name, Positive], ...] = Field(min_length=1)
+    unit: Unit = "A"
+    tool: str = ""
 
 
 class CheckRobot(UserTable):
@@ -91,7 +104,7 @@ class Identify(UserTable):
 
 
 Asked = Annotated[
-    ImportLog | CheckRobot | Compare | Diagnose | Identify | Export, Field(discriminator="step")
+    ImportLog | NewRobot | CheckRobot | Compare | Diagnose | Identify | Export, Field(discriminator="step")
 ]
 _ASKED: TypeAdapter[Any] = TypeAdapter(Asked)
 
@@ -122,8 +135,8 @@ def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
         raise BenchError(first_mistake(error)) from error
     if isinstance(step, ImportLog):
         return _import(folder, step)
-    if isinstance(step, CheckRobot):
-        return Command("robot", step.robot, ["robot", "check", folder.robot(step.robot)])
+    if isinstance(step, NewRobot | CheckRobot):
+        return _new_robot(folder, step) if isinstance(step, NewRobot) else _check_robot(folder, step)
     path = folder.root if step.dataset == "." else folder.inside(step.dataset)
     if not (path / DATASET_FILE).is_file():
         raise BenchError(f"{step.dataset}: no dataset: it holds no {DATASET_FILE}")
@@ -202,11 +215,32 @@ def _import(folder: Folder, step: ImportLog) -> Command:
     words += _payload(folder, step)
     if step.topic:
         words.append(f"--topic={_plain(step.topic)}")
+    if step.skip_rows:
+        words += ["--skip-rows", str(step.skip_rows)]
     if step.split_gaps:
         words.append("--split-gaps")
     words += [word for kind in step.accept for word in ("--accept", kind)]
     words += ["--name", f"{folder.name(log.stem)}.csv", "-o", folder.word(target)]
     return Command("import", step.log, words, {"dataset": step.dataset})
+
+
+def _new_robot(folder: Folder, step: NewRobot) -> Command:
+    """Beside the MJCF; or in a folder of the robot's name, where the file lies in what was opened itself."""
+    model, name = folder.inside(step.model), folder.name(step.name)
+    target = model.parent if model.parent != folder.root else folder.inside(name)
+    words = ["robot", "new", folder.word(model)]
+    for motor, gain in step.motors:
+        words.append(f"--motor={_plain(motor)}={gain!r}")
+    if step.unit != "A":
+        words += ["--unit", step.unit]
+    if step.tool:
+        words.append(f"--tool={_plain(step.tool)}")
+    words += [f"--name={name}", "-o", folder.word(target)]
+    return Command(step.step, step.model, words, _files(folder, robot=target))
+
+
+def _check_robot(folder: Folder, step: CheckRobot) -> Command:
+    return Command("robot", step.robot, ["robot", "check", folder.robot(step.robot)])
 
 
 def _payload(folder: Folder, step: ImportLog) -> list[str]:

@@ -1,4 +1,4 @@
-"""Files that come and go: a log is taken into the folder whole or not at all, a dataset leaves as a zip archive."""
+"""Files that come and go: a log or a model comes whole or not at all, a dataset leaves as an archive."""
 
 import filecmp
 import zipfile
@@ -8,7 +8,7 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.files.atomic import atomic_path
 from bench.files.csv_text import FOREIGN
-from bench.local.folder import LOGS, Folder
+from bench.local.folder import LOGS, MODELS, Folder
 
 LARGEST = 1 << 30  # bytes of one log
 STARTS: dict[str, tuple[bytes, ...]] = {
@@ -23,14 +23,14 @@ STARTS: dict[str, tuple[bytes, ...]] = {
 
 
 async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest: int = LARGEST) -> str:
-    """Write a log into the folder and return its path in it; a file that is there already with this content stays.
+    """Write a log, or an MJCF, into the folder and return its path in it; a file that is there with this content stays.
 
-    Raises BenchError for a name that is none, a kind that no log has, another file of that name, content that is not of
-    its kind, and too much of it; nothing is written then.
+    Raises BenchError for a name that is none, a kind that neither has, another file of that name, content that is not
+    of its kind, and too much of it; nothing is written then.
     """
     suffix = Path(folder.name(name)).suffix.lower()
-    if suffix not in LOGS:
-        raise BenchError(f"{name}: a log is one of {', '.join(LOGS)}")
+    if suffix not in (*LOGS, *MODELS):
+        raise BenchError(f"{name}: a log is one of {', '.join(LOGS)}; an MJCF model is .xml")
     target = folder.inside(name)
     if target.is_symlink() or (target.exists() and not target.is_file()):
         raise BenchError(f"{name}: is in the folder already; rename one of the two")

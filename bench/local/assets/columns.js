@@ -253,5 +253,19 @@ const Columns = (() => {
     return el("div", {class: "row"}, field("Topic of the joint states", choice));
   }
 
-  return {topics, create};
+  /* How many lines on top of a text are no part of its table. */
+  function skipped(lines, changed) {
+    const typed = el("input", {
+      type: "number",
+      min: "0",
+      step: "1",
+      id: "skip",
+      value: lines || "",
+      placeholder: "0",
+      change: () => changed(Math.max(0, Math.floor(Number(typed.value))) || 0),
+    });
+    return el("div", {class: "row"}, field("Lines on top to leave out", typed));
+  }
+
+  return {topics, skipped, create};
 })();

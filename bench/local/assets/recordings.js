@@ -16,6 +16,7 @@ const Recordings = (() => {
     inertia: "",
     topic: "",
     rate: "",
+    skip: 0,
     mapped: null,
   };
   let app,
@@ -32,7 +33,7 @@ const Recordings = (() => {
       type: "file",
       id: "files",
       multiple: true,
-      accept: ".csv,.tsv,.txt,.dat,.log,.mat,.npz,.parquet,.mcap,.db3,.bag",
+      accept: ".csv,.tsv,.txt,.dat,.log,.mat,.npz,.parquet,.mcap,.db3,.bag,.xml",
       change: () => take([...input.files]),
     });
     const drop = el(
@@ -52,7 +53,7 @@ const Recordings = (() => {
         },
       },
       input,
-      "Drop logs here, or choose them: CSV and other text, MAT, NPZ, Parquet, ROS bags",
+      "Drop logs here, or choose them: CSV and other text, MAT, NPZ, Parquet, ROS bags; of a robot of your own its MJCF (.xml)",
     );
     document
       .getElementById("add-log")
@@ -67,7 +68,9 @@ const Recordings = (() => {
         refused.push(`${file.name}: larger than this page takes; put it into the folder by hand`);
       else
         await Server.upload(file).then(
-          () => (form.log = file.name),
+          () => {
+            if (!/\.xml$/i.test(file.name)) form.log = file.name;
+          },
           (error) => refused.push(error.message),
         );
     }
@@ -105,11 +108,22 @@ const Recordings = (() => {
       ),
       ...faults.map((text) => el("p", {class: "fault", role: "alert"}, text)),
     );
+    if (!setup.children.length) draw();
   }
 
   /* Show a log, with its robot if one is chosen. */
   async function choose(log) {
-    Object.assign(form, {log, load: null, mass: "", center: "", inertia: "", topic: "", rate: "", use: "identify"}); // what holds of one log is asked for again
+    Object.assign(form, {
+      log,
+      load: null,
+      mass: "",
+      center: "",
+      inertia: "",
+      topic: "",
+      rate: "",
+      skip: 0,
+      use: "identify",
+    }); // what holds of one log is asked for again
     faults = [];
     form.dataset = app.dataset === null ? NEW : app.dataset;
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
@@ -123,7 +137,8 @@ const Recordings = (() => {
   }
 
   async function draw() {
-    if (!form.log) return setup.replaceChildren();
+    const own = Robots.create(app, made);
+    if (!form.log) return setup.replaceChildren(own);
     const robots = [["", "choose …"], ...Object.entries(app.folder.robots)];
     const robot = field(
       "Robot",
@@ -151,17 +166,25 @@ const Recordings = (() => {
       },
       "Check the robot",
     );
-    const parts = [el("h3", {}, form.log), el("div", {class: "row"}, robot, check), checked];
+    checkRobot = () => check.click();
+    const parts = [el("h3", {}, form.log), el("div", {class: "row"}, robot, check), checked, own];
     if (!form.robot)
       parts.push(
         el(
           "p",
           {class: "aid"},
-          "Which robot is this a log of? A folder with a robot.toml in the opened folder is offered as well, and so is bench open --robot FOLDER.",
+          "Which robot is this a log of? A folder with a robot.toml in the opened folder is offered as well, and so is bench open --robot FOLDER; or make one below.",
         ),
       );
     setup.replaceChildren(el("hr"), ...parts);
     if (!form.robot) return undefined;
+    if (/\.(csv|tsv|txt|dat|log)$/i.test(form.log))
+      setup.append(
+        Columns.skipped(form.skip, (lines) => {
+          form.skip = lines;
+          draw();
+        }),
+      );
     let look;
     try {
       look = await Server.look("columns", source());
@@ -202,7 +225,23 @@ const Recordings = (() => {
     return command(shown);
   }
 
-  const source = () => ({log: form.log, robot: form.robot, ...(form.topic ? {topic: form.topic} : {})});
+  let checkRobot = () => {};
+
+  /* A robot was made: it is the log's, and checked. */
+  async function made(folder) {
+    await app.refresh();
+    form.robot = folder;
+    render();
+    await draw();
+    checkRobot();
+  }
+
+  const source = () => ({
+    log: form.log,
+    robot: form.robot,
+    skip_rows: form.skip,
+    ...(form.topic ? {topic: form.topic} : {}),
+  });
 
   /* What is not in the log: the payload, the use, the dataset. */
   function about(shown) {
@@ -288,6 +327,7 @@ const Recordings = (() => {
       payload_mass: fresh && Number(form.mass) > 0 ? Number(form.mass) : null,
       ...(fresh ? Payload.told(form) : {}),
       topic: form.topic || null,
+      skip_rows: form.skip,
     };
   }
 
