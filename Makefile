@@ -69,7 +69,7 @@ peers: $(PEERS)/.installed
 
 $(PEERS)/.installed: pyproject.toml .ci/constraints.txt .ci/constraints-peers.txt
 	$(PYTHON) -m venv $(PEERS)
-	$(PEERS_INSTALL) hatchling
+	$(PEERS_INSTALL) hatchling wheel
 	$(PEERS_INSTALL) --no-build-isolation --editable . 'mujoco[sysid]' figaroh
 	@touch $@
 

@@ -1,8 +1,6 @@
 """Desired motion to currents, in Python beside the model's own equations and in C beside Python."""
 
-import ctypes
 import shutil
-import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -11,13 +9,15 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.robot import load_robot
-from bench.export.c_code import LAWS, c_text
+from bench.export.c_code import c_text
+from bench.export.c_laws import LAWS
 from bench.export.feedforward import PASSIVE, Feedforward, chosen_effects
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import problem_of
 from bench.model.model import build_model
 from bench.model.motion import motion_of
 from bench.speed.feedforward import seconds_per_call
+from tests.c_kit import compiled
 from tests.export_kit import identified, identified_file, simulated
 from tests.test_export_files import with_effects
 
@@ -41,38 +41,6 @@ FRICTION = [
 
 def states(count, motors):
     return np.random.default_rng(5).uniform(-1.5, 1.5, (count, 3, motors))
-
-
-def compiled(text, name, folder):
-    """The C function as a Python one."""
-    compiler = shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler on this machine")
-    (folder / "code.c").write_text(text)
-    strict = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O2"]
-    command = [
-        compiler,
-        *strict,
-        "-shared",
-        "-fPIC",
-        "-o",
-        str(folder / "code.so"),
-        str(folder / "code.c"),
-        "-lm",
-    ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    function = getattr(ctypes.CDLL(str(folder / "code.so")), f"{name}_currents")
-    function.restype = None
-
-    def currents(q, v, a):
-        out = np.empty(len(q))
-        arrays = [np.ascontiguousarray(one) for one in (q, v, a)]
-        pointers = [one.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for one in (*arrays, out)]
-        function(*pointers)
-        return out
-
-    return currents
 
 
 def test_every_law_in_c_is_tried_here():
@@ -177,11 +145,9 @@ def test_what_needs_more_than_the_instant_is_named():
     assert all(f"Not in it: {line}." in text for line in left_out)
 
 
-def test_wrong_sizes_and_loops_are_refused():
+def test_wrong_sizes_are_refused():
     with pytest.raises(BenchError, match="2 values each"):
         Feedforward(identified("two_link"))(np.zeros(3), np.zeros(2), np.zeros(2))
-    with pytest.raises(BenchError, match="without loops"):
-        c_text(identified("five_bar"))
 
 
 def test_the_command_writes_c_and_tells_what_is_lost(tmp_path, capsys):
@@ -189,8 +155,6 @@ def test_the_command_writes_c_and_tells_what_is_lost(tmp_path, capsys):
     assert main(["export", str(identified_file("two_link")), "--to", "c", "-o", str(path)]) == 0
     assert "two_link_currents" in path.read_text()
     assert f"wrote {path}" in capsys.readouterr().out
-    assert main(["export", str(identified_file("five_bar")), "--to", "c", "-o", str(tmp_path / "no.c")]) == 2
-    assert not (tmp_path / "no.c").exists()
 
 
 def test_the_time_of_a_call_is_measured_beside_rnea():

@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.effects import ActuatorEffect, JointSignals
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.geometry import Geometry
-from bench.model.motion import Motion, motion_of
+from bench.model.motion import Motion, motion_of, rates_at
 from bench.model.regressor import projected_regressor
 from bench.twin.laws import Memoryless, joint_law_of
 
@@ -64,6 +64,8 @@ class Feedforward:
             raise BenchError(f"{len(self.joints)} values each are needed: {', '.join(self.joints)}")
         geometry, base = self._model.model.geometry, self._model.model.base
         motion = motion_of(geometry, np.zeros(1), *(values[None] for values in asked), near=self._before)
+        if geometry.closed:  # once more from there: the Jacobian of the closed pose itself, to rounding
+            motion = rates_at(geometry, motion.time, motion.q, asked[1][None], asked[2][None])
         self._before = motion
         torque = (projected_regressor(geometry, motion, base.columns) @ self._model.base)[0]
         for effect in self._effects.in_passive:
