@@ -17,7 +17,16 @@ def library(text, folder, flags=("-O2",)):
         pytest.skip("no C compiler on this machine")
     (folder / "code.c").write_text(text)
     strict = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", *flags]
-    command = [compiler, *strict, "-shared", "-fPIC", "-o", str(folder / "code.so"), str(folder / "code.c"), "-lm"]
+    command = [
+        compiler,
+        *strict,
+        "-shared",
+        "-fPIC",
+        "-o",
+        str(folder / "code.so"),
+        str(folder / "code.c"),
+        "-lm",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return ctypes.CDLL(str(folder / "code.so"))

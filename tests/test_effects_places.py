@@ -14,7 +14,7 @@ MADE = {"bench/effects/README.md", "scenarios/README.md"}  # python docs/made/re
 LISTS = {"bench/effects/catalogue.py", "bench/truth/hidden/__init__.py"}
 OF_THEIR_OWN = {  # what a few effects have and most do without, each with its reason
     "bench/discovery/named.py": "the names of laws that a search finds",
-    "bench/export/c_code.py": "what a law is in C",
+    "bench/export/c_laws.py": "what a law is in C",
     "bench/export/feedforward.py": "what follows from the instant",
     "bench/export/placed.py": "what a joint of MuJoCo holds",
     "bench/robot_check/features.py": "what an MJCF may hold already",

@@ -157,9 +157,10 @@ def test_the_command_writes_c_and_tells_what_is_lost(tmp_path, capsys):
     assert f"wrote {path}" in capsys.readouterr().out
 
 
-def test_the_time_of_a_call_is_measured_beside_rnea():
+@pytest.mark.parametrize("robot", ["five_bar", "two_link"])
+def test_the_time_of_a_call_is_measured_beside_rnea(robot):
     if shutil.which("cc") is None:
         pytest.skip("no C compiler on this machine")
-    found = seconds_per_call(identified("two_link"), calls=2000)
+    found = seconds_per_call(identified(robot), calls=2000)
     assert list(found) == ["C", "pinocchio.rnea from Python", "Python"]
     assert all(seconds >= 0.0 for seconds in found.values())

@@ -266,6 +266,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(words, said, tmp_path, capsys)
     told = capsys.readouterr()
     assert told.err.count("\n") == 1
     assert said in told.err
+    assert told.out == ""
     assert not list(tmp_path.iterdir())
 
 

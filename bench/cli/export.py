@@ -46,7 +46,7 @@ def export(
     MODEL.json is what `bench identify --json` wrote. Bodies get masses and inertias that can exist and have the
     identified base parameters; what the data leave open stays near the masses of the MJCF, which only this command
     reads. The control of an exported motor is its current reference. What a format cannot hold is listed, and for MJCF
-    stands in NAME.twin.json beside it. C is a feed-forward, currents for a desired motion, of a robot without loops.
+    stands in NAME.twin.json beside it. C is a feed-forward: a function of desired motion to currents, loops closed.
     """
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_export
@@ -63,36 +63,30 @@ def export(
         raise click.UsageError("--payload goes with --to mjcf")
     identified = load_identified(model, robot, effect_files)
     step = after_export(model, form, output, effect_files)
+    told: list[str] = []
     if form == "c":
-        for line in write_c(output, identified):
-            click.echo(f"Not held: {line}")
-        say([wrote(output), *step])
-        return
-    physical = physical_set(identified, use_cad=cad)
-    if physical.contradiction is not None and not nearest:
-        raise BenchError(f"{model}: {physical.contradiction.words()}; --nearest writes them all the same")
-    click.echo(_bodies_line(physical.distance, physical.prior))
-    if physical.guessed:
-        click.echo(f"No mass in the MJCF, taken for bars: {', '.join(physical.guessed)}")
-    for request in dict.fromkeys(
-        effect.instance.request for effect in identified.effects if effect.instance.recording
-    ):
-        click.echo(f"Mean of the recordings' own values: {request}")
-    lines: list[str] = []
-    changed: tuple[str, ...] = ()
-    if form == "mjcf":
-        exported = write_mjcf(output, physical, payload)
-        lines, changed = left_lines(exported.placed.left), exported.changed
-        written = [output, write_sidecar(output, sidecar(physical, exported))]
-    elif form == "urdf":
-        lines, written = list(write_urdf(output, physical).not_held), [output]
+        lines, written = list(write_c(output, identified)), [output]
     else:
-        (write_csv if form == "csv" else write_yaml)(output, physical)
-        written = [output]
-    for line in changed:
-        click.echo(f"Changed: {line}")
-    for line in lines:
-        click.echo(f"Not held: {line}")
+        physical = physical_set(identified, use_cad=cad)
+        if physical.contradiction is not None and not nearest:
+            raise BenchError(f"{model}: {physical.contradiction.words()}; --nearest writes them all the same")
+        told.append(_bodies_line(physical.distance, physical.prior))
+        if physical.guessed:
+            told.append(f"No mass in the MJCF, taken for bars: {', '.join(physical.guessed)}")
+        shared = [effect.instance.request for effect in identified.effects if effect.instance.recording]
+        told += [f"Mean of the recordings' own values: {request}" for request in dict.fromkeys(shared)]
+        lines, written = [], [output]
+        if form == "mjcf":
+            exported = write_mjcf(output, physical, payload)
+            lines = left_lines(exported.placed.left)
+            told += [f"Changed: {line}" for line in exported.changed]
+            written.append(write_sidecar(output, sidecar(physical, exported)))
+        elif form == "urdf":
+            lines = list(write_urdf(output, physical).not_held)
+        else:
+            (write_csv if form == "csv" else write_yaml)(output, physical)
+    for line in (*told, *(f"Not held: {line}" for line in lines)):
+        click.echo(line)
     say([*map(wrote, written), *step])
 
 

@@ -78,4 +78,3 @@ def closure_tables(geometry: Geometry) -> dict[str, str]:
         "largest_turn": repr(LARGEST_TURN),
         "smallest_step": repr(SMALLEST_STEP),
     }
-

@@ -70,7 +70,8 @@ def passive_lines(geometry: Geometry, passive: Sequence[int], effects: Sequence[
         k = list(passive).index(joint.v.start)
         law = PASSIVE_LAWS[effect.name](_numbers(effect.values))
         lines.append(
-            f"    {{ double x = pose[{joint.q.start}] + ({joint.offset!r}), s = rate[{joint.v.start}]; (void)x; (void)s;\n"
+            f"    {{ double x = pose[{joint.q.start}] + ({joint.offset!r}), s = rate[{joint.v.start}];\n"
+            "      (void)x; (void)s;\n"
             f"      for (int i = 0; i < M; i++) torque[i] += here.amplification[{k}][i] * ({law}); }}"
         )
     return "\n".join(lines)

@@ -39,7 +39,8 @@ EXPLANATION = (
     " the currents: it predicts the positions by simulating the controlled machine. `output error` knows the"
     " controller's law and references too, and no mass but the payload's. At the truth's own step its model is"
     " the very program that made the data; 1 ms is the step of the log. FIGAROH has no closed loops."
-    " Seconds are those of solving alone, from recordings to estimates: the robot's model is built once beforehand"
+    " Seconds are of processor time, of all threads, and of solving alone, from recordings to estimates: the robot's"
+    " model is built once beforehand"
     " and not timed, and neither is the set-up of the others (MuJoCo specs, sequences and residual function of"
     " mujoco.sysid, URDF of FIGAROH)."
 )

@@ -41,10 +41,10 @@ def solve(problem: PeerProblem, step: float) -> Answer:
         )
     sequences = [_sequence(problem, index, step) for index in range(len(simulation.recordings))]
     residual = sysid.build_residual_fn(models_sequences=sequences)
-    start = time.perf_counter()
+    start = time.process_time()
     with redirect_stdout(io.StringIO()):
         found, result = sysid.optimize(parameters, residual, optimizer="mujoco", verbose=False)
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     vector = found.as_vector()
     errors = np.concatenate([part.ravel() for part in residual(vector, found)[0]])
     jacobian = np.asarray(result.jac)

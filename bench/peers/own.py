@@ -55,9 +55,9 @@ def solve_output_error(problem: PeerProblem, effects: tuple[str, ...] = ()) -> A
 def _identified(
     dataset: Dataset, effects: tuple[str, ...], name: str, method: str = DEFAULT_METHOD
 ) -> tuple[Answer, Identification]:
-    start = time.perf_counter()
+    start = time.process_time()
     result = identify(prepare(problem_of(dataset, effects)), method)
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     gains = list(result.drive_gains.values())
     values, stds = (np.array([getattr(gain, key) for gain in gains]) for key in ("value", "std"))
     return Answer(name, seconds, values, stds, None, None), result
@@ -82,7 +82,7 @@ def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Ans
     everything, result = solve_all_unknown(problem, effects)
     model = build_model(problem.simulation.robot)
     rest, per_mass = _base_of_masses(problem, model)  # the CAD's part, known beforehand
-    start = time.perf_counter()
+    start = time.process_time()
     base, gains = len(rest), len(everything.gains)
     kept = [i for i, unknown in enumerate(result.covariance_rows) if i < base or unknown.kind == "gain"]
     covariance = result.covariance[np.ix_(kept, kept)]
@@ -97,7 +97,7 @@ def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Ans
     weighted = weight @ (columns / scale[:, None])
     solution = np.linalg.lstsq(weighted, weight @ (measured / scale))[0]
     stds = np.sqrt(np.diag(np.linalg.inv(weighted.T @ weighted)))
-    seconds = everything.seconds + time.perf_counter() - start
+    seconds = everything.seconds + time.process_time() - start
     name = everything.solver.replace("parabench", "parabench, rest from CAD")
     return Answer(name, seconds, solution[2:], stds[2:], solution[:2], stds[:2])
 
