@@ -5,6 +5,7 @@ from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
+from tests.hidden_kit import STEP
 
 BRAKED = {"effect": "acceleration_dependent_friction", "c": 0.015}
 
@@ -16,6 +17,6 @@ def measured(*hidden: dict[str, object]) -> Dataset:
 
 def simulated(*hidden: dict[str, object]) -> Simulation:
     """A five-bar with these hidden effects, simulated."""
-    changes = {"design": {"optimise": False, "duration": 8.0}, "hidden": list(hidden)}
+    changes = {"design": {"optimise": False, "duration": 8.0}, "hidden": list(hidden), "step": STEP}
     scenario = load_scenario("five_bar", changes)
     return simulate(scenario, resolve_trajectories(scenario, designer))

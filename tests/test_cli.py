@@ -91,6 +91,14 @@ def test_what_is_slow_to_import_and_not_needed_is_not_imported(name, tmp_path):
     assert (code, {*imported} - own) == ("2", set())
 
 
+def test_what_simulates_and_what_writes_a_page_imports_nothing_slow():
+    modules = "bench.studies.sweep.work, bench.studies.trial.work, bench.page.write"
+    program = f"import sys, {modules}; print(*sorted({SLOW!r} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    own = {"jinja2", *(["scipy.sparse"] if SCIPY < (1, 17) else [])}  # pages are made of templates
+    assert {*done.stdout.split()} - own == set()
+
+
 def test_import_bench_is_light():
     program = f"import sys, bench; print(*sorted({HEAVY!r} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

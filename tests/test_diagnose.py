@@ -16,6 +16,7 @@ from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 NOISE_LEFT = 1.15  # times the noise floor: the largest error on recordings not fitted, with all effects found
 PERIODS = 31.54  # a turn
@@ -23,7 +24,7 @@ PERIODS = 31.54  # a turn
 
 def measured(*hidden: dict[str, object]) -> Dataset:
     """Measurements of a five-bar with these hidden effects."""
-    changes = {"design": {"optimise": False, "duration": 8.0}, "hidden": list(hidden)}
+    changes = {"design": {"optimise": False, "duration": 8.0}, "hidden": list(hidden), "step": STEP}
     scenario = load_scenario("five_bar", changes)
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
 

@@ -17,6 +17,7 @@ from bench.identification.result import Identification, Quantity
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 Hidden = Mapping[str, object]
 LEFT, RIGHT = {"joint": "left"}, {"joint": "right"}
@@ -40,6 +41,7 @@ def _simulated(hidden: str) -> Dataset:
         "design": {"optimise": False, "duration": 8.0},
         "sensors": {"encoder_bits": 0, "current_noise_ratio": 0.0},
         "hidden": json.loads(hidden),
+        "step": STEP,
     }
     scenario = load_scenario("five_bar", changes)
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))

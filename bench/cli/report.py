@@ -76,7 +76,7 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_page, after_trial
     from bench.page.folder import RUN_FILE, read_run
-    from bench.page.write import write_saved_run, write_sweep_report
+    from bench.page.write import write_saved_run
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     said, source, data = "", given.path, given.data
@@ -97,6 +97,8 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
         said = kept.said
     elif is_sweep_folder(source):
         _refuse(models, "a sweep")
+        from bench.page.write_studies import write_sweep_report
+
         progress.phase("drawing the page of a sweep")
         write_sweep_report(source, output)
     elif source.is_dir() or source.suffix == ".parquet":
@@ -121,7 +123,7 @@ def _of_trial(source: Path, output: Path) -> Path:
     from bench.basics.errors import BenchError
     from bench.page.folder import RUN_FILE
     from bench.page.trial_page import trial_table
-    from bench.page.write import write_trial_report
+    from bench.page.write_studies import write_trial_report
 
     table = trial_table(source) if source.exists() else None
     if table is None and source.is_dir():

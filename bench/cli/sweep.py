@@ -59,7 +59,8 @@ def sweep(
     )
     if output is not None and not dry_run:
         with shown_progress(quiet, "drawing the page"):
-            from bench.page.write import REPORT_FILE, write_sweep_report
+            from bench.page.write import REPORT_FILE
+            from bench.page.write_studies import write_sweep_report
 
             page = write_sweep_report(output, output / REPORT_FILE)
         say([wrote(page, "report"), next_line(["table", output], "summarises it by axis")])

@@ -92,7 +92,7 @@ def trial(
     )
     with shown_progress(running["quiet"], "drawing the page"):
         from bench.dataset.robot import load_robot
-        from bench.page.write import write_trial_report
+        from bench.page.write_studies import write_trial_report
 
         table = output / f"{load_robot(robot).name}.parquet"
         pages = [write_trial_report(table, table.with_suffix(".html"))] if table.is_file() else []

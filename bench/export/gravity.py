@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.base import DEPENDENT
@@ -16,6 +15,8 @@ STATES = 40
 
 def tilted(gravity: np.ndarray, tilt: EffectValues) -> np.ndarray:
     """Gravity (3,) as the tilted base feels it: Ry(-tilt_y) Rx(-tilt_x) g, see `BaseTilt`."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - slow to import, and seldom needed
+
     vertical = int(np.argmax(np.abs(gravity)))
     turned = gravity
     for axis, angle in (

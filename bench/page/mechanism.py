@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
 
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
@@ -66,11 +65,11 @@ def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
         radius = float(np.mean(np.delete(half, longest)))
         reach = np.zeros(3)
         reach[longest] = max(0.0, float(half[longest]) - radius)
-        turn = Rotation.from_quat(np.roll(mjcf.geom_quat[geom], -1))
-        own = [mjcf.geom_pos[geom] + turn.apply(center + sign * reach) for sign in (-1.0, 1.0)]
+        turn = np.roll(mjcf.geom_quat[geom], -1)
+        own = [mjcf.geom_pos[geom] + _turned(turn, center + sign * reach) for sign in (-1.0, 1.0)]
         frames = slice(0, 1) if mjcf.body_weldid[body] == 0 else slice(0, None, every)
-        turns = Rotation.from_quat(motion.quaternions[frames, body])
-        ends = [motion.positions[frames, body] + turns.apply(end) for end in own]
+        turns = motion.quaternions[frames, body]
+        ends = [motion.positions[frames, body] + _turned(turns, end) for end in own]
         found.append(
             {
                 "radius": radius,
@@ -79,3 +78,13 @@ def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
             }
         )
     return found
+
+
+def _turned(quaternions: npt.NDArray[np.float64], vector: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """A vector (3,) turned by unit quaternions (..., 4), x y z w.
+
+    scipy.spatial has the same, and takes 0.2 s to import.
+    """
+    axis, real = quaternions[..., :3], quaternions[..., 3:]
+    across = 2.0 * np.cross(axis, vector)
+    return np.asarray(vector + real * across + np.cross(axis, across))

@@ -16,10 +16,7 @@ from bench.page.pages import comparison_page, diagnosis_page, identification_pag
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
 from bench.page.section_run import CommandRun, Made, quoted
-from bench.page.sweep_page import read_sweep, sweep_page
-from bench.page.trial_page import again_line, read_trial, trial_page
 from bench.replay.replay import Replay
-from bench.studies.sweep.run_sweep import FILE
 from bench.workbench.page_data import page_data, with_command
 from bench.workbench.page_files import script, style
 
@@ -89,19 +86,3 @@ def _identify_line(kept: SavedRun) -> str:
     """The command that identifies the diagnosed dataset in the same way, without the effects that the page ticks."""
     each = tuple(effect for effect in kept.after.effects if effect.endswith(TAG))
     return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, kept.run.options).line()
-
-
-def write_sweep_report(folder: Path, output: Path) -> Path:
-    """Write the page of the sweep in a folder. Raises BenchError where it has not ended or cannot be read."""
-    found = read_sweep(folder)
-    again = [f"bench sweep {quoted(folder / FILE)} -o {quoted(folder)}"]
-    return write_page(
-        output, sweep_page(found, [*again, f"bench report {quoted(folder)} -o {quoted(output)}"])
-    )
-
-
-def write_trial_report(table: Path, output: Path) -> Path:
-    """Write the page of a trial from its table. Raises BenchError where it cannot be read."""
-    found = read_trial(table)
-    again = [again_line(found), f"bench report {quoted(table)} -o {quoted(output)}"]
-    return write_page(output, trial_page(found, again))

@@ -8,7 +8,6 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.files.atomic import write_text_atomically
 from bench.studies.sweep.plan import Plan
-from bench.studies.sweep.plot import plot_sweep
 from bench.studies.sweep.print_summary import summary_markdown
 from bench.studies.sweep.run_sweep import FILE, TABLE
 from bench.studies.sweep.summary import Summary, summarise, summarise_in_parts
@@ -64,6 +63,8 @@ def write_summary(plan: Plan, folder: Path) -> Summary:
 
 def write_plots(plan: Plan, folder: Path) -> list[Path]:
     """Draw the figures that the sweep's file asks for, or the first metrics against the first axis."""
+    from bench.studies.sweep.plot import plot_sweep  # noqa: PLC0415 - a table is read without matplotlib, too
+
     table = folder / TABLE
     known = column_names(table)
     paths = []

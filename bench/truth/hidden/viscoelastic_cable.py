@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
 
 from bench.truth.hidden.base import JointEffect
 from bench.truth.hidden.movement import JointMovement, Sizes, rms
@@ -45,6 +44,8 @@ class ViscoelasticCable(JointEffect):
 
     @staticmethod
     def sized(j: JointMovement, share: float) -> Sizes:
+        from scipy.signal import lfilter  # noqa: PLC0415 - slow to import, and seldom needed
+
         relaxation = 0.5
         left = np.exp(-j.period / relaxation)
         z = lfilter([(1 - left) * relaxation], [1.0, -left], j.velocity)
