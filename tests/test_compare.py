@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench.effects import CATALOGUE
+from bench.identification.wording import with_error
 from bench.residuals.as_json import where_json
 from bench.residuals.autocorrelation import autocorrelation, correlations, memory
 from bench.residuals.concentration import concentrations, shares
@@ -160,7 +161,25 @@ def test_what_repeats_over_position_is_found_with_its_period():
     assert 2.0 * np.pi * one.frequency == pytest.approx(40.0, rel=0.02)
     assert one.amplitude == pytest.approx(0.06, rel=0.15)
     assert one.error_share == pytest.approx(0.06**2 / 2 / (0.06**2 / 2 + 0.02**2), rel=0.15)
-    assert any("times a turn" in line for line in where_sentences(errors_by_motor(what)))
+    (said,) = [line for line in where_sentences(errors_by_motor(what)) if "times a turn" in line]
+    turn = 2.0 * np.pi * one.resolution
+    assert (
+        f"{with_error(2.0 * np.pi * one.frequency, turn)} times a turn as far as the travelled range tells"
+        in said
+    )
+
+
+@pytest.mark.parametrize("times", [13.1, 17.0, 29.3, 40.0])
+def test_a_period_is_known_within_half_a_cycle_of_the_travelled_range(times):
+    what = made(
+        lambda row, random: (
+            0.06 * np.sin(times * row["position"]) + 0.05 * row["position"] ** 2 + white(random)
+        )
+    )
+    (found,) = [line for line in lines(what.of("left")) if line.over == "position"]
+    position = np.concatenate([trace.position for trace in what.of("left")])
+    assert found.resolution == pytest.approx(0.5 / np.ptp(position))
+    assert abs(found.frequency - times / (2.0 * np.pi)) < found.resolution
 
 
 def test_what_swings_in_time_is_found_with_its_frequency_whatever_its_phase():
@@ -170,7 +189,8 @@ def test_what_swings_in_time_is_found_with_its_frequency_whatever_its_phase():
         )
     )
     (one,) = [line for line in lines(what.of("left")) if line.over == "time"]
-    assert one.frequency == pytest.approx(7.3, rel=0.01)
+    assert one.frequency == pytest.approx(7.3, rel=0.003)
+    assert one.resolution == pytest.approx(0.5 / 20.0, rel=0.01)
     assert one.amplitude == pytest.approx(0.06, rel=0.15)
 
 

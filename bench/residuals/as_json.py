@@ -65,6 +65,7 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
             {
                 "over": line.over,
                 "frequency": line.frequency,
+                "resolution": line.resolution,
                 "error_share": line.error_share,
                 "amplitude": line.amplitude,
                 "text": line_words(line, units),

@@ -18,6 +18,7 @@ LIKE_MOTION = (
 )
 FINEST = 400  # frequencies
 OVERSAMPLING = 2  # frequencies a resolvable line
+FINER = 41  # frequencies between a line's neighbours on the grid
 SEGMENT = 256  # rows
 
 
@@ -41,13 +42,17 @@ class PositionSpectrum:
 
 @dataclass(frozen=True)
 class SpectralLine:
-    """What repeats. frequency: cycles per rad, m or s; amplitude: drive unit."""
+    """What repeats. frequency: cycles per rad, m or s; amplitude: drive unit.
+
+    resolution: half a cycle in the travelled range or in the recording, within which the frequency is known.
+    """
 
     joint: str
     over: Literal["time", "position"]
     frequency: float
     error_share: float
     amplitude: float
+    resolution: float
 
 
 def time_spectrum(series: Sequence[MotorSeries]) -> Spectrum:
@@ -83,15 +88,11 @@ def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
     travel = float(np.ptp(np.concatenate([trace.position for trace in series])))
     best = _strongest(over_position.cycles, over_position.share, FEWEST_CYCLES / max(travel, 1e-12), count, 2)
     if best is not None:
-        found.append(
-            SpectralLine(
-                series[0].joint,
-                "position",
-                float(over_position.cycles[best]),
-                float(over_position.share[best]),
-                float(over_position.amplitude[best]),
-            )
-        )
+        position = np.concatenate([trace.position for trace in series])
+        error = np.concatenate([trace.error for trace in series])
+        finer = _about(over_position.cycles[best], travel)
+        amplitude, share = _sinusoids(position, error, finer)
+        found.append(_line(series[0].joint, "position", finer, share, amplitude, travel))
     in_time = _time_line(series, count)
     return [*found, *([in_time] if in_time else [])]
 
@@ -102,25 +103,44 @@ def _time_line(series: Sequence[MotorSeries], independent: float) -> SpectralLin
         return None
     frequency = _grid(duration, series[0].rate / 2.0)
 
-    def shares(values: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def shares(values: Sequence[np.ndarray], grid: np.ndarray = frequency) -> tuple[np.ndarray, np.ndarray]:
         whole = sum(float(column @ column) for column in values)
-        taken, amplitude = np.zeros(len(frequency)), np.zeros(len(frequency))
+        taken, amplitude = np.zeros(len(grid)), np.zeros(len(grid))
         for trace, value in zip(series, values, strict=True):
-            sizes, share = _sinusoids(trace.time, value, frequency)
+            sizes, share = _sinusoids(trace.time, value, grid)
             taken += share * float(value @ value)
             amplitude += sizes**2 / len(series)
         return np.sqrt(amplitude), taken / whole if whole else taken
 
-    amplitude, share = shares([trace.error for trace in series])
+    errors = [trace.error for trace in series]
+    _, share = shares(errors)
     _, of_motion = shares([trace.measured for trace in series])
     _, of_speed = shares([trace.velocity for trace in series])
     own = np.where(np.maximum(of_motion, of_speed) < LIKE_MOTION * share, share, 0.0)
     best = _strongest(frequency, own, FEWEST_CYCLES / duration, independent, 2 * len(series))
     if best is None:
         return None
-    return SpectralLine(
-        series[0].joint, "time", float(frequency[best]), float(share[best]), float(amplitude[best])
-    )
+    finer = _about(frequency[best], duration)
+    amplitude, share = shares(errors, finer)
+    return _line(series[0].joint, "time", finer, share, amplitude, duration)
+
+
+def _about(frequency: float, extent: float) -> np.ndarray:
+    """Frequencies as near to one of the grid as its neighbours."""
+    return np.asarray(frequency + np.linspace(-1.0, 1.0, FINER) / (OVERSAMPLING * extent))
+
+
+def _line(
+    joint: str,
+    over: Literal["time", "position"],
+    frequency: np.ndarray,
+    share: np.ndarray,
+    amplitude: np.ndarray,
+    extent: float,
+) -> SpectralLine:
+    best = int(np.argmax(share))
+    values = (float(column[best]) for column in (frequency, share, amplitude))
+    return SpectralLine(joint, over, *values, 0.5 / extent)
 
 
 def _grid(extent: float, finest: float) -> np.ndarray:

@@ -1,7 +1,9 @@
 """Where a model fails, in sentences."""
 
+import math
+
 from bench.effects.display_names import spoken
-from bench.identification.wording import in_percent
+from bench.identification.wording import in_percent, with_error
 from bench.residuals.concentration import Concentration
 from bench.residuals.look_alikes import LookAlike
 from bench.residuals.opposing_motion import Change
@@ -10,6 +12,7 @@ from bench.residuals.profile import Dependence
 from bench.residuals.residuals import MotorErrors, WhereItFails
 
 MOST_LOOKS, MOST_NAMES = 2, 4
+TURN = 2.0 * math.pi  # rad
 CHANGES = {
     "warm-up": "friction changes while it moves, as with warming up",
     "load": "friction changes with the load",
@@ -111,10 +114,12 @@ def line_words(line: SpectralLine, units: tuple[str, str]) -> str:
     share = f"{line.error_share:.0%}".replace("%", " %")
     size = f"with an amplitude of {line.amplitude:.2g} {units[0]}"
     if line.over == "time":
-        return f"{motor_words(line.joint)}: {share} of the squared error swings at {line.frequency:.3g} Hz, {size}"
-    period = f"every {1.0 / line.frequency:.3g} {units[1]}"
+        frequency = with_error(line.frequency, line.resolution)
+        return f"{motor_words(line.joint)}: {share} of the squared error swings at {frequency} Hz, {size}"
+    period = f"every {with_error(1.0 / line.frequency, line.resolution / line.frequency**2)} {units[1]}"
     if units[1] == "rad":
-        period += f" ({6.283185307179586 * line.frequency:.3g} times a turn)"
+        period += f", {with_error(TURN * line.frequency, TURN * line.resolution)} times a turn"
+    period += " as far as the travelled range tells"
     return f"{motor_words(line.joint)}: {share} of the squared error repeats {period}, {size}"
 
 
