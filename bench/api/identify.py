@@ -8,13 +8,12 @@ from bench.api.sources import Data, as_dataset
 from bench.diagnosis.mounting import mounted_otherwise
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.identification.identify import identify as fitted
-from bench.identification.other_load import other_load
+from bench.identification.mistaken import mistaken
 from bench.identification.prepare import prepare
 from bench.identification.problem import Filters, problem_of
 from bench.identification.result import Identification
 from bench.identification.shortness import short_recordings
 from bench.identification.standard_errors import Deviations
-from bench.identification.swapped_columns import swapped_columns
 
 
 def identify(
@@ -43,10 +42,10 @@ def identify(
     problem = problem_of(dataset, effects, filters, effect_files=effect_files, fit_gains=fit_gains)
     prepared = prepare(problem)
     result = fitted(prepared, method, deviations=deviations, essential=essential)
-    swapped = [*swapped_columns(problem, result, prepared), *other_load(problem, result, prepared)]
+    causes = mistaken(problem, result, prepared)
     mounted = mounted_otherwise(prepared)
     short = short_recordings(dataset.recordings, result.settings)
-    found = replace(result, findings=(*swapped, *mounted, *result.findings, *short))
+    found = replace(result, findings=(*causes, *mounted, *result.findings, *short))
     if not physical:
         return found
     from bench.export.constrained import physically_consistent  # noqa: PLC0415 - slow, and for this alone

@@ -21,6 +21,7 @@ TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
 HOPELESS = 10.0  # times the noise floor: where so much is left, names may be false
 CAUSES = {
+    Code.UNITS_UNLIKE,
     Code.COLUMNS_SWAPPED,
     Code.OTHER_LOAD,
     Code.CLOSURE_CONTRADICTED,

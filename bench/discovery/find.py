@@ -28,10 +28,9 @@ from bench.discovery.smooth import tabled_laws
 from bench.discovery.term import Term
 from bench.discovery.variables import Place
 from bench.identification.identify import fit
-from bench.identification.other_load import other_load
+from bench.identification.mistaken import mistaken
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
-from bench.identification.swapped_columns import swapped_columns
 
 LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
 TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
@@ -53,7 +52,7 @@ def find_missing_effects(
     """
     case = opened(problem, progress)
     progress.phase("looking for swapped columns and loads")
-    causes = (*swapped_columns(problem, case.before), *other_load(problem, case.before))
+    causes = mistaken(problem, case.before)
     found = _found(case, discover, not causes, progress)
     return replace(found, after=replace(found.after, findings=(*causes, *found.after.findings)))
 

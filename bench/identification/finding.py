@@ -14,6 +14,7 @@ class Code(StrEnum):
     PARAMETER_WITHOUT_DEVIATION = auto()
     ROUNDING_DECIDES = auto()
     NOISE_DECIDES = auto()
+    UNITS_UNLIKE = auto()
     COLUMNS_SWAPPED = auto()
     OTHER_LOAD = auto()
     NOT_REAL = auto()

@@ -13,6 +13,7 @@ UNBELIEVABLE = frozenset(
 
 
 MEND_FIRST = UNBELIEVABLE | {
+    Code.UNITS_UNLIKE,
     Code.COLUMNS_SWAPPED,
     Code.OTHER_LOAD,
     Code.CLOSURE_CONTRADICTED,
@@ -85,6 +86,19 @@ def _swapped(finding: Finding) -> str:
         f"The columns of {first} and {second}{where} are probably swapped: with current.{first} and current.{second} "
         f"exchanged (or their positions, on a symmetric robot), and with friction, the error falls to "
         f"{in_percent(finding.numbers['error'])}. Exchange the names in the header."
+    )
+
+
+def _unlike_units(told: Finding) -> str:
+    small, *large = told.names
+    unit = told.unit if told.unit in ("A", "V") else ""
+    many = len(large) > 1
+    where = f"in m{unit}, where {small} is in {unit}" if unit else "in thousandths"
+    scale = f"current=m{unit}" if unit else "current=1e-3"
+    they_are, them = ("they are", "them") if many else ("it is", "it")
+    return (
+        f"The currents of {', '.join(large)} are about {told.numbers['times']:.0f} times those of {small}, at every "
+        f"motor: probably {they_are} {where}. Import {them} anew with `--scale {scale}`."
     )
 
 
@@ -275,6 +289,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_RUNAWAY: _gain_runaway,
     Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
     Code.ROUNDING_DECIDES: _rounding,
+    Code.UNITS_UNLIKE: _unlike_units,
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
     Code.NOT_REAL: lambda finding: (

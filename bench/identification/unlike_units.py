@@ -1,0 +1,38 @@
+"""Recordings whose currents are in thousandths of the others' unit: a log in mA among logs in A."""
+
+import numpy as np
+
+from bench.identification.finding import Code, Finding
+from bench.identification.result import CurrentSeries, Identification
+
+THOUSAND = 3.0  # decades
+NEAR = 0.7  # decades, a factor of five: loads and speeds change the current of every motor by less
+
+
+def unlike_units(result: Identification) -> list[Finding]:
+    """The recordings whose currents are about a thousand times those of the others at every motor; [] where none are.
+
+    names: a recording with the small currents, then those with the large ones. What is compared is the RMS of every
+    motor's measured current, fitted or not.
+    """
+    sizes = {series.name: _sizes(series) for series in result.recordings}
+    known = {name: size for name, size in sizes.items() if np.isfinite(size).all()}
+    order = sorted(known, key=lambda name: float(known[name].mean()))
+    if len(order) < 2:
+        return []
+    steps = np.diff([known[name].mean() for name in order])
+    at = int(np.argmax(steps)) + 1
+    low, high = (np.mean([known[name] for name in part], axis=0) for part in (order[:at], order[at:]))
+    if np.abs(high - low - THOUSAND).max() > NEAR:
+        return []
+    times = float(10.0 ** (high - low).mean())
+    unit = next(iter(result.drive_gains.values())).unit.partition("/")[2]
+    return [
+        Finding(Code.UNITS_UNLIKE, (order[at - 1], *sorted(order[at:])), numbers={"times": times}, unit=unit)
+    ]
+
+
+def _sizes(series: CurrentSeries) -> np.ndarray:
+    """Decades (n,) of the RMS of every motor's current; infinite where one has none."""
+    rms = np.sqrt((series.measured**2).mean(axis=0))
+    return np.log10(rms, out=np.full(len(rms), -np.inf), where=rms > 0.0)
