@@ -16,7 +16,7 @@ from bench.dataset.recording import write_table
 from bench.logs.columns import LogMap
 from bench.logs.importing import LogRequest, import_log
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_robot
-from tests.logs_kit import imported
+from tests.logs_kit import imported, told
 
 NAMES = {"t": "time", "qa": "position.arm", "qr": "position.rail", "qw": "position.wheel"} | {
     "ia": "current.arm",
@@ -240,9 +240,9 @@ FAULTY_CELLS = {
         1201,
         4,
         "nan",
-        "column current.arm ('ia' of the log), line 1201: is 'nan', which is no measurement",
+        "column current.arm ('ia' of the log), line 1201: is 'nan', which is no measurement; add --split-gaps",
     ),
-    "empty": (1201, 1, "", "column position.arm ('qa' of the log), line 1201: is empty"),
+    "empty": (1201, 1, "", "column position.arm ('qa' of the log), line 1201: is empty; add --split-gaps"),
     "time": (1201, 0, "0.1", "column time ('t' of the log), line 1201: 0.1 s goes back"),
 }
 
@@ -369,3 +369,11 @@ def test_a_unit_in_a_name_is_told_where_nobody_gave_one(tmp_path: Path, robot: s
     notes = [note for _, note in import_log(robot, request, tmp_path / "data").notes]
     assert "ia_mA for current.arm: taken as A; if it is in mA, add --scale current.arm=mA" in notes
     assert not any("qa_deg" in note for note in notes)
+
+
+@pytest.mark.parametrize(("mass", "asked"), [(1500.0, True), (0.5, False), (4.0, False)])
+def test_a_payload_in_grams_is_asked_about(mass: float, asked: bool, tmp_path: Path, robot: str) -> None:
+    write_table(tmp_path / "log.csv", log())
+    found = told(tmp_path / "log.csv", robot, MAP, tmp_path / "out", payload=Payload("disc", mass))
+    said = [note for file, note in found.notes if file == tmp_path / "out" / "dataset.toml"]
+    assert [note.endswith("grams? then mass = 1.5") for note in said] == [True] * asked

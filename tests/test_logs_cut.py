@@ -89,9 +89,9 @@ def test_faults_behind_a_gap_are_named_by_their_line(tmp_path: Path, robot: str)
     file = with_lost(tmp_path, 800, 801)
     lines = file.read_text(encoding="utf-8").splitlines()
     cells = lines[1200].split(",")
-    lines[1200] = ",".join([*cells[:2], "nan", *cells[3:]])
+    lines[1200] = ",".join([*cells[:2], "90", *cells[3:]])
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    with pytest.raises(BenchError, match=r"column position\.rail, line 1201: is 'nan'"):
+    with pytest.raises(BenchError, match=r"column position\.rail, line 1201: spikes"):
         told(file, robot, LogMap(), tmp_path / "out", shortest=1.0)
 
 
@@ -102,3 +102,85 @@ def test_the_command_says_what_it_cut(tmp_path: Path, robot: str, capsys: pytest
     assert "--shortest needs --split-gaps" in capsys.readouterr().err
     assert main([*words, "--split-gaps", "--shortest", "1"]) == 0
     assert f"{file}: cut at 1 gap" in capsys.readouterr().out
+
+
+def with_unmeasured(folder: Path, *rows: int) -> Path:
+    """The same log whole, with no current in these rows."""
+    position, current = movement(time_stamps())
+    table = np.column_stack([time_stamps(), position, current])
+    table[list(rows), -1] = np.nan
+    write_table(folder / "log.csv", dict(zip(COLUMNS, table.T, strict=True)))
+    return folder / "log.csv"
+
+
+def test_rows_without_a_measurement_are_left_out_where_the_log_may_be_cut(tmp_path: Path, robot: str) -> None:
+    file = with_unmeasured(tmp_path, 0, 800, 801)
+    found = told(file, robot, LogMap(), tmp_path / "out", shortest=1.0)
+    assert [note for _, note in found.notes] == [
+        "3 rows without a measurement left out",
+        "cut at 1 gap (0.006 s at 1.598 s); no sample is dropped",
+    ]
+    first, second = load_dataset(tmp_path / "out").recordings
+    kept = np.delete(time_stamps(), [0, 800, 801])
+    assert np.array_equal(np.concatenate([first.time, second.time]), kept)
+
+
+def refused(folder: Path, lines: list[str], robot: str) -> str:
+    """What is said of a dataset with a log of these lines."""
+    (folder / "log.csv").write_text("\n".join(lines) + "\n")
+    recording = '[[recordings]]\nfile = "log.csv"\nuse = "identify"\n'
+    (folder / "dataset.toml").write_text(f'robot = "{robot}"\n{recording}')
+    with pytest.raises(BenchError) as caught:
+        load_dataset(folder)
+    return str(caught.value)
+
+
+def mended(folder: Path, key: str) -> list:
+    """The recordings of the dataset with what was advised."""
+    with (folder / "dataset.toml").open("a") as file:
+        file.write(f"{key}\n")
+    return load_dataset(folder).recordings
+
+
+def test_what_is_advised_for_a_dataset_mends_it(tmp_path: Path, robot: str) -> None:
+    lines = with_unmeasured(tmp_path, 800, 801, 1000).read_text().splitlines()
+    said = refused(tmp_path, lines, robot)
+    advised = "exclude = [[1.599, 1.603], [1.999, 2.001]]"
+    assert said.endswith(f"; {advised} beside its file name in dataset.toml leaves it out")
+    assert len(mended(tmp_path, advised)) == 3
+    lines = with_lost(tmp_path, 800, 801).read_text().splitlines()
+    said = refused(tmp_path, lines, robot)
+    advised = "window = [[0, 1.598], [1.604, 3.998]]"
+    assert "a gap of 0.006 s" in said
+    assert f"; {advised} beside its file name" in said
+    assert len(mended(tmp_path, advised)) == 2
+
+
+def test_a_file_that_breaks_off_is_told_so(tmp_path: Path, robot: str) -> None:
+    lines = with_unmeasured(tmp_path, 1999).read_text().splitlines()
+    assert refused(tmp_path, lines, robot).endswith("the file breaks off there: remove that line")
+    lines[-1] = lines[-1].rpartition(",")[0]
+    assert "the file breaks off there: remove that line" in refused(tmp_path, lines, robot)
+    lines[-1], lines[900] = lines[-2], lines[900].rpartition(",")[0]
+    assert refused(tmp_path, lines, robot).endswith("; mend or remove that line")
+
+
+@pytest.mark.parametrize(
+    ("written", "given", "advised"),
+    [
+        (1e3, 1e3, "--scale time=0.001 in place of --scale time=1000"),  # stamps in ms, scaled the wrong way
+        (1.0, 1e3, "--scale time=1 in place of --scale time=1000"),
+        (1e6, "ms", "--scale time=1e-06 in place of --scale time=ms"),
+    ],
+)
+def test_advice_on_units_counts_the_scale_that_was_given(
+    tmp_path: Path, robot: str, written: float, given: float | str, advised: str
+) -> None:
+    position, current = movement(time_stamps())
+    table = np.column_stack([written * time_stamps(), position, current])
+    write_table(tmp_path / "log.csv", dict(zip(COLUMNS, table.T, strict=True)))
+    with pytest.raises(BenchError, match="looks like") as caught:
+        told(tmp_path / "log.csv", robot, LogMap(scale={"time": given}), tmp_path / "out")
+    assert str(caught.value).endswith(f"; give {advised}")
+    mends = float(advised.split("=")[1].split(maxsplit=1)[0])
+    told(tmp_path / "log.csv", robot, LogMap(scale={"time": mends}), tmp_path / "out")

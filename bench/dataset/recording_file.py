@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +16,11 @@ from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording import Recording, Use, position_column
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.recording_window import WHOLE, Window
-from bench.dataset.sampling import on_uniform_grid, time_fault
+from bench.dataset.sampling import gap_rows, on_uniform_grid, time_fault
 from bench.files.table import FileTable, read_table, release_tables
+
+EXCLUDE, WINDOW = "exclude = [", "window = ["  # what dataset.toml says of stretches of time
+MOST_SPANS = 3  # that are told
 
 
 def load_recordings(
@@ -71,10 +76,11 @@ def recording_from_table(
     """
     columns = [f"{kind}.{joint.name}" for kind in ("position", "current") for joint in joints]
     _check_columns(table, ["time", *columns])
-    time = table.finite("time")
-    signals = np.column_stack([table.finite(column) for column in columns])
+    time = table.finite("time", lambda bad: _removed(bad, table.data.num_rows))
+    signals = np.column_stack([table.finite(column, partial(_left_out, time)) for column in columns])
     if (fault := time_fault(time)) is not None:
-        raise BenchError(f"{table.place('time', fault.row)}: {fault.what}")
+        cure = f"; {_between_gaps(time)}" if fault.gap else ""
+        raise BenchError(f"{table.place('time', fault.row)}: {fault.what}{cure}")
     _check_signals(table, columns, time, signals, joints, frozenset(accept))
     extra = {
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
@@ -87,6 +93,33 @@ def recording_from_table(
     extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
     own, theirs = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
     return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
+
+
+def _removed(bad: np.ndarray, count: int) -> str:
+    """What helps where rows (K,) of so many have no time."""
+    lines = "that line" if len(bad) == 1 else "those lines"
+    at_the_end = bool(bad[0] == count - len(bad))
+    return f"the file breaks off there: remove {lines}" if at_the_end else f"remove {lines}"
+
+
+def _left_out(time: np.ndarray, bad: np.ndarray) -> str:
+    """What helps where rows (K,) have no value: stretches that dataset.toml leaves out, or lines to be removed."""
+    if bad[0] == len(time) - len(bad):
+        return _removed(bad, len(time))
+    half = 0.5 * float(np.median(np.diff(time)))
+    first = np.concatenate(([True], np.diff(bad) > 1))
+    last = np.concatenate((first[1:], [True]))
+    spans = [
+        f"[{time[a] - half:.9g}, {time[b] + half:.9g}]" for a, b in zip(bad[first], bad[last], strict=True)
+    ]
+    return f"{EXCLUDE}{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml leaves it out"
+
+
+def _between_gaps(time: np.ndarray) -> str:
+    """What helps where samples were lost: the stretches between."""
+    rows = [0, *gap_rows(time).tolist(), len(time)]
+    spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows)]
+    return f"{WINDOW}{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml uses what is between"
 
 
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:

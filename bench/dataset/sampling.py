@@ -34,10 +34,11 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TimeFault:
-    """What is wrong with a time column; `row` is None where it is all of it."""
+    """What is wrong with a time column; `row` is None where it is all of it. gap: samples were lost, nothing else."""
 
     row: int | None
     what: str
+    gap: bool = False
 
 
 def time_fault(time: Array) -> TimeFault | None:
@@ -94,6 +95,7 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
         row,
         f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"
         f"{_more(rows.size)}",
+        gap=True,
     )
 
 

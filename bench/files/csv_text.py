@@ -80,11 +80,15 @@ class CsvText:
 
     def ragged(self) -> str | None:
         """What is wrong with the first line that has more or fewer values than the header has names."""
-        for line, cells in self._rows:
+        for row, (line, cells) in enumerate(self._rows):
             if len(cells) != len(self.names):
+                last = row == len(self._rows) - 1
                 comma = len(cells) > len(self.names) and self.delimiter == ","
                 hint = " (decimal commas? then separate the values by semicolons)" if comma else ""
-                return f"line {line}: has {len(cells)} values, the header names {len(self.names)}{hint}"
+                cure = "the file breaks off there: remove that line" if last else "mend or remove that line"
+                return (
+                    f"line {line}: has {len(cells)} values, the header names {len(self.names)}{hint}; {cure}"
+                )
         return None
 
     @cached_property

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -89,8 +89,11 @@ class FileTable:
         rows = range(self.first_row, self.first_row + self.data.num_rows)
         return np.array(self.text.floats(self.columns.index("time"), rows, otherwise=float("nan")))
 
-    def finite(self, column: str) -> Array:
-        """The column (N,) as floats; BenchError that names the first row that is empty, NaN or infinite."""
+    def finite(self, column: str, cure: Callable[[npt.NDArray[np.intp]], str] | None = None) -> Array:
+        """The column (N,) as floats; BenchError that names the first row that is empty, NaN or infinite.
+
+        cure: from the rows that are, what helps.
+        """
         if pa.types.is_boolean(kind := self.data.schema.field(column).type):
             raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
         values = self.numbers(column)
@@ -99,7 +102,8 @@ class FileTable:
             row = int(bad[0])
             more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
             what = self._what_stands(column, row, values[row])
-            raise BenchError(f"{self.place(column, row)}: {what}{more}")
+            helps = f"; {cure(bad)}" if cure is not None else ""
+            raise BenchError(f"{self.place(column, row)}: {what}{more}{helps}")
         return values
 
     def _what_stands(self, column: str, row: int, value: float) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,13 +15,17 @@ from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Use, write_table
 from bench.dataset.recording_checks import Check
-from bench.dataset.recording_file import recording_from_table
+from bench.dataset.recording_file import EXCLUDE, WINDOW, recording_from_table
 from bench.dataset.robot import Robot, load_robot
 from bench.files.atomic import write_text_atomically
 from bench.files.table import FileTable
 from bench.logs.columns import LogMap, columns_of
 from bench.logs.log_file import AS_FOUND, Reading, read_log
 from bench.logs.segments import UNCUT, Cutting, Segment, cut
+from bench.logs.units import UNITS
+
+HEAVY = 2.0  # times the mass of the robot's bodies: hardly a robot carries that
+LIGHT = 5.0  # kg: lighter payloads are nothing to ask about, whatever an MJCF says of its bodies
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ def import_logs(
         )
     text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads)
     _write(folder, text, parts)
+    notes += [(folder / DATASET_FILE, said) for payload in payloads if (said := _heavy(payload, loaded))]
     return Imported(tuple(entries), tuple(notes))
 
 
@@ -103,8 +108,19 @@ def _parts(
             table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
             recording_from_table(table, part.name, part.use, request.payload, joints, request.accept)
         except BenchError as error:
-            raise BenchError(_with_cure(str(error))) from error
+            raise BenchError(_with_cure(str(error), request.log_map.scale)) from error
     return parts, (*log.notes, *columns.notes, *cuts)
+
+
+def _heavy(payload: Payload, robot: Robot) -> str | None:
+    """What is said of a payload far heavier than the robot's own bodies, as its MJCF has them."""
+    own = float(robot.mjcf_model().body_mass.sum())
+    if payload.mass is None or payload.mass <= max(HEAVY * own, LIGHT):
+        return None
+    return (
+        f"the payload {payload.name} of {payload.mass:g} kg is far heavier than the robot ({own:.3g} kg in its MJCF): "
+        f"grams? then mass = {payload.mass / 1e3:g}"
+    )
 
 
 def _reference(robot: Robot, folder: Path) -> str:
@@ -127,15 +143,37 @@ CURES = {
     "looks like nanoseconds": "--scale time=ns",
     "looks like thousandths": "--scale current=mA",
     ": a gap of ": "--split-gaps to cut the log there",
+    "which is no measurement": "--split-gaps to leave such rows out and cut the log there",
+    "is empty": "--split-gaps to leave such rows out and cut the log there",
 }
 """What to add to the command, by what a check says."""
 
 
-def _with_cure(message: str) -> str:
-    """A check's message as it helps in an import: an option instead of a key of dataset.toml."""
+def _with_cure(message: str, scale: Mapping[str, float | str]) -> str:
+    """A check's message as it helps in an import: an option instead of a key of dataset.toml. scale: as it is given."""
     found = re.sub(r' \(accept = \["(\w+)"\] .*\)$', r" (--accept \1 if that is meant)", message)
+    for of_a_dataset in (EXCLUDE, WINDOW):
+        found = found.partition(f"; {of_a_dataset}")[0]
+    if "; remove" in found or "breaks off" in found:
+        return found
     cure = next((option for said, option in CURES.items() if said in message), None)
-    return found if cure is None else f"{found}; add {cure}"
+    if cure is None:
+        return found
+    target, _, unit = cure.removeprefix("--scale ").partition("=")
+    if unit and target in scale:
+        given = scale[target]
+        return f"{found}; give {_scaled(target, given, unit)} in place of --scale {target}={_number(given)}"
+    return f"{found}; add {cure}"
+
+
+def _scaled(target: str, given: float | str, unit: str) -> str:
+    """The scale that a column needs which, scaled as given, looks as if it were still in a unit."""
+    factor = (UNITS[given].factor if isinstance(given, str) else given) * UNITS[unit].factor
+    return f"--scale {target}={factor:.12g}"
+
+
+def _number(given: float | str) -> str:
+    return given if isinstance(given, str) else f"{given:.12g}"
 
 
 def _write(folder: Path, text: str, parts: Sequence[Segment]) -> None:

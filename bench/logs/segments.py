@@ -14,7 +14,7 @@ import pyarrow as pa
 from bench.basics.errors import BenchError
 from bench.dataset.recording import Use
 from bench.dataset.sampling import FEWEST, gap_rows
-from bench.files.table import SUFFIXES
+from bench.files.table import HUGE, SUFFIXES
 
 Array = npt.NDArray[np.float64]
 SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
@@ -60,18 +60,21 @@ def cut(
         raise BenchError(f"{name}: a recording's name is a file name that ends in {' or '.join(SUFFIXES)}")
     if not 0.0 <= fraction < 1.0 or (fraction and use != "identify"):
         raise BenchError(f"{file}: a part of 0 to 1 of a log to identify can be kept apart, not {fraction:g}")
+    rows, lost = _measured(columns) if cutting.shortest is not None else (np.arange(columns["time"].size), 0)
+    columns = {key: column[rows] for key, column in columns.items()} if lost else columns
     time = columns["time"]
     count = time.size
     apart = round(count * (1.0 - fraction)) if fraction else count
     gaps = [] if cutting.shortest is None else gap_rows(time).tolist()
     starts = sorted({0, *gaps, *([apart] if apart < count else [])})
     pieces = list(pairwise([*starts, count]))
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = _unmeasured(lost)
     if gaps and cutting.shortest is not None:
         whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
-        notes = (_told(time, gaps, pieces, whole, cutting.shortest),)
+        said = _told(time, gaps, pieces, whole, cutting.shortest)
         if not whole:
-            raise BenchError(f"{file}: {notes[0]}: nothing is left")
+            raise BenchError(f"{file}: {said}: nothing is left")
+        notes = (*notes, said)
         pieces = whole
     parts = []
     for k, (first, end) in enumerate(pieces, start=1):
@@ -79,8 +82,26 @@ def cut(
         part_use: Use = "validate" if use == "validate" or first >= apart else "identify"
         kept_apart = "-validate" if part_use != use else ""
         values = {key: column[first:end] for key, column in columns.items()}
-        parts.append(Segment(f"{path.stem}{number}{kept_apart}{path.suffix}", part_use, values, first))
+        parts.append(
+            Segment(f"{path.stem}{number}{kept_apart}{path.suffix}", part_use, values, int(rows[first]))
+        )
     return parts, notes
+
+
+def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
+    """The rows in which every column that a recording needs is a measurement, and how many others there are."""
+    needed = [
+        column
+        for name, column in columns.items()
+        if name == "time" or name.startswith(("position.", "current."))
+    ]
+    good = np.all([np.abs(column) < HUGE for column in needed], axis=0)
+    return np.flatnonzero(good), int(np.sum(~good))
+
+
+def _unmeasured(lost: int) -> tuple[str, ...]:
+    rows = "1 row" if lost == 1 else f"{lost} rows"
+    return (f"{rows} without a measurement left out",) if lost else ()
 
 
 def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:

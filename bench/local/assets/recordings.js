@@ -367,7 +367,7 @@ const Recordings = (() => {
             await app.refresh(dataset);
             const said = `${form.log} is a recording of ${dataset} now.`;
             const done = el("p", {class: "done", role: "status", tabindex: "-1"}, said);
-            setup.replaceChildren(done);
+            setup.replaceChildren(done, Dom.outcome(last));
             [form.log, form.name] = ["", null];
             render();
             done.focus({preventScroll: true});
