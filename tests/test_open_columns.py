@@ -110,6 +110,10 @@ def test_a_gap_is_cut_and_a_check_is_accepted_where_asked(tmp_path, robot):
     assert found["time"]["problems"][0]["where"] == "line 2002"
     assert found["current.left"]["problems"][0]["remedy"] == {"accept": "saturated"}
     assert found["current.right"]["problems"][0]["where"] == "line 9"
-    assert found["current.right"]["problems"][0]["remedy"] is None
+    assert found["current.right"]["problems"][0]["remedy"] == {"split_gaps": True}
     again = checked(str(log), robot, Mapped(columns, {}, split_gaps=True, accept=("saturated",)))
-    assert [target for target, one in again.items() if one["ok"]] == ["time", "current.left"]
+    assert [target for target, one in again.items() if one["ok"]] == ["time", "current.left", "current.right"]
+    rows[3000] = "9.999,0,0"  # behind what is left out, it keeps its own line
+    log.write_text("\n".join(["time,i,broken", *rows]))
+    again = checked(str(log), robot, Mapped(columns, {}, split_gaps=True, accept=("saturated",)))
+    assert again["time"]["problems"][0]["where"] == "line 3003"

@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.joint_facts import JointFacts, joint_facts
-from bench.dataset.recording_checks import Channel, find
+from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import time_fault
 from bench.files.table import HUGE
@@ -19,6 +19,7 @@ from bench.logs.log_file import LogFile, Reading, read_log
 from bench.logs.units import UNITS, factor_of
 
 GAP = "a gap of "
+CUT = {"split_gaps": True}  # the remedy for lost samples
 
 
 @dataclass(frozen=True)
@@ -49,13 +50,20 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     series: dict[str, np.ndarray] = {}
     for target, source in mapped.columns.items():
         series[target], found[target] = _read(log, robot, target, source, mapped.scale.get(target))
+    kept = _measured(series) if mapped.split_gaps else None
+    if kept is not None:
+        series = {target: values[kept] for target, values in series.items()}
+        found = {
+            target: [problem for problem in problems if problem["remedy"] != CUT]
+            for target, problems in found.items()
+        }
     time = series.get("time") if mapped.rate is None else None
     step = 1.0 / mapped.rate if mapped.rate else 1e-3
     if time is not None and time.size > 1 and not found["time"]:
         fault = time_fault(time)
         cut = mapped.split_gaps and fault is not None and fault.what.startswith(GAP)
         if fault is not None and not cut:
-            found["time"].append(_problem(log, "time", fault.what, fault.row, None))
+            found["time"].append(_problem(log, "time", fault.what, _row(fault.row, kept), None))
         step = float(np.median(np.diff(time)))
     for target, values in series.items():
         kind, _, joint = target.partition(".")
@@ -65,7 +73,10 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
             what = f"has {values.size} samples, time has {time.size}"
             found[target].append(_problem(log, target, what, None, None))
         elif values.size > 1 and step > 0.0:
-            found[target] = _judged(log, target, values, step, joints[joint], mapped.accept)
+            found[target] = [
+                _problem(log, target, fault.what, _row(fault.row, kept), fault.check)
+                for fault in _judged(target, values, step, joints[joint], mapped.accept)
+            ]
     return {target: {"ok": not problems, "problems": problems} for target, problems in found.items()}
 
 
@@ -97,15 +108,27 @@ def _factor(log: LogFile, robot: Robot, target: str, source: str, unit: str | fl
     return UNITS[unit].factor if isinstance(unit, str) else unit
 
 
+def _measured(series: Mapping[str, np.ndarray]) -> np.ndarray | None:
+    """The rows in which every column has a measurement; None where columns are of different length."""
+    if len({values.size for values in series.values()}) != 1:
+        return None
+    return np.flatnonzero(np.all([np.abs(values) < HUGE for values in series.values()], axis=0))
+
+
+def _row(row: int | None, kept: np.ndarray | None) -> int | None:
+    """The log's own row of one that was kept."""
+    return row if row is None or kept is None else int(kept[row])
+
+
 def _judged(
-    log: LogFile, target: str, values: np.ndarray, step: float, joint: JointFacts, accept: Sequence[str]
-) -> list[dict[str, Any]]:
+    target: str, values: np.ndarray, step: float, joint: JointFacts, accept: Sequence[str]
+) -> list[Fault]:
     position = target.startswith("position.")
     channel = Channel(np.ascontiguousarray(values), step, joint if position else None)
     findings = find(channel, frozenset(accept))
     if any(fault.check == "units" for fault in findings):  # in another unit everything is beyond its limits
         findings = [fault for fault in findings if fault.check != "limits"]
-    return [_problem(log, target, fault.what, fault.row, fault.check) for fault in findings]
+    return findings
 
 
 def _problem(log: LogFile, target: str, what: str, row: int | None, check: str | None) -> dict[str, Any]:
@@ -122,5 +145,5 @@ def _remedy(what: str, target: str, check: str | None) -> dict[str, Any] | None:
     if match and match.group(1) == target.partition(".")[0]:
         return {"unit": match.group(2)}
     if cure.startswith("--split-gaps"):
-        return {"split_gaps": True}
+        return dict(CUT)
     return {"accept": check} if check is not None else None

@@ -139,8 +139,9 @@ def _line(
     extent: float,
 ) -> SpectralLine:
     best = int(np.argmax(share))
-    values = (float(column[best]) for column in (frequency, share, amplitude))
-    return SpectralLine(joint, over, *values, 0.5 / extent)
+    return SpectralLine(
+        joint, over, float(frequency[best]), float(share[best]), float(amplitude[best]), 0.5 / extent
+    )
 
 
 def _grid(extent: float, finest: float) -> np.ndarray:
