@@ -117,3 +117,13 @@ def test_a_gap_is_cut_and_a_check_is_accepted_where_asked(tmp_path, robot):
     log.write_text("\n".join(["time,i,broken", *rows]))
     again = checked(str(log), robot, Mapped(columns, {}, split_gaps=True, accept=("saturated",)))
     assert again["time"]["problems"][0]["where"] == "line 3003"
+
+
+def test_a_unit_is_told_with_the_one_that_was_chosen(tmp_path, robot):
+    log = tmp_path / "log.csv"
+    log.write_text("\n".join(["t", *(str(1000 * k) for k in range(200))]))  # steps of 1 ms in us
+    columns = {"time": "t"}
+    for chosen in ("s", "ms"):
+        found = checked(str(log), robot, Mapped(columns, {"time": chosen}))["time"]
+        assert found["problems"][0]["remedy"] == {"unit": "us"}
+    assert checked(str(log), robot, Mapped(columns, {"time": "us"}))["time"]["ok"]

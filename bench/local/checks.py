@@ -77,6 +77,9 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
                 _problem(log, target, fault.what, _row(fault.row, kept), fault.check)
                 for fault in _judged(target, values, step, joints[joint], mapped.accept)
             ]
+    for target, problems in found.items():
+        for problem in problems:
+            problem["remedy"] = _in_place(problem["remedy"], mapped.scale.get(target))
     return {target: {"ok": not problems, "problems": problems} for target, problems in found.items()}
 
 
@@ -136,6 +139,17 @@ def _problem(log: LogFile, target: str, what: str, row: int | None, check: str |
     if row is not None:
         where = log.table.row_name(row) if log.table is not None else f"row {row}"
     return {"what": what, "where": where, "remedy": _remedy(what, target, check)}
+
+
+def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[str, Any] | None:
+    """The unit that stands for one that was given and one that what came of it looks like; None where none does."""
+    if remedy is None or "unit" not in remedy or given is None:
+        return remedy
+    like = UNITS[remedy["unit"]]
+    factor = like.factor * (UNITS[given].factor if isinstance(given, str) else given)
+    alike = {name: unit.factor for name, unit in UNITS.items() if unit.of == like.of}
+    name = next((name for name, own in alike.items() if np.isclose(own, factor, rtol=1e-9, atol=0.0)), None)
+    return None if name is None else {"unit": name}
 
 
 def _remedy(what: str, target: str, check: str | None) -> dict[str, Any] | None:
