@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnosis.reason import Because, Reason
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Remainder, Unexplained
 from tests.shown import identification_of
 
 VISCOUS = EffectVerdict(
@@ -15,7 +16,7 @@ VISCOUS = EffectVerdict(
     actuators=("left",),
     alternatives=(),
     size={"left": 0.33},
-    why="With viscous friction at left the error falls from 10 % to 1 % of the current.",
+    why=Reason(Because.EXPLAINS),
 )
 OTHERS = (
     replace(
@@ -26,7 +27,7 @@ OTHERS = (
         actuators=(),
         alternatives=("viscous_friction",),
         size={},
-        why="Current delay would explain the data as well.",
+        why=Reason(Because.AS_GOOD),
     ),
     *(
         replace(
@@ -36,7 +37,7 @@ OTHERS = (
             evidence=-float(i),
             actuators=(),
             size={},
-            why=f"Adding {name} gains nothing.",
+            why=Reason(Because.GAINS_NOTHING),
         )
         for i, name in enumerate(
             ("backlash", "base_tilt", "cogging_torque", "geometric_error", "joint_spring", "torque_ripple")
@@ -49,10 +50,10 @@ OTHERS = (
         evidence=0.0,
         actuators=(),
         size={},
-        why="The model's own parameters take rotor inertia up.",
+        why=Reason(Because.TAKEN_UP),
     ),
 )
-CLEAR = Unexplained(False, 0.01, 0.0098, (), "the error left is what noise leaves")
+CLEAR = Unexplained(Remainder.NOISE, 0.01, 0.0098, ())
 
 
 def found_diagnosis(dataset: Dataset) -> Diagnosis:
@@ -61,7 +62,7 @@ def found_diagnosis(dataset: Dataset) -> Diagnosis:
     moved = {**after.drive_gains, "left": replace(after.drive_gains["left"], value=3.63)}
     return Diagnosis(
         robot="five_bar",
-        split="recordings that were not fitted",
+        held_out=0.0,
         missing=("viscous_friction",),
         ladder=(LadderStep((), 0.11, 0.12), LadderStep(("viscous_friction",), 0.0099, 0.01)),
         ranking=(VISCOUS, *OTHERS),

@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from bench.dataset.robot import load_robot
-from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnosis.reason import Because, Reason
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Remainder, Unexplained
 from bench.identification.problem import problem_of
 from bench.page.pages import diagnosis_page, identification_page
 from bench.page.render import render_page
@@ -14,7 +15,7 @@ from bench.page.section_run import Made
 from tests.shown import dataset_of, identification_of
 
 MISSING = EffectVerdict(
-    "viscous_friction", "missing", 0.12, 0.01, 812.4, ("left",), (), {"left": 0.33}, "It falls <sharply>."
+    "viscous_friction", "missing", 0.12, 0.01, 812.4, ("left",), (), {"left": 0.33}, Reason(Because.EXPLAINS)
 )
 DOUBTFUL = replace(
     MISSING,
@@ -24,13 +25,13 @@ DOUBTFUL = replace(
     actuators=(),
     alternatives=("viscous_friction",),
     size={},
-    why="Current delay would explain the data as well.",
+    why=Reason(Because.AS_GOOD),
 )
 UNSUPPORTED = replace(
-    DOUBTFUL, effect="backlash", verdict="not supported", alternatives=(), why="It gains nothing."
+    DOUBTFUL, effect="backlash", verdict="not supported", alternatives=(), why=Reason(Because.GAINS_NOTHING)
 )
 ABSORBED = replace(
-    DOUBTFUL, effect="rotor_inertia", verdict="absorbed", alternatives=(), why="It is taken up."
+    DOUBTFUL, effect="rotor_inertia", verdict="absorbed", alternatives=(), why=Reason(Because.TAKEN_UP)
 )
 AGAIN = Made(("bench diagnose data -o results", "bench report results -o report.html"))
 
@@ -45,11 +46,11 @@ def diagnosis(data=None, name="five_bar"):
     moved = {**after.drive_gains, "left": replace(after.drive_gains["left"], value=3.63)}
     return Diagnosis(
         robot=name,
-        split="recordings that were not fitted",
+        held_out=0.0,
         missing=("viscous_friction",),
         ladder=(LadderStep((), 0.11, 0.12), LadderStep(("viscous_friction",), 0.0099, 0.01)),
         ranking=(MISSING, DOUBTFUL, UNSUPPORTED, ABSORBED),
-        unexplained=Unexplained(False, 0.01, 0.0098, (), "the error left is what noise leaves"),
+        unexplained=Unexplained(Remainder.NOISE, 0.01, 0.0098, ()),
         before=before,
         after=replace(after, drive_gains=moved),
     )

@@ -15,6 +15,8 @@ from bench.dataset.dataset import load_dataset
 from bench.dataset.robot import load_robot
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.pruning import impossible_effects, refused, superfluous_effect
+from bench.diagnosis.reason import Because, Reason
+from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import LadderStep
 from bench.diagnosis.summary import doubts, error_share, motor_torques, reason, summary_sentences
 from bench.document.diagnosis import ranking_table, size_words
@@ -74,7 +76,7 @@ def test_the_report_fits_and_says_what_counts(found, width):
     )
     assert "where noise leaves 0.98 %" in said
     assert "the drive gain of left is 3.63" in said
-    assert "The error left is what noise leaves." in said
+    assert "The error left (1 %) is what the noise of the currents leaves (0.98 %)." in said
     for word in (
         "812.4",
         "indistinguishable",
@@ -90,10 +92,10 @@ def test_the_report_fits_and_says_what_counts(found, width):
 def test_what_is_not_supported_is_only_named_unless_asked_for(found):
     short, long = printed(found), printed(found, verbose=True)
     assert "not supported, too: joint spring, torque ripple" in " ".join(short.split())
-    assert "Adding joint_spring gains nothing." not in short
+    assert "Adding joint spring gains nothing" not in short
     assert "not supported, too" not in long
     for one in OTHERS:
-        assert " ".join(one.why.split()) in " ".join(long.split())
+        assert reason_sentence(one) in " ".join(long.split())
 
 
 def test_a_friction_that_drives_is_refused(found):
@@ -109,12 +111,12 @@ def test_a_friction_that_drives_is_refused(found):
 
     (out,) = impossible_effects(model(-1.0, -2.0), instances).items()
     assert out[0] == "stribeck_friction"
-    assert "negative Fs" in out[1]
+    assert out[1] == Reason(Because.IMPOSSIBLE, ("Fs",))
     assert impossible_effects(model(-1.0, 1.0), instances) == {}  # at one joint it may be left out
     assert impossible_effects(model(-0.2, -0.2), instances) == {}  # two deviations are nothing
     verdict = refused(replace(VISCOUS, effect="stribeck_friction"), out[1])
     assert verdict.verdict == "not supported"
-    assert "Stribeck friction would need a negative Fs" in verdict.why
+    assert "Stribeck friction would need a negative Fs" in reason_sentence(verdict)
     assert refused(VISCOUS, None) is VISCOUS
 
 
@@ -124,7 +126,7 @@ def test_an_effect_that_the_others_do_without_goes():
     assert superfluous_effect([*steps, LadderStep(("a_b", "c_d"), 0.01, 0.0190)]) == {}
     (out,) = superfluous_effect([*steps, LadderStep(("a_b", "c_d"), 0.01, 0.0199)]).items()
     assert out[0] == "c_d"
-    assert out[1].startswith("C d is not needed")
+    assert out[1] == Reason(Because.NOT_NEEDED)
 
 
 def test_columns_with_nothing_in_them_are_left_out(nothing):
@@ -188,12 +190,12 @@ def test_a_reason_carries_its_size_in_torque_and_in_percent(found):
     fitted = np.concatenate([one.measured[:, 0] for one in found.after.recordings if one.use == "identify"])
     assert torque == pytest.approx(3.63 * np.sqrt(np.mean(fitted**2)))
     text = reason(found, VISCOUS)
-    assert text.startswith(VISCOUS.why.rstrip("."))
+    assert text.startswith(reason_sentence(VISCOUS).rstrip("."))
     assert f"0.33 N·m at left ({100 * 0.33 / torque:.2g} % of its torque)" in text
     assert text.endswith("takes 99 % of the squared error away.")
     assert error_share(VISCOUS) == pytest.approx(0.99)
     assert size_words(found, VISCOUS) == f"0.33 N·m ({100 * 0.33 / torque:.2g} %)"
-    assert reason(found, OTHERS[0]) == OTHERS[0].why
+    assert reason(found, OTHERS[0]) == reason_sentence(OTHERS[0])
 
 
 def test_bars_are_as_long_as_their_shares():

@@ -9,6 +9,7 @@ import pytest
 from bench.dataset.robot import load_robot
 from bench.diagnosis import as_good
 from bench.diagnosis.pruning import impossible_but_needed
+from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.search import Scored
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.result import Quantity
@@ -55,7 +56,7 @@ def test_an_effect_left_out_at_a_cost_goes_with_its_reason(result):
         return replace(whole, error=replace(whole.error, validate=times * whole.error.validate))
 
     why = impossible_but_needed(whole, without(2.0), [stribeck])["stribeck_friction"]
-    assert why.startswith("Stribeck friction would need a negative Fs at left to explain the data")
+    assert why == Reason(Because.IMPOSSIBLE, ("Fs", "left"))
     assert impossible_but_needed(whole, without(1.01), [stribeck]) == {}
     assert impossible_but_needed(whole, without(2.0), []) == {}
     likely = replace(whole, effect_parameters={"stribeck_friction": {"left": {**values, "Fs": values["Fc"]}}})

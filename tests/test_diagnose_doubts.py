@@ -6,6 +6,7 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.diagnosis.as_json import diagnosis_json
+from bench.diagnosis.result import Remainder
 from bench.diagnosis.summary import doubts, summary_sentences
 from bench.identification.findings import runaway, with_findings
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
@@ -73,7 +74,7 @@ def test_what_only_resembles_says_so_in_headline_row_and_json(found):
 
 def test_a_good_model_of_a_real_machine_is_not_told_to_check_its_columns(found):
     def left(error):
-        unexplained = replace(found.unexplained, significant=True, error=error, noise_floor=0.0003)
+        unexplained = replace(found.unexplained, what=Remainder.PATTERN, error=error, noise_floor=0.0003)
         return " ".join(doubts(replace(found, unexplained=unexplained)))
 
     assert FAMILIAR not in left(0.0296)

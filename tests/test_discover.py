@@ -15,7 +15,7 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.diagnose import diagnose
 from bench.diagnosis.law_words import law_sentences, symbols
-from bench.diagnosis.result import Diagnosis, Unexplained
+from bench.diagnosis.result import Diagnosis, Remainder, Unexplained
 from bench.diagnosis.summary import summary_sentences
 from bench.discovery import find
 from bench.discovery.find import find_missing_effects, something_left
@@ -119,10 +119,10 @@ def test_without_anything_hidden_no_law_is_claimed() -> None:
 
 
 def test_noise_of_the_encoders_is_not_searched_for_laws() -> None:
-    left = Unexplained(significant=False, error=0.02, noise_floor=0.01, depends_on=(), why="")
+    left = Unexplained(Remainder.NO_PATTERN, error=0.02, noise_floor=0.01, depends_on=())
     assert something_left(left)
     assert not something_left(replace(left, encoders=0.015))
-    assert something_left(replace(left, encoders=0.015, significant=True))
+    assert something_left(replace(left, encoders=0.015, what=Remainder.PATTERN))
 
 
 def test_a_law_beside_a_known_effect_is_one_law_of_both_motors() -> None:

@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from bench.diagnosis.result import Unexplained
+from bench.diagnosis.result import Remainder, Unexplained
 from bench.identification.problem import problem_of
 from bench.page.pages import diagnosis_page
 from bench.page.parts import Figure, PageTable, Section, Text
@@ -76,7 +76,7 @@ def test_the_verdict_is_three_sentences(page, read):
     assert page.verdict[0].startswith("Viscous friction at left is missing")
     assert "from 12\u00a0% to 1\u00a0% of the current" in page.verdict[0]
     assert "the drive gain of left is 3.63" in page.verdict[1]
-    assert page.verdict[2] == "The error left is what noise leaves."
+    assert page.verdict[2] == "The error left (1\u00a0%) is what the noise of the currents leaves (0.98\u00a0%)."
     assert all(sentence in " ".join(read.said) for sentence in page.verdict)
 
 
@@ -105,8 +105,8 @@ def test_what_was_found_stands_on_the_page(read):
     for words in (
         "812.4",
         "indistinguishable",
-        "Current delay would explain the data as well.",
-        "It gains nothing.",
+        "Current delay would explain the data as well as viscous friction: these recordings cannot tell.",
+        "Adding backlash gains nothing on recordings that were not fitted",
         "no data of this robot could show",
         "mx(left_crank)",
         "+ 0.2 m(left_rod) − 0.667 mx(left_rod)",
@@ -264,9 +264,7 @@ def test_what_was_not_done_is_said():
 
 def test_something_left_is_among_the_limits():
     found = diagnosis()
-    left = Unexplained(
-        True, 0.05, 0.01, ("velocity",), "5 % of the current is left, and it varies with velocity"
-    )
+    left = Unexplained(Remainder.PATTERN, 0.05, 0.01, ("velocity",))
     page = diagnosis_page(replace(found, unexplained=left), problem_of(dataset()), AGAIN)
     (limits,) = [section for section in page.sections if section.id == "limits"]
     assert any("varies with velocity" in item for item in limits.parts[0].items)

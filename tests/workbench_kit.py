@@ -1,6 +1,7 @@
 """A dataset to try the workbench on, and a diagnosis of it."""
 
-from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnosis.reason import Because, Reason
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Remainder, Unexplained
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -55,7 +56,7 @@ def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE), filters=None):
             (),
             (),
             {},
-            f"What is said of {name}.",
+            Reason(Because.EXPLAINS),
         )
         for name in sorted(names, key=lambda name: name not in present)
     )
@@ -63,10 +64,10 @@ def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE), filters=None):
         LadderStep((), before.error.identify, before.error.validate),
         LadderStep(tuple(present), after.error.identify, after.error.validate),
     )
-    left = Unexplained(False, after.error.validate, after.error.validate, (), "")
+    left = Unexplained(Remainder.NOISE, after.error.validate, after.error.validate, ())
     return Diagnosis(
         dataset.robot.name,
-        "recordings that were not fitted",
+        0.0,
         tuple(present),
         steps,
         ranking,

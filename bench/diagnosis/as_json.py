@@ -3,7 +3,8 @@
 from dataclasses import asdict
 from typing import Any
 
-from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict
+from bench.diagnosis.reason_words import judged_on, left_words
+from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unexplained
 from bench.diagnosis.summary import error_share, reason, summary_sentences
 from bench.files.atomic import finite
 from bench.identification.model_json import to_json
@@ -32,7 +33,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """
     answer = {
         "robot": diagnosis.robot,
-        "judged_on": diagnosis.split,
+        "judged_on": judged_on(diagnosis),
         "summary": summary_sentences(diagnosis),
         "missing": list(diagnosis.missing),
         "ladder": [
@@ -43,7 +44,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
             for step in diagnosis.ladder
         ],
         "ranking": [_verdict(diagnosis, verdict) for verdict in diagnosis.ranking],
-        "unexplained": asdict(diagnosis.unexplained),
+        "unexplained": _left(diagnosis.unexplained),
         "differs_by_recording": [
             {**asdict(differing), "request": differing.request} for differing in diagnosis.differs
         ],
@@ -67,6 +68,18 @@ def _verdict(diagnosis: Diagnosis, verdict: EffectVerdict) -> dict[str, Any]:
         "size": dict(verdict.size),
         "error_share": error_share(verdict),
         "why": reason(diagnosis, verdict),
+    }
+
+
+def _left(left: Unexplained) -> dict[str, Any]:
+    return {
+        "significant": left.significant,
+        "error": left.error,
+        "noise_floor": left.noise_floor,
+        "depends_on": list(left.depends_on),
+        "why": left_words(left),
+        "encoders": left.encoders,
+        "repeats": left.repeats,
     }
 
 

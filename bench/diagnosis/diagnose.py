@@ -20,6 +20,7 @@ from bench.diagnosis.pruning import (
     refused,
     superfluous_effect,
 )
+from bench.diagnosis.reason import Reason
 from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Superfluous
 from bench.diagnosis.rounds import Origin, Round, first_round, origin_of, searched
 from bench.diagnosis.search import Found
@@ -39,7 +40,7 @@ from bench.identification.result import Identification, relative_error
 
 Fits = Callable[[frozenset[str]], Identification]
 
-NONE_BARRED: Mapping[str, str] = {}
+NONE_BARRED: Mapping[str, Reason] = {}
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class SplitProblem:
     """A problem that is diagnosed: in parts to fit and to judge on, its starting model, and that model's fit."""
 
     problem: Problem
-    split: str
+    held_out: float
     start: Prepared
     before: Identification
 
@@ -67,7 +68,7 @@ class SearchResult:
     fits: Fits
     ladder: tuple[LadderStep, ...]
     superfluous: tuple[Superfluous, ...]
-    barred: Mapping[str, str]
+    barred: Mapping[str, Reason]
 
 
 @on_one_thread
@@ -85,12 +86,12 @@ def diagnose(problem: Problem, progress: Progress = SILENT) -> Diagnosis:
 def opened(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
     """Prepare a problem and fit the model as it is."""
     progress.phase("preparing the recordings")
-    dataset, split = with_held_out_parts(problem.dataset)
+    dataset, held_out = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset)
     start = prepare(problem)
     progress.phase("fitting the model as it is")
     start = settled(start)
-    return SplitProblem(problem, split, start, fit(start))
+    return SplitProblem(problem, held_out, start, fit(start))
 
 
 def found(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
@@ -108,7 +109,7 @@ def found_from(
     origin: Origin,
     first: Round,
     progress: Progress = SILENT,
-    barred: Mapping[str, str] = NONE_BARRED,
+    barred: Mapping[str, Reason] = NONE_BARRED,
 ) -> SearchResult:
     """Search from a first round on until every found effect is possible and needed.
 
@@ -169,7 +170,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     missing = tuple(verdict.effect for verdict in _by_strength(ranking) if verdict.effect in places)
     return Diagnosis(
         robot=dataset.robot.name,
-        split=case.split,
+        held_out=case.held_out,
         missing=missing,
         ladder=finding.ladder,
         ranking=ranking,

@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict, LadderStep
 from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
-from bench.effects.display_names import begun
 from bench.identification.result import Identification
 
 SHOWS = 3.0  # deviations by which a parameter must differ from zero for its effect to show at a joint
 
 
-def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, str]:
+def impossible_effects(result: Identification, added: Sequence[EffectInstance]) -> dict[str, Reason]:
     """Effects with a clearly negative parameter, that must be positive, wherever they are; and why they go."""
     found: dict[str, list[str]] = {}
     for instance in added:
@@ -23,17 +23,12 @@ def impossible_effects(result: Identification, added: Sequence[EffectInstance]) 
             if parameter.positive and values[parameter.name].value < -SHOWS * values[parameter.name].std
         ]
         found.setdefault(instance.effect.name, []).append(wrong[0] if wrong else "")
-    return {
-        name: f"{begun(name)} would need a negative {wrong[0]} to explain the data, which is physically "
-        "impossible: something else of a like shape is there."
-        for name, wrong in found.items()
-        if all(wrong)
-    }
+    return {name: Reason(Because.IMPOSSIBLE, (wrong[0],)) for name, wrong in found.items() if all(wrong)}
 
 
 def impossible_but_needed(
     whole: Identification, after: Identification, dropped: Sequence[EffectInstance]
-) -> dict[str, str]:
+) -> dict[str, Reason]:
     """Effects left out where their sign is impossible, if the model is clearly poorer for it; and why they go.
 
     What they did there is needed: a part of theirs that is possible, as Stribeck's law has Coulomb friction in it, or
@@ -42,21 +37,17 @@ def impossible_but_needed(
     errors = whole.error.validate, after.error.validate
     if errors[0] is None or errors[1] is None or errors[1] < (1.0 + MATERIAL) * errors[0]:
         return {}
-    reasons: dict[str, str] = {}
+    reasons: dict[str, Reason] = {}
     for instance in dropped:
         values = whole.effect_parameters[instance.effect.name][instance.place]
         for parameter in instance.effect.parameters:
             value = values[parameter.name]
             if parameter.positive and value.value < -SHOWS * value.std:
-                reasons[instance.effect.name] = (
-                    f"{begun(instance.effect.name)} would need a negative {parameter.name} at "
-                    f"{instance.place} to explain the "
-                    "data, which is physically impossible: something else of a like shape is there."
-                )
+                reasons[instance.effect.name] = Reason(Because.IMPOSSIBLE, (parameter.name, instance.place))
     return reasons
 
 
-def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, str]:
+def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, Reason]:
     """The effect added last, if the others do as well without it; and why it goes.
 
     A search compares sets about one model, and every step of the ladder is settled by itself. What made a
@@ -72,11 +63,10 @@ def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, str]:
     ):
         return {}
     (name,) = set(after.effects) - set(before.effects)
-    why = f"{begun(name)} is not needed where the other found effects are fitted anew without it."
-    return {name: why}
+    return {name: Reason(Because.NOT_NEEDED)}
 
 
-def refused(verdict: EffectVerdict, why: str | None) -> EffectVerdict:
+def refused(verdict: EffectVerdict, why: Reason | None) -> EffectVerdict:
     """The verdict on an effect that does not stay for this reason; unchanged where there is none."""
     if why is None:
         return verdict

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from math import hypot
 from typing import TYPE_CHECKING, Literal
 
+from bench.diagnosis.reason import Reason
 from bench.effects.select import TAG
 from bench.identification.frame import data_frame, html_table
 from bench.identification.result import CurrentSeries, Identification, Quantity
@@ -18,6 +20,17 @@ if TYPE_CHECKING:
 MUCH_LEFT = (
     2.0  # times what noise leaves: then something unknown is there, and a known effect may be its shadow
 )
+
+
+class Remainder(StrEnum):
+    """What the errors look like that the final model leaves."""
+
+    NOISE = "noise"  # of the currents
+    NOISE_AND_ENCODERS = "noise and encoders"
+    NO_PATTERN = "no pattern"  # more than noise, which varies with nothing that was looked at
+    PATTERN = "pattern"
+
+
 Verdict = Literal["missing", "not supported", "indistinguishable", "resembles", "absorbed"]
 
 
@@ -50,7 +63,7 @@ class EffectVerdict:
     actuators: tuple[str, ...]
     alternatives: tuple[str, ...]
     size: Mapping[str, float]
-    why: str
+    why: Reason
 
 
 @dataclass(frozen=True)
@@ -61,13 +74,17 @@ class Unexplained:
     repeat where the motion returns, likewise; None where it never does or was not asked for.
     """
 
-    significant: bool
+    what: Remainder
     error: float
     noise_floor: float
     depends_on: tuple[str, ...]
-    why: str
     encoders: float = 0.0
     repeats: float | None = None
+
+    @property
+    def significant(self) -> bool:
+        """Whether something is left that no known effect accounts for."""
+        return self.what == Remainder.PATTERN
 
     @property
     def much(self) -> bool:
@@ -177,7 +194,7 @@ class Diagnosis:
     """
 
     robot: str
-    split: str
+    held_out: float
     missing: tuple[str, ...]
     ladder: tuple[LadderStep, ...]
     ranking: tuple[EffectVerdict, ...]

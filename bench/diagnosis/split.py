@@ -10,21 +10,19 @@ from bench.identification.result import CurrentSeries
 HELD_OUT = 0.3  # of every recording, at its end
 
 
-def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, str]:
-    """The dataset with something that is never fitted, and words for what that is.
+def with_held_out_parts(dataset: Dataset) -> tuple[Dataset, float]:
+    """The dataset with something that is never fitted, and the share of every recording that was kept apart for it.
 
     Without any recording for validation the last 30 % of every recording are kept apart.
     """
     if any(recording.use == "validate" for recording in dataset.recordings):
-        return dataset, "recordings that were not fitted"
+        return dataset, 0.0
     parts = []
     for recording in dataset.recordings:
         cut = round((1.0 - HELD_OUT) * len(recording.time))
         parts.append(_part(recording, recording.name, "identify", slice(0, cut)))
         parts.append(_part(recording, f"{recording.name} (end)", "validate", slice(cut, None)))
-    return replace(
-        dataset, recordings=tuple(parts)
-    ), f"the last {100.0 * HELD_OUT:.0f} % of every recording, not fitted"
+    return replace(dataset, recordings=tuple(parts)), HELD_OUT
 
 
 def dataset_of(dataset: Dataset, series: Sequence[CurrentSeries]) -> Dataset:

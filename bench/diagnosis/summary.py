@@ -8,6 +8,7 @@ import numpy as np
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
+from bench.diagnosis.reason_words import judged_on, left_words, reason_sentence
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.effects.display_names import spoken
 from bench.identification.finding import Code
@@ -15,7 +16,7 @@ from bench.identification.finding_words import sentence
 from bench.identification.findings import LOOSE, runaway, unlike
 from bench.identification.result import Identification
 from bench.identification.summary import ROBOT
-from bench.identification.wording import in_percent, with_error
+from bench.identification.wording import and_list, in_percent, or_list, with_error
 
 TELLING = 0.005  # change of a drive gain that is worth a word
 MOTIONS = 3  # that are advised: those of the effect and of its nearest alternatives
@@ -78,20 +79,21 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
     first, last = diagnosis.ladder[0], diagnosis.ladder[-1]
     before, after = (_first_known(step.validate, step.identify) for step in (first, last))
     floor = diagnosis.unexplained.noise_floor
-    left = f"{_capital(diagnosis.unexplained.why)}."
+    left = f"{_capital(left_words(diagnosis.unexplained))}."
+    judged = judged_on(diagnosis)
     needless = _superfluous(diagnosis)
     differs = from_run_to_run(diagnosis.differs, clear=not diagnosis.unexplained.significant)
     laws = law_sentences(diagnosis.discovered)
     if not found:
         what = "No effect with one value for all recordings" if differs else "Nothing"
         nothing = (
-            f"{what} is missing that the catalogue knows: judged on {diagnosis.split}, no effect makes the "
+            f"{what} is missing that the catalogue knows: judged on {judged}, no effect makes the "
             f"error clearly smaller than {in_percent(before)} of the current."
         )
         causes = [expected for expected in diagnosis.after.findings if expected.code in CAUSES]
         if causes:
             nothing = (
-                f"{sentence(causes[0])} As it is declared, no effect makes the error on {diagnosis.split} clearly "
+                f"{sentence(causes[0])} As it is declared, no effect makes the error on {judged} clearly "
                 f"smaller than {in_percent(before)} of the current."
             )
         strange = [
@@ -113,7 +115,7 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
     if laws:
         names = f"{names}, beside {'a law' if len(laws) == 1 else 'laws'} that no catalogue has,"
     verdict = (
-        f"{_capital(names)} {said_of} missing: judged on {diagnosis.split}, the error falls from {in_percent(before)} "
+        f"{_capital(names)} {said_of} missing: judged on {judged}, the error falls from {in_percent(before)} "
         f"to {in_percent(after)} of the current, where noise leaves {in_percent(floor)}."
     )
     undecided = tuple(
@@ -199,7 +201,7 @@ def found_effects(diagnosis: Diagnosis) -> list[EffectVerdict]:
 def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     """The sentence on one effect, with its size in N·m (or N) and in percent of the squared error."""
     if not verdict.size:
-        return verdict.why
+        return reason_sentence(verdict)
     torque = motor_torques(diagnosis.after)
     sizes = [
         f"{size:.3g} {effort_unit(diagnosis.after, joint)} at {joint}" + _share(size, torque.get(joint, 0.0))
@@ -207,7 +209,7 @@ def reason(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     ]
     share = error_share(verdict)
     taken = "" if share is None else f" and takes {_most(share)} of the squared error away"
-    return f"{verdict.why.rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
+    return f"{reason_sentence(verdict).rstrip('.')}; it has an RMS of {and_list(sizes)}{taken}."
 
 
 def error_share(verdict: EffectVerdict) -> float | None:
@@ -239,20 +241,6 @@ def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     if whole or not places or places == motors[:1] == motors:
         return ""
     return " at all motors" if places == motors else f" at {and_list(places)}"
-
-
-def and_list(names: Sequence[str]) -> str:
-    """Names as in "a, b and c"."""
-    return _joined(names, "and")
-
-
-def or_list(names: Sequence[str]) -> str:
-    """Names as in "a, b or c"."""
-    return _joined(names, "or")
-
-
-def _joined(names: Sequence[str], word: str) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"
 
 
 def _largest_change(diagnosis: Diagnosis) -> str | None:

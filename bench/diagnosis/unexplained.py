@@ -7,7 +7,7 @@ import numpy as np
 from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
 from bench.diagnosis.repeats import not_repeated
-from bench.diagnosis.result import Unexplained
+from bench.diagnosis.result import Remainder, Unexplained
 from bench.identification.result import CurrentSeries, Identification, relative_error
 from bench.signals.decimation import noise_bandwidth
 from bench.signals.settings import FilterSettings
@@ -21,7 +21,7 @@ SEED = 20120606
 FIRST_LAG, LAGS = 6, 12  # rows: beyond the memory of the fit's low-pass
 ALMOST = 1.0  # strength given to time where errors merely follow each other
 BLOCK = 12  # rows that are shuffled together, since neighbouring errors are alike
-FEW = 0.05  # of the blocks: blows, where they hold ...
+FEW = 0.05  # of the blocks: impacts, where they hold ...
 MOST = 0.5  # ... that much of the squared error; of noise they hold a sixth
 
 
@@ -56,24 +56,18 @@ def unexplained(
     judged = [trace for trace in result.recordings if trace.use == "validate"] or list(result.recordings)
     error = relative_error(judged) or 0.0
     floor = relative_noise_floor(recordings, judged, result.settings)
-    left = f"{100.0 * error:.3g} %"
     if error <= MATERIAL * floor:
-        why = f"the error left ({left}) is what the noise of the currents leaves ({100.0 * floor:.3g} %)"
-        return Unexplained(False, error, floor, (), why)
-    shaken = encoders()
-    if error <= MATERIAL * np.hypot(floor, shaken):
-        why = (
-            f"the error left ({left}) is what the noise of the currents ({100.0 * floor:.3g} %) and that of the "
-            f"encoders ({100.0 * shaken:.3g} %) leave"
-        )
-        return Unexplained(False, error, floor, (), why, shaken)
+        return Unexplained(Remainder.NOISE, error, floor, ())
+    from_encoders = encoders()
+    if error <= MATERIAL * np.hypot(floor, from_encoders):
+        return Unexplained(Remainder.NOISE_AND_ENCODERS, error, floor, (), from_encoders)
     found: dict[str, float] = {}
     random = np.random.default_rng(SEED)
     joints = list(result.joints)
     for j in range(len(joints)):
         errors = np.concatenate([trace.error[:, j][trace.moving[:, j]] for trace in judged])
         scale = errors.std() or 1.0
-        if _in_blows(errors):
+        if _in_impacts(errors):
             found["time"] = max(found.get("time", 0.0), ALMOST)
         for name, values in _variables(judged, j).items():
             ratio = _dependence(errors / scale, values, random)
@@ -81,20 +75,8 @@ def unexplained(
     if _lasting(judged):
         found["time"] = max(found.get("time", 0.0), ALMOST)
     depends = tuple(name for name, ratio in sorted(found.items(), key=lambda pair: -pair[1]) if ratio >= 1.0)
-    noise = f"the noise of the currents leaves {100.0 * floor:.3g} %"
-    if shaken > 0.1 * floor:
-        noise += f" and that of the encoders {100.0 * shaken:.3g} %"
-    repeats = not_repeated(result.recordings)
-    if repeats is not None:
-        noise += f", and the logs repeat themselves to {100.0 * repeats:.3g} %"
-    if not depends:
-        why = f"{left} of the current is left where {noise}; it varies with nothing that was looked at"
-        return Unexplained(False, error, floor, (), why, shaken, repeats)
-    why = (
-        f"{left} of the current is left where {noise}, and it varies with {', '.join(depends)}: no effect of the "
-        "catalogue accounts for it"
-    )
-    return Unexplained(True, error, floor, depends, why, shaken, repeats)
+    what = Remainder.PATTERN if depends else Remainder.NO_PATTERN
+    return Unexplained(what, error, floor, depends, from_encoders, not_repeated(result.recordings))
 
 
 def _variables(series: Sequence[CurrentSeries], j: int) -> dict[str, np.ndarray]:
@@ -153,7 +135,7 @@ def _dependence(errors: np.ndarray, values: np.ndarray, random: np.random.Genera
     return between(errors) / limit
 
 
-def _in_blows(errors: np.ndarray) -> bool:
+def _in_impacts(errors: np.ndarray) -> bool:
     """Whether few short stretches hold most of the squared error, as where play is crossed."""
     blocks = len(errors) // BLOCK
     energy = np.sort((errors[: blocks * BLOCK].reshape(blocks, BLOCK) ** 2).sum(axis=1))

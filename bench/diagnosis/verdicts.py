@@ -1,4 +1,4 @@
-"""A verdict on every effect of the catalogue, with its reason in a mechanical engineer's words."""
+"""A verdict on every effect of the catalogue, with its reason."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,10 +7,9 @@ import numpy as np
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.normal_equations import SetFit, System, solve_set, squared_errors
+from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict, Unexplained, Verdict
 from bench.diagnosis.search import Found, Scored, close, contains, material, score
-from bench.effects.display_names import begun, spoken
-from bench.identification.wording import in_percent
 
 DOMINANT = 3.0
 DOMINANT_BESIDE = 10.0  # so many times what is left, an effect must explain where much is left
@@ -70,12 +69,6 @@ def verdicts(
     )
 
 
-def listed(names: Sequence[str]) -> str:
-    """Names as a list in a sentence."""
-    spoken_names = [spoken(name) for name in names]
-    return spoken_names[0] if len(names) == 1 else f"{', '.join(spoken_names[:-1])} or {spoken_names[-1]}"
-
-
 def checked_error(system: System, fit: SetFit) -> float:
     """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
     measured = system.checked.measured
@@ -88,11 +81,8 @@ def _error(system: System, scored: Scored, scale: float) -> float:
 
 
 def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
-    by = f", above all {proposal.taken_up_by}," if proposal.taken_up_by else ""
-    why = (
-        f"The model's own parameters{by} take {spoken(proposal.name)} up completely: no data of this robot with "
-        "these payloads can show it."
-    )
+    names = (proposal.taken_up_by,) if proposal.taken_up_by else ()
+    why = Reason(Because.TAKEN_UP, names)
     return EffectVerdict(proposal.name, "absorbed", error, error, 0.0, (), (), {}, why)
 
 
@@ -117,16 +107,8 @@ def _found(
         and close(best, score(system, solve_set(system, (*others, k)), found.empty))
     ]
     after = _error(system, best, scale)
-    where = f" at {', '.join(places)}"
-    why = (
-        f"With {spoken(proposals[i].name)}{where} the error on recordings not fitted falls from "
-        f"{in_percent(before)} to {in_percent(after)} of the current"
-    )
-    if alternatives:
-        why += f"; these data cannot tell it from {listed(alternatives)}"
     unsure = without.fit.checked < sure**2 * best.fit.checked
-    if unsure:
-        why += "; something that no effect of the catalogue explains is left, and may be what this stands for"
+    why = Reason(Because.EXPLAINS, doubts=(Doubt.MUCH_LEFT,) if unsure else ())
     verdict: Verdict = "indistinguishable" if alternatives else "resembles" if unsure else "missing"
     return EffectVerdict(
         proposals[i].name,
@@ -137,7 +119,7 @@ def _found(
         places,
         tuple(alternatives),
         {},
-        f"{why}.",
+        why,
     )
 
 
@@ -153,11 +135,7 @@ def _other(
         if not contains(system.candidates[i], system.candidates[k])
         and close(best, score(system, solve_set(system, (*(c for c in chosen if c != k), i)), found.empty))
     ]
-    name = spoken(proposals[i].name)
     if rivals:
-        why = (
-            f"{begun(name)} would explain the data as well as {listed(rivals)}: these recordings cannot tell."
-        )
         return EffectVerdict(
             proposals[i].name,
             "indistinguishable",
@@ -167,14 +145,10 @@ def _other(
             (),
             tuple(rivals),
             {},
-            why,
+            Reason(Because.AS_GOOD),
         )
-    gained = (
-        "gains nothing"
-        if after >= before or not material(best.fit, added.fit)
-        else "gains too little to be sure"
-    )
-    why = f"Adding {name} {gained} on recordings that were not fitted ({in_percent(before)} to {in_percent(after)})."
+    nothing = after >= before or not material(best.fit, added.fit)
+    why = Reason(Because.GAINS_NOTHING if nothing else Because.GAINS_LITTLE)
     return EffectVerdict(
         proposals[i].name, "not supported", before, after, added.checked - best.checked, (), (), {}, why
     )

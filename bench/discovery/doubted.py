@@ -4,12 +4,12 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from bench.diagnosis.diagnose import SearchResult
+from bench.diagnosis.reason import Doubt, Reason
 from bench.diagnosis.result import EffectVerdict
 from bench.discovery.laws import Law
 from bench.identification.result import Identification
 
 INEXACT = 0.1  # of what a law explains: as much may be wrong with its form
-WHY = "; a law at the same motor explains far more, and this may make up for what is inexact in its form."
 
 
 def doubted(
@@ -24,13 +24,17 @@ def doubted(
     places = {place.name for law in laws for place in law.places}
     names = {law.name for law in laws}
     return tuple(
-        replace(verdict, verdict="resembles", why=verdict.why.removesuffix(".") + WHY)
+        replace(verdict, verdict="resembles", why=_doubted(verdict.why))
         if verdict.verdict == "missing"
         and places.issuperset(verdict.actuators)
         and _small(finding, verdict.effect, names)
         else verdict
         for verdict in ranking
     )
+
+
+def _doubted(why: Reason) -> Reason:
+    return replace(why, doubts=(*why.doubts, Doubt.BESIDE_A_LAW))
 
 
 def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:

@@ -1,6 +1,7 @@
-"""Numbers in a sentence."""
+"""Numbers and lists in a sentence."""
 
 import math
+from collections.abc import Sequence
 
 
 def in_percent(share: float | None) -> str:
@@ -16,3 +17,17 @@ def with_error(value: float, std: float) -> str:
     std = round(std, digits)
     digits = max(0, 1 - math.floor(math.log10(std)))  # 0.0996 is 0.10
     return f"{value:.{digits}f} ± {std:.{digits}f}"
+
+
+def and_list(names: Sequence[str]) -> str:
+    """Names as in "a, b and c"."""
+    return _joined(names, "and")
+
+
+def or_list(names: Sequence[str]) -> str:
+    """Names as in "a, b or c"."""
+    return _joined(names, "or")
+
+
+def _joined(names: Sequence[str], word: str) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"

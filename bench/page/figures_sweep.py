@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.diagnosis.summary import and_list
 from bench.effects.display_names import begun
+from bench.identification.wording import and_list
 from bench.page.parts import Chart, Figure, Variant, one_figure
 from bench.page.thinned import significant
 from bench.page.words import share, short, typeset

@@ -17,12 +17,14 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.law_effects import discovered_from, law_effects
+from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import (
     Diagnosis,
     Differing,
     Discovered,
     EffectVerdict,
     LadderStep,
+    Remainder,
     Superfluous,
     Unexplained,
 )
@@ -40,7 +42,7 @@ from bench.workbench.page_data import VERSION as WORKBENCH_VERSION
 RUN_FILE = "report.json"
 MODEL_FILE, AFTER_FILE, BEFORE_FILE = "model.json", "model_after.json", "model_before.json"
 SERIES_FILE, WORKBENCH_FILE = "series.parquet", "workbench.json"
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,7 @@ def _told(diagnosis: Diagnosis) -> dict[str, Any]:
     """What a diagnosis says, beside its models. between: the steps of its ladder whose currents are kept as well."""
     ladder = diagnosis.ladder
     return {
-        "split": diagnosis.split,
+        "held_out": diagnosis.held_out,
         "missing": diagnosis.missing,
         "ladder": [
             {"effects": step.effects, "identify": step.identify, "validate": step.validate} for step in ladder
@@ -226,7 +228,7 @@ def _diagnosis(
         series = {last: after.recordings, 0: before.recordings, **between}
         return Diagnosis(
             robot=after.robot,
-            split=str(told["split"]),
+            held_out=float(told["held_out"]),
             missing=tuple(told["missing"]),
             ladder=tuple(
                 LadderStep(tuple(entry["effects"]), entry["identify"], entry["validate"], series.get(i, ()))
@@ -234,7 +236,11 @@ def _diagnosis(
             ),
             ranking=tuple(_verdict(entry) for entry in told["ranking"]),
             unexplained=Unexplained(
-                **{**told["unexplained"], "depends_on": tuple(told["unexplained"]["depends_on"])}
+                **{
+                    **told["unexplained"],
+                    "what": Remainder(told["unexplained"]["what"]),
+                    "depends_on": tuple(told["unexplained"]["depends_on"]),
+                }
             ),
             before=before,
             after=after,
@@ -277,7 +283,12 @@ def _versions(content: dict[str, Any] | None) -> Versions | None:
 def _verdict(entry: dict[str, Any]) -> EffectVerdict:
     numbers = {name: _number(entry[name]) for name in ("error_before", "error_after", "evidence")}
     lists = {name: tuple(entry[name]) for name in ("actuators", "alternatives")}
-    return EffectVerdict(**{**entry, **numbers, **lists})
+    return EffectVerdict(**{**entry, **numbers, **lists, "why": _reason(entry["why"])})
+
+
+def _reason(entry: dict[str, Any]) -> Reason:
+    doubts = tuple(Doubt(code) for code in entry["doubts"])
+    return Reason(Because(entry["because"]), tuple(entry["names"]), doubts)
 
 
 def _number(value: Any) -> float:

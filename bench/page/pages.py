@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
+from bench.diagnosis.reason_words import judged_on
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
@@ -62,7 +63,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     old = before if diagnosis.added else None
     return Page(
         title=f"What the model of {diagnosis.robot} is missing",
-        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {diagnosis.split}")),
+        facts=_facts(dataset, f"estimator {after.method}", typeset(f"judged on {judged_on(diagnosis)}")),
         verdict=diagnosis_verdict(diagnosis),
         tiles=diagnosis_tiles(diagnosis),
         sections=(

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
+from bench.diagnosis.reason_words import judged_on, reason_sentence
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason
 from bench.document import table as document
@@ -57,16 +58,16 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
         )
     if absorbed:
         title = f"{len(absorbed)} effects that no data of this robot could show"
-        rows = tuple(row(effect_name(verdict.effect), typeset(verdict.why)) for verdict in absorbed)
+        rows = tuple(
+            row(effect_name(verdict.effect), typeset(reason_sentence(verdict))) for verdict in absorbed
+        )
         aid = "The model's own parameters take them up completely, so they do no harm to its currents."
         parts.append(
             PageTable(
                 title, aid, (PageColumn("effect", "keep"), PageColumn("reason", "words")), rows, folded=True
             )
         )
-    lead = (
-        f"Every effect of the catalogue, and every set of a few, was fitted and judged on {diagnosis.split}."
-    )
+    lead = f"Every effect of the catalogue, and every set of a few, was fitted and judged on {judged_on(diagnosis)}."
     return Section("ranking", "Which effects are missing", typeset(lead), tuple(parts), "Missing effects")
 
 
@@ -82,7 +83,7 @@ def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> docu
     """The ranking of some effects with the sentence on each."""
     table = ranking_table(diagnosis, chosen)
     kept = [column for column in table.columns if column.header != "verdict"]
-    reasons = document.Column("reason", [verdict.why for verdict in chosen], "sentence")
+    reasons = document.Column("reason", [reason_sentence(verdict) for verdict in chosen], "sentence")
     return replace(table, columns=(*kept, reasons))
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
+from bench.diagnosis.reason_words import judged_on
 from bench.diagnosis.result import Diagnosis
 from bench.document import identification as document
 from bench.document.diagnosis import ladder_table, step_labels
@@ -67,11 +68,11 @@ def ladder_section(diagnosis: Diagnosis) -> Section:
             }
         ],
     }
-    lead = f"How the error falls as effects are added, the one that helps most first; judged on {diagnosis.split}."
+    lead = f"How the error falls as effects are added, the one that helps most first; judged on {judged_on(diagnosis)}."
     aid = "Down to the grey line: nothing is left but noise. Where only the fitted error falls, the model fits noise."
     figure: Figure | Text = one_figure("Error after each added effect", aid, spec)
     if len(steps) == 1:
-        lead = f"No effect helps beyond chance; judged on {diagnosis.split}."
+        lead = f"No effect helps beyond chance; judged on {judged_on(diagnosis)}."
         only = steps[0].identify if steps[0].validate is None else steps[0].validate
         said = f"No effect was added: the model as it is leaves an error of {share(only)}, noise alone {share(floor)}."
         figure = Text("", (typeset(said),))

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.dataset.dataset import Dataset
+from bench.diagnosis.reason_words import judged_on, left_words
 from bench.diagnosis.result import Diagnosis
 from bench.document.numbers import STD_FROM, USES, fit_rate
 from bench.identification.result import Identification
@@ -87,7 +88,7 @@ def limits_section(
     validated = any(recording.use == "validate" for recording in dataset.recordings)
     if not validated and diagnosis is not None:
         found.append(
-            typeset(f"No recording is kept for validation: judged on {diagnosis.split}.")
+            typeset(f"No recording is kept for validation: judged on {judged_on(diagnosis)}.")
             + " Another movement is a harder judge."
         )
     elif not validated:
@@ -120,7 +121,8 @@ def limits_section(
         if doubtful:
             found.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
         if diagnosis.unexplained.significant:
-            found.append(typeset(f"{diagnosis.unexplained.why[:1].upper()}{diagnosis.unexplained.why[1:]}."))
+            words = left_words(diagnosis.unexplained)
+            found.append(typeset(f"{words[:1].upper()}{words[1:]}."))
     else:
         found.append("Which physical effects the model lacks was not looked for: bench diagnose does.")
     lead = "What these recordings and this model cannot say."

@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.diagnosis.summary import and_list
 from bench.effects.display_names import begun
+from bench.identification.wording import and_list
 from bench.page.figures_grid import grid_figure
 from bench.page.figures_sweep import metric_label, plot_figure, point_label, spread_figure, value_text
 from bench.page.parts import (

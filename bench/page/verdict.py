@@ -2,11 +2,12 @@
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.summary import and_list, found_effects, or_list, summary_of
+from bench.diagnosis.summary import found_effects, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
 from bench.identification.result import ErrorSummary, Identification, relative_error
+from bench.identification.wording import and_list, or_list
 from bench.page.parts import Tile
 from bench.page.words import effect_name, share, short, typeset
 from bench.replay.replay import Replay

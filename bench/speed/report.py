@@ -7,7 +7,8 @@ from time import perf_counter
 from typing import Any
 
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Unexplained
+from bench.diagnosis.reason import Because, Reason
+from bench.diagnosis.result import Diagnosis, EffectVerdict, LadderStep, Remainder, Unexplained
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.effects import CATALOGUE
 from bench.excitation.scenario import designer
@@ -80,18 +81,18 @@ def told(dataset: Dataset) -> Diagnosis:
             actuators=(),
             alternatives=(),
             size={},
-            why="It was told.",
+            why=Reason(Because.EXPLAINS),
         )
         for name in (*found, *(name for name in CATALOGUE if name not in found))
     )
     floor = relative_noise_floor(dataset.recordings, after.recordings, after.settings)
     return Diagnosis(
         robot=dataset.robot.name,
-        split="recordings that were not fitted",
+        held_out=0.0,
         missing=found,
         ladder=(LadderStep((), *errors[0]), LadderStep(found, *errors[1])),
         ranking=ranking,
-        unexplained=Unexplained(False, errors[1][1], floor, (), "the error left is what noise leaves"),
+        unexplained=Unexplained(Remainder.NOISE, errors[1][1], floor, ()),
         before=before,
         after=after,
     )

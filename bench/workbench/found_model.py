@@ -33,7 +33,6 @@ class FoundModel:
     found: Prepared
     solution: Solution
     started: tuple[tuple[str, str], ...]
-    judged_on: str
 
     @property
     def fit_gains(self) -> bool:
@@ -57,13 +56,13 @@ def found_models(problem: Problem, diagnosis: Diagnosis) -> tuple[FoundModel, Fo
     to all rows, with the filters that `bench identify` takes.
     """
     dataset = problem.dataset
-    parts, split = with_held_out_parts(dataset)
+    parts, _ = with_held_out_parts(dataset)
     settings = diagnosis.before.settings
-    found = _found_model(replace(problem, dataset=parts, filters=settings), diagnosis, split)
+    found = _found_model(replace(problem, dataset=parts, filters=settings), diagnosis)
     if parts is dataset:
         return found, None
     whole = replace(problem, filters=_of_all(dataset, parts, settings))
-    return found, _found_model(whole, diagnosis, split)
+    return found, _found_model(whole, diagnosis)
 
 
 def _of_all(dataset: Dataset, parts: Dataset, settings: FilterSettings) -> FilterSettings:
@@ -86,7 +85,7 @@ def _chosen(dataset: Dataset) -> FilterSettings:
     )
 
 
-def _found_model(problem: Problem, diagnosis: Diagnosis, split: str) -> FoundModel:
+def _found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
     before, after, catalogue = diagnosis.before, diagnosis.after, problem.catalogue
     plain = prepare(replace(problem, effects=()))
     places = places_in(plain.model.geometry, problem.dataset.weighed)
@@ -105,7 +104,7 @@ def _found_model(problem: Problem, diagnosis: Diagnosis, split: str) -> FoundMod
     started = tuple(
         (instance.effect.name, instance.joint) for instance in select_effects(kept, places, catalogue)
     )
-    return FoundModel(plain, found, solution, started, split)
+    return FoundModel(plain, found, solution, started)
 
 
 def _requests(result: Identification, own: Sequence[EffectInstance]) -> list[str]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bench.basics.threads import on_one_thread
+from bench.diagnosis.reason_words import judged_on, reason_sentence
 from bench.diagnosis.result import Diagnosis
 from bench.effects import EffectInstance
 from bench.effects.display_names import spoken
@@ -87,7 +88,7 @@ def _carried(
     return {
         "version": VERSION,
         "robot": robot.name,
-        "judged_on": model.judged_on,
+        "judged_on": judged_on(diagnosis),
         "fits_gains": model.fit_gains,
         "noise_floor": diagnosis.unexplained.noise_floor,
         "motors": [_motor(model, system, kept, room, j) for j in range(len(robot.actuators))],
@@ -170,7 +171,7 @@ def _effect(
         "name": name,
         "rank": ranks.index(name) if name in ranks else -1,
         "verdict": None if verdict is None else verdict.verdict,
-        "why": "" if verdict is None else verdict.why,
+        "why": "" if verdict is None else reason_sentence(verdict),
         "no_room": name in room.without,
         "places": []
         if name in room.without

@@ -9,13 +9,13 @@ from matplotlib.ticker import MaxNLocator
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
-from bench.diagnosis.summary import and_list
 from bench.document.figures.comparison import errors_figure
 from bench.document.figures.currents import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
 from bench.document.figures.diagnosis_panels import draw_before_after, draw_ladder, draw_moved, moved, rungs
 from bench.document.numbers import current_unit, effect_name, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, relative_error
+from bench.identification.wording import and_list
 from bench.residuals.motor import compared
 
 

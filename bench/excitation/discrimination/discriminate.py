@@ -13,12 +13,11 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import refuse_redundant
 from bench.diagnosis.search import NEEDED
 from bench.diagnosis.split import HELD_OUT
-from bench.effects.display_names import begun
 from bench.excitation.discrimination.evidence import error_over_noise, own_estimate, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
 from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
-from bench.excitation.discrimination.result import Discrimination
+from bench.excitation.discrimination.result import Discrimination, ImpossibleSign
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
 from bench.excitation.discrimination.search import DesignedMotion, band_of, best_motion, judged, starts
 from bench.excitation.discrimination.separation import Question, question, separation, share_left
@@ -96,7 +95,7 @@ def discriminate(
         planned={} if motion is None else planned_facts(motion.trajectory, joints),
         second=None,
         wider=None,
-        notes=tuple(_notes(rivals)),
+        impossible=_impossible(rivals),
     )
     if motion is None or found.tells:
         return found
@@ -160,9 +159,9 @@ def _imitated(
     return tuple(name for name, share in left.items() if share < ALIKE)
 
 
-def _notes(rivals: Sequence[Rival]) -> list[str]:
+def _impossible(rivals: Sequence[Rival]) -> tuple[ImpossibleSign, ...]:
     """What the fits to the given data say against an effect already: a sign that cannot be."""
-    notes = []
+    found = []
     for rival in rivals:
         values, covariance = own_estimate(rival)
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -170,10 +169,6 @@ def _notes(rivals: Sequence[Rival]) -> list[str]:
         for instance in rival.own:
             for parameter in instance.effect.parameters:
                 if parameter.positive and values[at] < -SURE * std[at]:
-                    where = f" at {instance.joint}" if instance.joint else ""
-                    notes.append(
-                        f"{begun(rival.name)} would need a negative {parameter.name}{where} "
-                        "to explain the given data, which cannot be: that speaks against it already."
-                    )
+                    found.append(ImpossibleSign(rival.name, parameter.name, instance.joint))
                 at += 1
-    return notes
+    return tuple(found)

@@ -28,6 +28,15 @@ class MotionFacts:
 
 
 @dataclass(frozen=True)
+class ImpossibleSign:
+    """A parameter that must be positive and clearly is not; joint: "" where it belongs to the robot."""
+
+    effect: str
+    parameter: str
+    joint: str
+
+
+@dataclass(frozen=True)
 class Discrimination:
     """Which motion tells two effects apart.
 
@@ -38,7 +47,7 @@ class Discrimination:
     does everything of, whatever the motion. questions: one for each effect that is neither, and how the motion
     answers them; given, promised: nats by the name of the effect that is taken for the true one. recorded,
     planned: facts by joint. second: mass in kg of a second payload, and the nats that the same motion promises
-    with it. wider: factor on the limits, and nats.
+    with it. wider: factor on the limits, and nats. impossible: signs that the fits to the given data would need.
     """
 
     robot: str
@@ -58,7 +67,7 @@ class Discrimination:
     planned: Mapping[str, MotionFacts]
     second: tuple[float, float] | None
     wider: tuple[float, float] | None
-    notes: tuple[str, ...]
+    impossible: tuple[ImpossibleSign, ...]
 
     @property
     def model_is_wrong(self) -> bool:

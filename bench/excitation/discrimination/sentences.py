@@ -5,9 +5,9 @@ from pathlib import Path
 
 from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.search import MATERIAL, NEEDED
-from bench.diagnosis.summary import and_list, or_list
-from bench.effects.display_names import spoken
+from bench.effects.display_names import begun, spoken
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
+from bench.identification.wording import and_list, or_list
 from bench.residuals.words import motor_words
 
 NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is sure"
@@ -58,13 +58,13 @@ def _answer(found: Discrimination) -> list[str]:
             f"No motion of this robot can tell {and_list(names)} apart: the model's own parameters take up {taken} "
             "completely, whatever the motion, with these payloads."
         )
-        return [verdict, *found.notes]
+        return [verdict, *_against(found)]
     if not found.questions:
         return [
             f"No motion of this robot can tell {and_list(names)} apart: each does all that the other does.",
-            *found.notes,
+            *_against(found),
         ]
-    lines = [*found.notes, *(_imitated(found, name) for name in found.imitated)]
+    lines = [*_against(found), *(_imitated(found, name) for name in found.imitated)]
     if found.nothing:
         shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in found.shown.items()])
         lines.append(
@@ -96,6 +96,14 @@ def _answer(found: Discrimination) -> list[str]:
     if not found.tells:
         lines += _not_enough(found)
     return lines + motion_words(found)
+
+
+def _against(found: Discrimination) -> list[str]:
+    return [
+        f"{begun(sign.effect)} would need a negative {sign.parameter}{f' at {sign.joint}' if sign.joint else ''} "
+        "to explain the given data, which cannot be: that speaks against it already."
+        for sign in found.impossible
+    ]
 
 
 def motion_words(found: Discrimination) -> list[str]:

@@ -1,0 +1,34 @@
+"""Why an effect got its verdict, as codes; bench/diagnosis/reason_words.py says it."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Because(StrEnum):
+    """What the data say of an effect. names of the `Reason` in brackets."""
+
+    EXPLAINS = "explains"  # the error falls with it
+    AS_GOOD = "as good"  # it would do as well as what was found
+    GAINS_NOTHING = "gains nothing"
+    GAINS_LITTLE = "gains little"  # too little to be sure
+    TAKEN_UP = "taken up"  # by the model's own parameters [the one that does most, if any]
+    IMPOSSIBLE = (
+        "impossible"  # a parameter is negative that cannot be [parameter, its place if not everywhere]
+    )
+    NOT_NEEDED = "not needed"  # the other found effects do as well without it
+
+
+class Doubt(StrEnum):
+    """What makes the name of an effect that explains something unsure."""
+
+    MUCH_LEFT = "much left"  # by effects of the catalogue: it may stand for something else
+    BESIDE_A_LAW = "beside a law"  # that explains far more at the same motor, and may be inexact
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Codes and names; errors, places and alternatives stand in the verdict itself."""
+
+    because: Because
+    names: tuple[str, ...] = ()
+    doubts: tuple[Doubt, ...] = ()

@@ -1,0 +1,109 @@
+"""Reasons of verdicts, and what is left, in sentences."""
+
+from collections.abc import Callable, Mapping
+
+from bench.diagnosis.reason import Because, Doubt
+from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unexplained
+from bench.effects.display_names import begun, spoken
+from bench.identification.wording import in_percent, or_list
+
+DOUBTS: Mapping[Doubt, str] = {
+    Doubt.MUCH_LEFT: "something that no effect of the catalogue explains is left, and may be what this stands for",
+    Doubt.BESIDE_A_LAW: "a law at the same motor explains far more, and this may make up for what is inexact in its "
+    "form",
+}
+
+
+def reason_sentence(verdict: EffectVerdict) -> str:
+    """Why an effect has its verdict, a sentence."""
+    doubts = [DOUBTS[doubt] for doubt in verdict.why.doubts]
+    return f"{'; '.join([WORDS[verdict.why.because](verdict), *doubts])}."
+
+
+def judged_on(diagnosis: Diagnosis) -> str:
+    """What the errors and the evidence are of."""
+    if not diagnosis.held_out:
+        return "recordings that were not fitted"
+    return f"the last {100.0 * diagnosis.held_out:.0f} % of every recording, not fitted"
+
+
+def left_words(left: Unexplained) -> str:
+    """What remains beside the found effects, and beside which noise; without a capital letter and full stop."""
+    floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (left.noise_floor, left.encoders))
+    error = f"{100.0 * left.error:.3g} %"
+    if left.what == Remainder.NOISE:
+        return f"the error left ({error}) is what the noise of the currents leaves ({floor})"
+    if left.what == Remainder.NOISE_AND_ENCODERS:
+        return (
+            f"the error left ({error}) is what the noise of the currents ({floor}) and that of the encoders "
+            f"({encoders}) leave"
+        )
+    noise = f"the noise of the currents leaves {floor}"
+    if left.encoders > 0.1 * left.noise_floor:
+        noise += f" and that of the encoders {encoders}"
+    if left.repeats is not None:
+        noise += f", and the logs repeat themselves to {100.0 * left.repeats:.3g} %"
+    if left.what == Remainder.NO_PATTERN:
+        return f"{error} of the current is left where {noise}; it varies with nothing that was looked at"
+    return (
+        f"{error} of the current is left where {noise}, and it varies with {', '.join(left.depends_on)}: no effect of "
+        "the catalogue accounts for it"
+    )
+
+
+def _explains(verdict: EffectVerdict) -> str:
+    said = (
+        f"With {spoken(verdict.effect)} at {', '.join(verdict.actuators)} the error on recordings not fitted falls "
+        f"from {in_percent(verdict.error_before)} to {in_percent(verdict.error_after)} of the current"
+    )
+    return (
+        f"{said}; these data cannot tell it from {_alternatives(verdict)}" if verdict.alternatives else said
+    )
+
+
+def _as_good(verdict: EffectVerdict) -> str:
+    return (
+        f"{begun(verdict.effect)} would explain the data as well as {_alternatives(verdict)}: these recordings cannot "
+        "tell"
+    )
+
+
+def _adding(verdict: EffectVerdict, gained: str) -> str:
+    return (
+        f"Adding {spoken(verdict.effect)} {gained} on recordings that were not fitted "
+        f"({in_percent(verdict.error_before)} to {in_percent(verdict.error_after)})"
+    )
+
+
+def _taken_up(verdict: EffectVerdict) -> str:
+    by = "".join(f", above all {name}," for name in verdict.why.names)
+    return (
+        f"The model's own parameters{by} take {spoken(verdict.effect)} up completely: no data of this robot with these "
+        "payloads can show it"
+    )
+
+
+def _impossible(verdict: EffectVerdict) -> str:
+    parameter, *place = verdict.why.names
+    at = "".join(f" at {name}" for name in place)
+    return (
+        f"{begun(verdict.effect)} would need a negative {parameter}{at} to explain the data, which is physically "
+        "impossible: something else of a like shape is there"
+    )
+
+
+def _alternatives(verdict: EffectVerdict) -> str:
+    return or_list([spoken(name) for name in verdict.alternatives])
+
+
+WORDS: Mapping[Because, Callable[[EffectVerdict], str]] = {
+    Because.EXPLAINS: _explains,
+    Because.AS_GOOD: _as_good,
+    Because.GAINS_NOTHING: lambda verdict: _adding(verdict, "gains nothing"),
+    Because.GAINS_LITTLE: lambda verdict: _adding(verdict, "gains too little to be sure"),
+    Because.TAKEN_UP: _taken_up,
+    Because.IMPOSSIBLE: _impossible,
+    Because.NOT_NEEDED: lambda verdict: (
+        f"{begun(verdict.effect)} is not needed where the other found effects are fitted anew without it"
+    ),
+}
