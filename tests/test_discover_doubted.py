@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict
 from bench.discovery.doubted import doubted
 
@@ -30,8 +31,11 @@ def test_what_may_make_up_for_an_inexact_law_is_not_sure(
         names=("law", "ripple"), after=_fitted(0.001), fits=lambda names: _fitted(errors[names])
     )
     law: Any = SimpleNamespace(name="law", places=(SimpleNamespace(name="left"),))
-    named = EffectVerdict("ripple", "missing", without, 0.001, 50.0, places, (), {}, "It helps.")
-    other = EffectVerdict("lag", "not supported", 0.001, 0.001, 0.0, (), (), {}, "It does not help.")
+    named = EffectVerdict("ripple", "missing", without, 0.001, 50.0, places, (), {}, Reason(Because.EXPLAINS))
+    other = EffectVerdict(
+        "lag", "not supported", 0.001, 0.001, 0.0, (), (), {}, Reason(Because.GAINS_NOTHING)
+    )
     told = doubted(finding, (law,), (named, other))
     assert [one.verdict for one in told] == [verdict, "not supported"]
     assert told[1] is other
+    assert (Doubt.BESIDE_A_LAW in told[0].why.doubts) == (verdict == "resembles")

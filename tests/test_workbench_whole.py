@@ -51,10 +51,9 @@ def page(request, tmp_path_factory):
     def of(robot):
         if robot not in made:
             dataset = load_dataset(request.getfixturevalue(robot))
-            parts, _ = with_held_out_parts(dataset)
-            data = page_data(
-                problem_of(dataset), diagnosis_of(parts, FOUND if robot == "five_bar" else FRICTIONS, LAWS)
-            )
+            parts, held_out = with_held_out_parts(dataset)
+            hidden = FOUND if robot == "five_bar" else FRICTIONS
+            data = page_data(problem_of(dataset), diagnosis_of(parts, hidden, LAWS, held_out=held_out))
             data = json.loads(json.dumps(data, allow_nan=False))
             file = tmp_path_factory.mktemp("page") / "page.html"
             page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")

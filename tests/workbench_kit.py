@@ -39,7 +39,7 @@ def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recor
     return folder
 
 
-def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE), filters=None):
+def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE), filters=None, held_out=0.0):
     """A diagnosis that found these effects and ranks these, without the search."""
     before, after = (
         identify(prepare(problem_of(dataset, filters=filters))),
@@ -67,7 +67,7 @@ def diagnosis_of(dataset, found=FOUND, names=tuple(CATALOGUE), filters=None):
     left = Unexplained(Remainder.NOISE, after.error.validate, after.error.validate, ())
     return Diagnosis(
         dataset.robot.name,
-        0.0,
+        held_out,
         tuple(present),
         steps,
         ranking,
