@@ -1,6 +1,7 @@
 """A blind trial from end to end, small enough for every run of the tests; and its machinery."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -82,11 +83,13 @@ def test_single_effects_are_named(trial: tuple[Path, list[Row]]) -> None:
         assert json.loads(row["intervals"])
 
 
-def test_an_empty_machine_raises_no_alarm(setup: Setup) -> None:
+def test_an_empty_machine_raises_no_alarm_and_has_no_law(setup: Setup) -> None:
+    setup = replace(setup, discover=True)
     trajectories = TrialDesignTask(setup)(None)
     reference = ReferenceTask(setup, trajectories)(None)
     row = CaseTask(setup, draw_case(setup, "nothing", 0), 0, trajectories)(reference)[0]
     assert row["missing"] == ""
+    assert row["laws"] == 0
     assert not row["unexplained"]
 
 

@@ -18,7 +18,8 @@ from bench.cli.progress import quiet_option, shown_progress
     "--kinds",
     metavar="A,B,...",
     default="",
-    help="Of nothing, one, two, three (effects hidden), outside (unknown to any model). [default: all]",
+    help="Of nothing, one, two, three (effects hidden), outside (what no model can be told of), unknown (a law drawn "
+    "at random). [default: all]",
 )
 @click.option(
     "--seeds",
@@ -34,6 +35,7 @@ from bench.cli.progress import quiet_option, shown_progress
     metavar="N",
     help="Number of the first dataset of every kind, for a set that has none in common with another. [default: 0]",
 )
+@click.option("--discover", is_flag=True, help="Search laws in every dataset, also where nothing is left.")
 @click.option(
     "--scenario", metavar="NAME", help="Movements, sensors and payload; by default the robot's own."
 )
@@ -66,6 +68,7 @@ def trial(
     kinds: str,
     seeds: int,
     first: int,
+    discover: bool,
     scenario: str | None,
     duration: float | None,
     output: Path,
@@ -84,7 +87,7 @@ def trial(
     code = run_command(
         robot,
         output,
-        Drawn(_listed(effects), _listed(kinds), seeds, first),
+        Drawn(_listed(effects), _listed(kinds), seeds, first, discover),
         scenario=scenario,
         duration=duration,
         workers=Workers(running["workers"], running["scheduler"]),
@@ -103,6 +106,7 @@ def trial(
         *(["--kinds", kinds] if kinds else []),
     ]
     words += ["--first", f"{first}"] if first else []
+    words += ["--discover"] if discover else []
     words += ["--scenario", scenario] if scenario else []
     words += ["--duration", f"{duration:g}"] if duration else []
     again = next_line([*words, "--seeds", str(2 * seeds), "-o", output], "adds as many datasets again")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,12 +34,16 @@ from bench.studies.trial.unknown_page import unknown_table, write_unknown
 
 @dataclass(frozen=True)
 class Drawn:
-    """Which datasets a trial is of: effects and kinds (none: all), `seeds` of each from number `first` on."""
+    """Which datasets a trial is of: effects and kinds (none: all), `seeds` of each from number `first` on.
+
+    discover: search laws even where a diagnosis leaves nothing.
+    """
 
     effects: Sequence[str] = ()
     kinds: Sequence[str] = ()
     seeds: int = 3
     first: int = 0
+    discover: bool = False
 
 
 def run_command(
@@ -55,7 +59,7 @@ def run_command(
     """Run a trial; table, page and figures go to `folder` under the robot's name. Returns the exit code."""
     console = table_console()
     workers.warm_up()
-    setup = make_setup(robot, scenario, duration)
+    setup = replace(make_setup(robot, scenario, duration), discover=drawn.discover)
     asked = {"robot": robot, "scenario": scenario, "duration": duration}
     given = {name: value for name, value in asked.items() if value is not None}
     request = TrialRequest(setup, _kinds(drawn.kinds), drawn.seeds, tuple(drawn.effects), given, drawn.first)

@@ -109,7 +109,7 @@ def _claim(plan: TrialPlan, folder: Path, given: Mapping[str, str | float]) -> N
         "robot": plan.setup.name,
         "kind": plan.kind,
         "effects": list(plan.effects),
-        "digest": digest([plan.setup.content, list(plan.setup.effects), RULES]),
+        "digest": digest([plan.setup.content, list(plan.setup.effects), RULES, plan.setup.discover]),
     }
     if record.is_file():
         there = json.loads(record.read_text(encoding="utf-8"))

@@ -32,7 +32,8 @@ class Setup:
 
     name: of the robot. content: of a scenario file, nothing hidden. motors: actuated joints. passive: joints
     without a motor. links: joint -> body that it moves, of those with a length. effects: what can be hidden in
-    this robot, by name, those outside the catalogue included.
+    this robot, by name, those outside the catalogue included. discover: whether laws are searched where nothing is
+    left, too.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Setup:
     links: Mapping[str, str]
     payloads: tuple[str, ...]
     effects: tuple[str, ...]
+    discover: bool = False
 
     @property
     def catalogued(self) -> tuple[str, ...]:

@@ -115,7 +115,7 @@ def failed_row(setup: Setup, case: Case, number: int, reason: str) -> Row:
 def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation) -> Row:
     """Diagnose the log of a simulation, which is all that the diagnosis is given, and judge the answer."""
     dataset = as_dataset(simulation)
-    diagnosis = find_missing_effects(problem_of(dataset))
+    diagnosis = find_missing_effects(problem_of(dataset), discover=setup.discover or None)
     hidden = [_plain_entry(hidden_effect) for hidden_effect in simulation.scenario.settings.hidden]
     known = [name for name in case.effects if name != LAW]
     told, alone = _told(setup, dataset, hidden, known)
