@@ -1,5 +1,6 @@
 """Settings that must stand before numpy and rerun are imported, and folders that several tests need."""
 
+import gc
 import os
 from collections.abc import Generator
 from pathlib import Path
@@ -13,6 +14,17 @@ if TYPE_CHECKING:
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("RERUN_STRICT", "1")  # errors in what is logged are raised
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Nothing is garbage while tests are collected, nor afterwards of what that leaves: a third of the time."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.hookimpl(wrapper=True)

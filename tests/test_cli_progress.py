@@ -9,8 +9,10 @@ import time
 
 import pytest
 
+from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.cli.progress import progress_to
+from bench.speed import first_words
 
 PATIENCE = 60.0  # s: a machine that does other work as well is slow to start a process
 FIRST = {
@@ -126,6 +128,16 @@ def test_commands_that_share_their_bar_tell_their_phases_from_the_beginning(name
     assert heard.told[0] == phases[0]
     places = [heard.told.index(next(told for told in heard.told if told.startswith(one))) for one in phases]
     assert places == sorted(places)
+
+
+@pytest.mark.parametrize("name", ["diagnose", "report", "discriminate"])
+def test_their_first_words_stand_on_a_terminal(name, tmp_path, data):
+    assert first_words.measure(arguments(name, tmp_path, data)) > 0.0
+
+
+def test_a_command_that_says_nothing_of_its_progress_has_no_first_words(tmp_path):
+    with pytest.raises(BenchError, match=r"bench table .*: says nothing of its progress: .*no_such"):
+        first_words.measure(["table", str(tmp_path / "no_such")])
 
 
 def test_nothing_is_shown_when_piped(tmp_path, brief, capfd):

@@ -1,7 +1,10 @@
 """What a run costs beside its own work: the measurement, and that it does not grow with what is under way."""
 
+import json
+
 import pytest
 
+from bench.speed import scheduling
 from bench.speed.scheduling import COST_LIMIT, GROWTH_LIMIT, Scheduling, figures_of, measure
 from bench.studies.sweep.run_plan import Driver
 from tests.sweep_stand_in import Inline, plan_of, run
@@ -15,6 +18,14 @@ def test_the_busier_of_driver_and_scheduler_says_how_many_workers_are_fed():
     assert ONE.hours == pytest.approx(1e6 * 2e-3 / 3600)
     limits = {figure.name.partition(": ")[2]: figure.limit for figure in figures_of(ONE)}
     assert limits == {"driver's time a run": COST_LIMIT, "memory gained": GROWTH_LIMIT, "runs a second": None}
+
+
+def test_the_numbers_are_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(scheduling, "RESULT", tmp_path / "scheduling.json")
+    monkeypatch.setattr(scheduling, "measure_all", lambda: [ONE])
+    assert scheduling.scheduling_figures() == figures_of(ONE)
+    (kept,) = json.loads((tmp_path / "scheduling.json").read_text())
+    assert (kept["scheduler"], kept["workers"]) == (ONE.scheduler, ONE.workers)
 
 
 def test_runs_without_work_are_measured():

@@ -32,10 +32,11 @@ def started(module, *arguments):
     )
 
 
-@pytest.fixture
-def cluster(tmp_path):
-    """The address of a scheduler, and its process before those of its two workers."""
-    file = tmp_path / "scheduler.json"
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """The address of a scheduler, and its process before those of its two workers; each test leaves less of it."""
+    folder = tmp_path_factory.mktemp("cluster")
+    file = folder / "scheduler.json"
     processes = [
         started(
             "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard", "--host", "127.0.0.1",
@@ -43,9 +44,9 @@ def cluster(tmp_path):
         )
     ]  # fmt: skip
     worker = ["--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-    folder = ["--local-directory", str(tmp_path)]
+    local = ["--local-directory", str(folder)]
     try:
-        processes += [started("distributed.cli.dask_worker", *worker, *folder) for _ in range(2)]
+        processes += [started("distributed.cli.dask_worker", *worker, *local) for _ in range(2)]
         yield address_of(file), processes
     finally:
         for process in processes:

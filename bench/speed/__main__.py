@@ -4,7 +4,17 @@ import os
 import sys
 from pathlib import Path
 
-from bench.speed import diagnosis, growth, long_log, main_job, regressor, report, six_axes, start_up
+from bench.speed import (
+    diagnosis,
+    first_words,
+    growth,
+    long_log,
+    main_job,
+    regressor,
+    report,
+    six_axes,
+    start_up,
+)
 from bench.speed.figures import SpeedFigure, append_history, figures_table, last_values
 from bench.speed.scheduling import scheduling_figures
 from bench.speed.sweep import sweep_figures
@@ -36,16 +46,17 @@ def main_job_figures() -> list[SpeedFigure]:
 
 def diagnosis_figures() -> list[SpeedFigure]:
     """Diagnoses of small and large robots, what of the processor and the memory they take, and several at once."""
-    figures, busy, memory = [], 0.0, 0.0
+    figures, busy, identifying, memory = [], 0.0, 0.0, 0.0
     for name, limit, cost in diagnosis.costs():
         figures.append(SpeedFigure(name, cost.seconds, "s", limit))
-        busy = max(busy, cost.processor / cost.seconds)
+        busy, identifying = max(busy, cost.processor / cost.seconds), max(identifying, cost.busy)
         if "hexapod" in name:
             memory = cost.megabytes
     return [
         *figures,
         SpeedFigure("peak memory of a hexapod's diagnosis", memory, "MB", diagnosis.MEGABYTES),
         SpeedFigure("processor time of a diagnosis over its time", busy, "×", diagnosis.BUSY),
+        SpeedFigure("processor time of an identification over its time", identifying, "×", diagnosis.BUSY),
         SpeedFigure("three diagnoses at once over two", diagnosis.three_over_two(), "×", diagnosis.AT_ONCE),
     ]
 
@@ -90,11 +101,16 @@ def growth_figures() -> list[SpeedFigure]:
 
 
 def start_up_figures() -> list[SpeedFigure]:
-    """From the command to the moment when its dataset is read."""
-    return [
+    """From the command to the moment when its dataset is read, and to the first words on a terminal."""
+    starts = [
         SpeedFigure(f"start of bench {command}", start_up.measure(command), "s", start_up.LIMIT)
         for command in start_up.COMMANDS
     ]
+    silences = [
+        SpeedFigure(f"bench {command} until its first words", seconds, "s", first_words.LIMIT)
+        for command, seconds in first_words.measure_all()
+    ]
+    return [*starts, *silences]
 
 
 MEASUREMENTS = (

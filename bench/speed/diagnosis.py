@@ -2,7 +2,7 @@
 
 import os
 import resource
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -14,6 +14,8 @@ from typing import Any
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.diagnose import diagnose
 from bench.excitation.scenario import designer
+from bench.identification.identify import identify
+from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
@@ -46,11 +48,15 @@ THREE: Hidden = (
 
 @dataclass(frozen=True)
 class Cost:
-    """Wall and processor time in s, and the largest memory of the process in MB."""
+    """Wall and processor time in s, and the largest memory of the process in MB.
+
+    busy: processor time over wall time of an identification of the same dataset.
+    """
 
     seconds: float
     processor: float
     megabytes: float
+    busy: float
 
 
 def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
@@ -113,7 +119,14 @@ def _workers(count: int) -> ProcessPoolExecutor:
 
 
 def _cost(dataset: Dataset) -> Cost:
+    seconds, processor = _times(lambda: diagnose(problem_of(dataset)))
+    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    identified, busy = _times(lambda: identify(prepare(problem_of(dataset))))
+    return Cost(seconds, processor, megabytes, busy / identified)
+
+
+def _times(work: Callable[[], object]) -> tuple[float, float]:
+    """Wall and processor time, s."""
     wall, processor = perf_counter(), process_time()
-    diagnose(problem_of(dataset))
-    wall, processor = perf_counter() - wall, process_time() - processor
-    return Cost(wall, processor, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+    work()
+    return perf_counter() - wall, process_time() - processor

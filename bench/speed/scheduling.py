@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -157,8 +157,15 @@ def measure_all() -> list[Scheduling]:
 
 
 def scheduling_figures() -> list[SpeedFigure]:
-    """Cost and memory of both pools."""
-    return [figure for scheduling in measure_all() for figure in figures_of(scheduling)]
+    """Cost and memory of both pools; their numbers are kept as well."""
+    measured = measure_all()
+    keep(measured)
+    return [figure for scheduling in measured for figure in figures_of(scheduling)]
+
+
+def keep(measured: Sequence[Scheduling]) -> None:
+    """Write the numbers."""
+    write_json_atomically(RESULT, [{**asdict(scheduling), **versions().columns()} for scheduling in measured])
 
 
 def figures_of(scheduling: Scheduling) -> list[SpeedFigure]:
@@ -191,7 +198,7 @@ def main() -> None:
     ):
         table.add_row(name, *map(text, measured))
     table_console().print(table)
-    write_json_atomically(RESULT, [{**asdict(scheduling), **versions().columns()} for scheduling in measured])
+    keep(measured)
 
 
 if __name__ == "__main__":
