@@ -30,7 +30,7 @@ def recorded():
 
 @pytest.fixture(scope="module")
 def following(recorded):
-    return plan_after(problem_of(as_dataset(recorded)), ExperimentTable.model_validate(SHORT), Aim(steps=30))
+    return plan_after(problem_of(as_dataset(recorded)), ExperimentTable.model_validate(SHORT), Aim(steps=8))
 
 
 def test_it_adds_to_what_is_there(following):

@@ -31,7 +31,7 @@ def table(**changes):
 
 @pytest.fixture(scope="module")
 def arm():
-    return plan_experiment(load_robot("two_link"), table(payload=BALL), Aim(steps=60))
+    return plan_experiment(load_robot("two_link"), table(payload=BALL), Aim(steps=12))
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +80,7 @@ def test_own_ranges_boxes_and_currents_are_kept():
     plan = plan_experiment(
         robot,
         table(position={"shoulder": [-1.2, 0.0]}, workspace=[box], current={"shoulder": 4.0, "elbow": 2.0}),
-        Aim(steps=30),
+        Aim(steps=6),
     )
     geometry = plan.nominal.model.geometry
     for one in plan.motions:
@@ -97,7 +97,7 @@ def test_better_than_motions_at_random(arm):
 
 
 def test_the_same_seed_gives_the_same_motion(arm):
-    again = plan_experiment(load_robot("two_link"), table(payload=BALL), Aim(steps=60))
+    again = plan_experiment(load_robot("two_link"), table(payload=BALL), Aim(steps=12))
     assert [one.trajectory for one in again.motions] == [one.trajectory for one in arm.motions]
 
 
@@ -108,7 +108,7 @@ def test_forecasts_come_true(arm, told):
 
 
 def test_closed_loops_keep_their_distance_from_singular_poses():
-    plan = plan_experiment(load_robot("five_bar"), table(payload={"mass": 0.5}), Aim(steps=10))
+    plan = plan_experiment(load_robot("five_bar"), table(payload={"mass": 0.5}), Aim(steps=3))
     geometry = plan.nominal.model.geometry
     for one in plan.motions:
         time = np.linspace(0.0, 6.0, 4001)

@@ -11,7 +11,7 @@ import click
 
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment.forecast import forecast
-from bench.excitation.experiment.plan import Aim, plan_experiment
+from bench.excitation.experiment.plan import STEPS, Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.search import RANDOM
 from bench.files.atomic import write_json_atomically
@@ -86,9 +86,9 @@ def sentence(found: dict[str, Any]) -> str:
 @click.command()
 @click.argument("robots", nargs=-1)
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder of the figures.")
-@click.option("--steps", type=int, default=2500, show_default=True, help="Of the search.")
+@click.option("--steps", type=int, default=STEPS, show_default=True, help="Of the search.")
 @click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--repetitions", type=int, default=100, show_default=True, help="Simulated logs; 0: none.")
+@click.option("--repetitions", type=int, default=120, show_default=True, help="Simulated logs; 0: none.")
 def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitions: int) -> None:
     """Write the figures of the robots, one JSON file each, and print them."""
     for robot in robots or ROBOTS:

@@ -22,6 +22,7 @@ from bench.excitation.experiment.plan import (
 from bench.excitation.experiment.planned_log import PlannedRows, row_evidence
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import room_of
+from bench.excitation.experiment.search import largest_of
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
@@ -63,7 +64,7 @@ def plan_after(
         raise BenchError(f"{dataset.folder}: every fitted recording carries a payload of unknown mass")
     best = min(begun, key=lambda start: min(map(start.search.value, [*start.random, *start.sparse])))
     plan = searched(dataset.robot, best, (NEXT,), aim, progress)
-    return replace(plan, before=best.search.criterion(equations(known)))
+    return replace(plan, before=largest_of(best.search.errors, equations(known)))
 
 
 def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:

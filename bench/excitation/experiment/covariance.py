@@ -8,7 +8,6 @@ from bench.excitation.experiment.nominal import Equations
 
 UNSEEN = 1e-12  # of the largest eigenvalue, columns of unit length: a direction with less is not determined
 TAKES_PART = 0.1  # of the largest entry of a direction: unknowns with less do not take part in it
-POWER = 12  # of the mean that stands for the largest value in a search, and is smooth
 OPEN = 1e6  # times its size: the standard error of what is not determined, in a search
 
 
@@ -41,22 +40,16 @@ def determined(fit: Equations) -> Determined:
     return Determined(covariance, undetermined, tuple(directions))
 
 
-def worst(fit: Equations, sizes: np.ndarray, targets: np.ndarray) -> float:
-    """The largest relative standard error of the targets, smoothed: what a search makes small."""
-    errors = np.sqrt(np.maximum(np.diag(_relative(fit, sizes))[targets], 0.0))
-    largest = float(errors.max())
-    return largest * float(np.mean((errors / largest) ** POWER)) ** (1.0 / POWER)
+def relative_errors(fit: Equations, sizes: np.ndarray, targets: np.ndarray) -> np.ndarray:
+    """Logarithms (k,) of the relative standard errors of the targets."""
+    variances = np.diag(_relative(fit, sizes))[targets]
+    return np.asarray(0.5 * np.log(np.maximum(variances, np.finfo(float).tiny)))
 
 
-def largest(fit: Equations, sizes: np.ndarray, targets: np.ndarray) -> float:
-    """The largest relative standard error of the targets itself."""
-    return float(np.sqrt(np.maximum(np.diag(_relative(fit, sizes))[targets], 0.0)).max())
-
-
-def volume(fit: Equations, sizes: np.ndarray, targets: np.ndarray) -> float:
-    """The geometric mean of the axes of the targets' error ellipsoid, relative: D-optimality."""
+def volume(fit: Equations, sizes: np.ndarray, targets: np.ndarray) -> np.ndarray:
+    """Logarithm (1,) of the geometric mean of the axes of the targets' error ellipsoid, relative: D-optimality."""
     block = _relative(fit, sizes)[np.ix_(targets, targets)]
-    return float(np.exp(0.5 * np.linalg.slogdet(block)[1] / len(targets)))
+    return np.array([0.5 * np.linalg.slogdet(block)[1] / len(targets)])
 
 
 def _relative(fit: Equations, sizes: np.ndarray) -> np.ndarray:

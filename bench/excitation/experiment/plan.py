@@ -13,7 +13,8 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, refuse_redundant
 from bench.effects import CATALOGUE, Effect, EffectInstance, places_in, select_effects
-from bench.excitation.experiment.covariance import volume, worst
+from bench.excitation.experiment.covariance import relative_errors, volume
+from bench.excitation.experiment.descent import best_near
 from bench.excitation.experiment.nominal import Evidence, Noise, Nominal, reference_sizes, seen
 from bench.excitation.experiment.request import (
     PAYLOAD,
@@ -28,7 +29,6 @@ from bench.excitation.experiment.search import (
     Search,
     Shape,
     Tried,
-    best_candidate,
     proven,
     random_candidates,
     random_values,
@@ -39,7 +39,7 @@ from bench.model.model import IdentificationModel, build_model
 
 Criterion = Literal["worst", "d-optimal"]
 ALL, GAINS, PARAMETERS = "all", "gains", "parameters"
-STEPS = 900
+STEPS = 90
 LOOKED_AT = 5  # motions at random that tell how large the torques are
 RANGE = 2.0  # times the base frequency, and its part, that the search may try
 PER_PERIOD = 8.0  # rows of the controller's table in a period of the highest harmonic, at least
@@ -192,7 +192,7 @@ def searched(
     """The best motions that a search finds, one for each name."""
     search = begun.search
     progress.phase("improving the best motions", aim.steps)
-    best = best_candidate(search, [*begun.random, *begun.sparse], aim.steps, aim.seed, progress)
+    best = best_near(search, [*begun.random, *begun.sparse], aim.steps, progress)
     progress.phase("proving that the limits are kept")
     kept = proven(search, best)
     motions = tuple(kept[number] for number in range(len(names)))
@@ -223,9 +223,9 @@ def started(
     progress: Progress = SILENT,
 ) -> Started:
     """The search with motions at random to begin with."""
-    measure = worst if aim.criterion == "worst" else volume
+    measure = relative_errors if aim.criterion == "worst" else volume
     targets = targets_of(nominal, aim.wanted)
-    first = Search(nominal, room, shape, loads, known, lambda _: 0.0)
+    first = Search(nominal, room, shape, loads, known, lambda _: np.zeros(1))
     progress.phase("trying motions at random", 2 * RANDOM)
     starts = random_candidates(first, RANDOM, aim.seed, progress=progress)
     sparse = random_candidates(first, RANDOM, aim.seed, few=True, progress=progress)

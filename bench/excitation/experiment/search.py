@@ -20,11 +20,9 @@ from bench.model.motion import Motion
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 RANDOM = 50  # motions at random; the best few of them are improved
-ROUNDS = ((8, 0.32), (4, 0.24), (2, 0.2), (1, 0.24))  # how many go on, and their share of the steps together
 TRIES = 20  # of a random motion, until one keeps the limits at some size
 SHRINK = 0.9
 MOST_SHRINKS = 40
-FIRST_SPREAD, LAST_SPREAD = 0.5, 0.02  # of a change, relative to a coefficient's size
 FEW = 3  # harmonics for each joint of a sparse motion
 POINTS = 8.0  # samples of a period of the highest harmonic, in the search
 FEWEST_POINTS = 20  # of a ramp
@@ -60,8 +58,8 @@ class Tried:
 
 
 Candidate = tuple[Tried, ...]  # one for each recording
-Criterion = Callable[[Equations], float]
-"""What is made small, of the fit of all recordings together."""
+Errors = Callable[[Equations], np.ndarray]
+"""What is made small, of the fit of all recordings together: logarithms (k,), of which the largest counts."""
 
 
 @dataclass(frozen=True)
@@ -75,11 +73,11 @@ class Search:
     shape: Shape
     loads: tuple[str | None, ...]
     known: tuple[Evidence, ...]
-    criterion: Criterion
+    errors: Errors
 
     def value(self, candidate: Sequence[Tried]) -> float:
-        """The criterion of some motions."""
-        return self.criterion(self.fit(candidate))
+        """The criterion of some motions: the largest of what is made small."""
+        return largest_of(self.errors, self.fit(candidate))
 
     def fit(self, candidate: Sequence[Tried]) -> Equations:
         """The equations of some motions, with all that is known already."""
@@ -106,6 +104,11 @@ class Search:
                 return found
             trajectory = scaled(trajectory, SHRINK)
         return None
+
+
+def largest_of(errors: Errors, fit: Equations) -> float:
+    """The criterion of a fit."""
+    return float(np.exp(errors(fit).max()))
 
 
 def scaled(trajectory: FourierTrajectory, factor: float) -> FourierTrajectory:
@@ -161,70 +164,6 @@ def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> Fou
     """The same with FEW harmonics left for each joint."""
     kept = random.random(trajectory.a.shape).argsort(axis=1) < FEW
     return replace(trajectory, a=trajectory.a * kept, b=trajectory.b * kept)
-
-
-def improved(
-    search: Search, start: Candidate, steps: int, random: np.random.Generator, progress: Progress = SILENT
-) -> Candidate:
-    """Random changes of one recording after the other, kept where they are better."""
-    best, lowest = start, search.value(start)
-    spread = FIRST_SPREAD
-    for step in range(steps):
-        progress.advance()
-        which = step % len(best)
-        before = best[which]
-        trajectory = filled(search.room, _changed(before.trajectory, search.shape, spread, random))
-        found = search.tried(trajectory, search.loads[which], before.motion)
-        better = False
-        if found is not None:
-            candidate = (*best[:which], found, *best[which + 1 :])
-            value = search.value(candidate)
-            better = value < lowest
-            if better:
-                best, lowest = candidate, value
-        # as many steps succeed as an evolution strategy needs: one in five (Rechenberg 1973)
-        spread = float(np.clip(spread * np.exp(0.2 if better else -0.05), LAST_SPREAD, 1.0))
-    return best
-
-
-def _changed(
-    trajectory: FourierTrajectory, shape: Shape, spread: float, random: np.random.Generator
-) -> FourierTrajectory:
-    """Other coefficients, of all joints or of one, another size of one joint, or another base frequency."""
-    a, b = trajectory.a.copy(), trajectory.b.copy()
-    n, harmonics = a.shape
-    what = int(random.integers(5))
-    if what == 4:
-        frequency = trajectory.base_frequency * float(np.exp(0.3 * spread * random.normal()))
-        return replace(trajectory, base_frequency=float(np.clip(frequency, shape.lowest, shape.highest)))
-    joints = np.ones(n, dtype=bool) if what == 0 else np.arange(n) == random.integers(n)
-    if what == 3:
-        factor = np.exp(spread * random.normal())
-        a[joints] *= factor
-        b[joints] *= factor
-        return replace(trajectory, a=a, b=b)
-    kept = np.ones(harmonics, dtype=bool) if what < 2 else np.arange(harmonics) == random.integers(harmonics)
-    k = np.arange(1, harmonics + 1)
-    own = np.sqrt(np.mean((a**2 + b**2) * k**2, axis=1, keepdims=True))  # the share of the speed
-    size = spread * own / k * joints[:, None] * kept
-    a += size * random.normal(size=a.shape)
-    b += size * random.normal(size=b.shape)
-    return replace(trajectory, a=a, b=b)
-
-
-def best_candidate(
-    search: Search, starts: Sequence[Candidate], steps: int, seed: int, progress: Progress = SILENT
-) -> Candidate:
-    """The best of the starts, improved in rounds: fewer go on to each, with more steps for each of them (successive
-    halving, Jamieson and Talwalkar 2016), since how good a start is does not tell how far it comes.
-    """
-    random = np.random.default_rng([seed, 2])
-    pool = list(starts)
-    for count, share in ROUNDS:
-        pool = sorted(pool, key=search.value)[:count]
-        each = int(share * steps / len(pool))
-        pool = [improved(search, candidate, each, random, progress) for candidate in pool]
-    return min(pool, key=search.value)
 
 
 def proven(search: Search, candidate: Candidate) -> dict[int, Tried]:

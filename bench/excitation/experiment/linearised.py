@@ -1,0 +1,268 @@
+"""How errors and limits change with the coefficients of a motion, to first order.
+
+A motion is perturbed sample by sample: positions, velocities and accelerations of every motor a little, loops closed
+again. What a coefficient does is a combination of these, since the series is linear in its coefficients.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from bench.excitation.experiment.nominal import Evidence, SeenMotion, equations, evidence, seen
+from bench.excitation.experiment.request import Box
+from bench.excitation.experiment.room import Room, outside, tool_positions
+from bench.excitation.experiment.search import Candidate, Search, Tried
+from bench.model.geometry import Geometry
+from bench.model.mobility import least_held, smallest_singular_values
+from bench.model.motion import Motion, motion_beside
+from bench.scenario.trajectory import FourierTrajectory
+
+STEP = 1e-5  # of a joint's room, speed and acceleration: of the difference quotients of the motion
+CHANGE = 1e-4  # of the largest size of a coefficient: of those of the errors
+NEAR = 0.5  # of a limit: where a motion has less of it, it may be left out of one step
+FINER = 3  # times as many samples for ranges, speeds and accelerations
+LOOKED_AT = 64  # poses, those whose closures are least held
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Values (k,) and their derivatives (k, c) by the coefficients."""
+
+    values: np.ndarray
+    slopes: np.ndarray
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """errors: logarithms of what is to be small; limits: what has to stay at 1 or below; both by all coefficients of
+    all motions, in the units of `coefficient_sizes`.
+    """
+
+    errors: Linear
+    limits: Linear
+
+
+def coefficient_sizes(room: Room, trajectory: FourierTrajectory) -> np.ndarray:
+    """The largest size (2, n, H) that each coefficient a, b could have on its own, rad or m."""
+    k_omega = 2.0 * np.pi * trajectory.base_frequency * np.arange(1, trajectory.harmonics + 1)
+    ranges = 0.5 * (room.joint.high - room.joint.low)[:, None]
+    by_speed, by_acceleration = room.velocity[:, None] / k_omega, room.acceleration[:, None] / k_omega**2
+    sizes = np.minimum(np.minimum(by_speed, by_acceleration), ranges)
+    return np.stack((sizes, sizes))
+
+
+def moved(trajectory: FourierTrajectory, steps: np.ndarray) -> FourierTrajectory:
+    """The trajectory with its coefficients changed by steps (2, n, H), rad or m."""
+    return replace(trajectory, a=trajectory.a + steps[0], b=trajectory.b + steps[1])
+
+
+def linearised(search: Search, candidate: Candidate) -> Linearised:
+    """Errors and limits about a candidate."""
+    evidences = [motion.evidence for motion in candidate]
+    before = search.errors(equations([*search.known, *evidences]))
+    slopes, limits = [], []
+    for number, motion in enumerate(candidate):
+        sizes = coefficient_sizes(search.room, motion.trajectory)
+        basis = _basis(motion.trajectory, search.shape.times)
+        told = _perturbed(search, motion, search.loads[number])
+        others = [*search.known, *evidences[:number], *evidences[number + 1 :]]
+
+        def errors(changed: Evidence, others: list[Evidence] = others) -> np.ndarray:
+            return (search.errors(equations([*others, changed])) - before) / CHANGE
+
+        slopes.append(_error_slopes(search, told, basis, sizes, errors))
+        limits.append(_limits(search, motion, told, basis, sizes))
+    return Linearised(Linear(before, np.hstack(slopes)), _beside_each_other(limits))
+
+
+@dataclass(frozen=True)
+class _Perturbed:
+    """A motion and what it shows, and both with a step in position, velocity or acceleration (the first index) of
+    each motor (the second), at all samples; steps (3, n) that were made.
+    """
+
+    motion: Motion
+    shown: SeenMotion
+    motions: list[list[Motion]]
+    showing: list[list[SeenMotion]]
+    steps: np.ndarray
+
+
+def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
+    room, geometry, times = search.room, search.nominal.model.geometry, search.shape.times
+    states = tried.trajectory.evaluate(times)
+    n, count = len(room.home), len(times)
+    steps = STEP * np.array([room.joint.high - room.joint.low, room.velocity, room.acceleration])
+    moved_states = [np.tile(state, (3 * n, 1)) for state in states]
+    for order in range(3):
+        for j in range(n):
+            at = (order * n + j) * count
+            moved_states[order][at : at + count, j] += steps[order, j]
+    every = np.tile(np.arange(count), 3 * n)
+    whole = motion_beside(geometry, tried.motion.at(every), *moved_states)
+    motions = [
+        [
+            replace(whole.at(slice((order * n + j) * count, (order * n + j + 1) * count)), time=times)
+            for j in range(n)
+        ]
+        for order in range(3)
+    ]
+    showing = [[seen(search.nominal, motion, load) for motion in of_order] for of_order in motions]
+    return _Perturbed(tried.motion, seen(search.nominal, tried.motion, load), motions, showing, steps)
+
+
+def _basis(trajectory: FourierTrajectory, times: np.ndarray) -> np.ndarray:
+    """What unit coefficients do to position, velocity and acceleration: (3, N, 2, H)."""
+    harmonics = trajectory.harmonics
+    one, none = np.eye(harmonics), np.zeros((harmonics, harmonics))
+    series = replace(
+        trajectory, center=np.zeros(2 * harmonics), a=np.vstack((one, none)), b=np.vstack((none, one))
+    )
+    return np.array(series.evaluate(times)).reshape(3, len(times), 2, harmonics)
+
+
+def _error_slopes(
+    search: Search,
+    told: _Perturbed,
+    basis: np.ndarray,
+    sizes: np.ndarray,
+    errors: Callable[[Evidence], np.ndarray],
+) -> np.ndarray:
+    """Derivatives (k, 2 n H) of the errors."""
+    n = sizes.shape[1]
+    columns = []
+    jacobian = [
+        [(told.showing[order][j].jacobian - told.shown.jacobian) / told.steps[order, j] for j in range(n)]
+        for order in range(3)
+    ]
+    current = [
+        [(told.showing[order][j].current - told.shown.current) / told.steps[order, j] for j in range(n)]
+        for order in range(3)
+    ]
+    for which in range(2):
+        for j in range(n):
+            for k in range(sizes.shape[2]):
+                amount = CHANGE * sizes[which, j, k] * basis[:, :, which, k]  # (3, N)
+                shown = SeenMotion(
+                    told.shown.jacobian + sum(amount[o][:, None, None] * jacobian[o][j] for o in range(3)),
+                    told.shown.current + sum(amount[o][:, None] * current[o][j] for o in range(3)),
+                )
+                columns.append(errors(evidence(search.nominal, shown, search.shape.duration)))
+    return np.array(columns).T
+
+
+def _limits(search: Search, tried: Tried, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:
+    """All limits of one motion that are at all near, each as its share."""
+    room = search.room
+    parts = [_of_motors(room, tried.trajectory, search.shape.times, sizes)]
+    for values in _whole_robot(search, told):
+        at, slopes = values.values, values.slopes  # (m,), (m, n) by positions
+        by_coefficient = np.einsum("mj,mwk,wjk->mwjk", slopes, basis[0][values.samples], sizes)
+        parts.append(Linear(at, by_coefficient.reshape(len(at), sizes.size)))
+    if np.isfinite(room.torque).any():
+        parts.append(_of_torques(search, told, basis, sizes))
+    return Linear(np.concatenate([part.values for part in parts]), np.vstack([part.slopes for part in parts]))
+
+
+def _of_motors(room: Room, trajectory: FourierTrajectory, times: np.ndarray, sizes: np.ndarray) -> Linear:
+    """Ranges, speeds and accelerations: exactly linear."""
+    fine = np.linspace(times[0], times[-1], FINER * (len(times) - 1) + 1)
+    basis = _basis(trajectory, fine)
+    position, velocity, acceleration = trajectory.evaluate(fine)
+    values, slopes = [], []
+    up, down = room.joint.high - room.home, room.home - room.joint.low
+    for state, least, most, effect in (
+        (position - room.home, down, up, basis[0]),
+        (velocity, room.velocity, room.velocity, basis[1]),
+        (acceleration, room.acceleration, room.acceleration, basis[2]),
+    ):
+        for j in range(len(room.home)):
+            for sign, limit in ((1.0, most[j]), (-1.0, least[j])):
+                share = sign * state[:, j] / limit
+                near = np.flatnonzero(share > NEAR)
+                slope = np.zeros((len(near), *sizes.shape))
+                slope[:, :, j] = sign * effect[near] * sizes[:, j] / limit
+                values.append(share[near])
+                slopes.append(slope.reshape(len(near), sizes.size))
+    return Linear(np.concatenate(values), np.vstack(slopes))
+
+
+@dataclass(frozen=True)
+class _OfPoses:
+    """Shares (m,) of a limit at some of the samples, and their derivatives (m, n) by the positions there."""
+
+    samples: np.ndarray
+    values: np.ndarray
+    slopes: np.ndarray
+
+
+def _whole_robot(search: Search, told: _Perturbed) -> list[_OfPoses]:
+    """Loop amplification, hold of the closures and boxes."""
+    geometry, room = search.nominal.model.geometry, search.room
+    moved_poses, steps, found = told.motions[0], told.steps[0], []
+    n = len(room.home)
+
+    def of(values: Callable[[Motion], np.ndarray], samples: np.ndarray) -> None:
+        here = values(told.motion)
+        slopes = np.stack([(values(moved_poses[j]) - here) / steps[j] for j in range(n)], axis=1)
+        near = here > NEAR
+        found.append(_OfPoses(samples[near], here[near], slopes[near]))
+
+    every = np.arange(len(told.motion.time))
+    if geometry.closed:
+        worst = np.sort(least_held(geometry, told.motion.q, LOOKED_AT))
+        of(lambda motion: room.joint.held / smallest_singular_values(geometry, motion.q[worst]), worst)
+        flat = np.abs(told.motion.jacobian).reshape(len(every), -1)
+        largest = flat.argmax(axis=1)
+        signs = np.sign(
+            np.take_along_axis(told.motion.jacobian.reshape(len(every), -1), largest[:, None], 1)[:, 0]
+        )
+        of(
+            lambda motion: (
+                signs
+                * np.take_along_axis(motion.jacobian.reshape(len(every), -1), largest[:, None], 1)[:, 0]
+                / room.joint.amplification
+            ),
+            every,
+        )
+    for box in room.boxes:
+        of(partial(_out_of, geometry, box), every)
+    return found
+
+
+def _out_of(geometry: Geometry, box: Box, motion: Motion) -> np.ndarray:
+    """The share (N,) of a box's room that is left behind: 1 at its walls."""
+    width = max(high - low for low, high in zip(box.low, box.high, strict=True))
+    return 1.0 + outside(box, tool_positions(geometry, motion)) / width
+
+
+def _of_torques(search: Search, told: _Perturbed, basis: np.ndarray, sizes: np.ndarray) -> Linear:
+    """Torques of the motors."""
+    scale = search.nominal.gains / search.room.torque
+    here = told.shown.current * scale
+    values, slopes = [], []
+    for i in np.flatnonzero(np.isfinite(search.room.torque)):
+        near = np.flatnonzero(np.abs(here[:, i]) > NEAR)
+        sign = np.sign(here[near, i])
+        slope = np.zeros((len(near), *sizes.shape))
+        for order in range(3):
+            for j in range(sizes.shape[1]):
+                change = (told.showing[order][j].current[near, i] - told.shown.current[near, i]) * scale[i]
+                slope[:, :, j] += (
+                    (sign * change / told.steps[order, j])[:, None, None] * basis[order][near] * sizes[:, j]
+                )
+        values.append(np.abs(here[near, i]))
+        slopes.append(slope.reshape(len(near), sizes.size))
+    return Linear(np.concatenate(values), np.vstack(slopes))
+
+
+def _beside_each_other(parts: list[Linear]) -> Linear:
+    """The limits of all motions, each by its own coefficients."""
+    widths = [part.slopes.shape[1] for part in parts]
+    slopes, at = [], 0
+    for part, width in zip(parts, widths, strict=True):
+        slopes.append(np.pad(part.slopes, ((0, 0), (at, sum(widths) - at - width))))
+        at += width
+    return Linear(np.concatenate([part.values for part in parts]), np.vstack(slopes))

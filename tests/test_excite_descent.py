@@ -1,0 +1,112 @@
+"""The search of `bench excite`: derivatives beside difference quotients, and steps that keep what they promise."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from bench.basics.errors import BenchError
+from bench.dataset.robot import load_robot
+from bench.effects import CATALOGUE
+from bench.excitation.experiment import descent
+from bench.excitation.experiment import linearised as linear
+from bench.excitation.experiment.covariance import relative_errors, volume
+from bench.excitation.experiment.descent import begun, best_near, descended
+from bench.excitation.experiment.linearised import coefficient_sizes, linearised, moved
+from bench.excitation.experiment.plan import Aim, nominal_machine, shape_of, started
+from bench.excitation.experiment.request import ExperimentTable
+from bench.excitation.experiment.room import room_of
+from bench.excitation.experiment.search import scaled
+
+STEP = 1e-4  # of the largest size of a coefficient
+BOX = {"low": [-0.6, -0.6, -0.9], "high": [0.6, 0.6, 0.5]}
+
+
+def search_of(robot, criterion="worst", **limits):
+    """A search among few motions, and those at random."""
+    quick = {"duration": 4.0, "harmonics": 3, "velocity": 4.0, "acceleration": 40.0, "payload": {"mass": 0.5}}
+    table = ExperimentTable.model_validate(quick | limits)
+    nominal = nominal_machine(load_robot(robot), table, ["viscous_friction"], CATALOGUE)
+    room = room_of(nominal.model.geometry, table)
+    begin = started(nominal, room, shape_of(room, table), (None, *nominal.payloads), Aim(criterion=criterion))
+    return begin.search, begin.random
+
+
+@pytest.fixture(scope="module")
+def five_bar():
+    return search_of("five_bar", workspace=[BOX], torque=30.0)
+
+
+def changed(search, candidate, number, steps):
+    """The candidate with one motion's coefficients changed, limits or not."""
+    before = candidate[number]
+    tried = search.tried(moved(before.trajectory, steps), search.loads[number], before.motion)
+    assert tried is not None
+    return (*candidate[:number], tried, *candidate[number + 1 :])
+
+
+def test_slopes_of_errors_are_difference_quotients(five_bar):
+    search, starts = five_bar
+    smaller = [
+        search.tried(scaled(m.trajectory, 0.7), load) for m, load in zip(starts[0], search.loads, strict=True)
+    ]
+    candidate = tuple(smaller)
+    about, at = linearised(search, candidate), 0
+    random = np.random.default_rng(3)
+    for number, motion in enumerate(candidate):
+        sizes = coefficient_sizes(search.room, motion.trajectory)
+        direction = random.normal(size=sizes.shape)
+        both = [changed(search, candidate, number, sign * STEP * direction * sizes) for sign in (1.0, -1.0)]
+        plus, minus = (search.errors(search.fit(other)) for other in both)
+        quotient = (plus - minus) / (2.0 * STEP)
+        slope = about.errors.slopes[:, at : at + sizes.size] @ direction.ravel()
+        np.testing.assert_allclose(slope, quotient, rtol=2e-3, atol=2e-3 * np.abs(quotient).max())
+        at += sizes.size
+
+
+def test_slopes_of_limits_are_difference_quotients(five_bar, monkeypatch):
+    """Ranges, speeds, accelerations, singular poses, amplification, box and torques, at every sample."""
+    monkeypatch.setattr(linear, "NEAR", -np.inf)
+    monkeypatch.setattr(linear, "LOOKED_AT", 10_000)
+    search, starts = five_bar
+    candidate = starts[0]
+    sizes = coefficient_sizes(search.room, candidate[0].trajectory)
+    smaller = -np.sign(np.stack((candidate[0].trajectory.a, candidate[0].trajectory.b)))
+    other = changed(search, candidate, 0, STEP * smaller * sizes)
+    before, after = (linearised(search, motions).limits for motions in (candidate, other))
+    slope = before.slopes[:, : sizes.size] @ smaller.ravel()
+    off = np.abs((after.values - before.values) / STEP - slope)
+    bends = (
+        np.abs((after.slopes - before.slopes)[:, : sizes.size]).max(axis=1) > 0.1
+    )  # another largest entry, or sign
+    assert bends.mean() < 0.05
+    assert off[~bends].max() < 2e-2 * np.abs(slope).max()
+    assert np.median(off) < 1e-3 * np.abs(slope).max()
+
+
+@pytest.mark.parametrize(("criterion", "share"), [("worst", 0.6), ("d-optimal", 0.75)])
+def test_steps_never_get_worse_and_get_far_better(criterion, share):
+    search, starts = search_of("two_link", criterion)
+    assert search.errors.func is (relative_errors if criterion == "worst" else volume)
+    start = begun(search, starts[0])
+    way = [start]
+    for _ in range(8):
+        way.append(descended(search, way[-1], 1))
+    merits = [place.merit for place in way]
+    assert all(after <= before for before, after in pairwise(merits))
+    assert search.value(way[-1].candidate) < share * search.value(start.candidate)
+
+
+def test_no_steps_leave_the_best_start(five_bar):
+    search, starts = five_bar
+    assert best_near(search, starts, 0) is min(starts, key=lambda start: begun(search, start).merit)
+
+
+def test_a_solver_that_fails_is_told_in_a_line(five_bar, monkeypatch):
+    class Failed:
+        x, message = None, "time limit reached"
+
+    monkeypatch.setattr(descent, "linprog", lambda *_, **__: Failed)
+    search, starts = five_bar
+    with pytest.raises(BenchError, match="linear program failed: time limit reached"):
+        descended(search, begun(search, starts[0]), 1)
