@@ -38,6 +38,9 @@ SEARCHED = ("backlash", "cogging_torque", "coulomb_friction", "geometric_error",
 UNITS = 4  # in the last place
 SAME = 1e-9  # relative, of errors and gains
 SURE = 1e-6  # of a parameter's standard deviation
+# Of an effect that is not there, no data determine the shape: it is found to 1e-4, from noise, and the error on
+# recordings that were not fitted follows it. Under OpenBLAS's Prescott kernel it moved by 4e-9, the evidence by 1e-6.
+FLAT, NATS = 1e-7, 1e-4
 CARRIED = {
     "exact": 2e-6,
     "short": 5e-5,
@@ -104,7 +107,11 @@ def test_diagnose_does_not_hang_on_rounding(dataset, again):
     for verdict, known in zip(other.ranking, one.ranking, strict=True):
         words = ("effect", "verdict", "actuators", "alternatives", "why")
         assert [getattr(verdict, word) for word in words] == [getattr(known, word) for word in words]
-        assert verdict.error_after == pytest.approx(known.error_after, rel=SAME)
+        flat = known.effect not in one.missing and any(
+            not free.discrete for free in CATALOGUE[known.effect].shape
+        )
+        assert verdict.error_after == pytest.approx(known.error_after, rel=FLAT if flat else SAME)
+        assert verdict.evidence == pytest.approx(known.evidence, rel=SAME, abs=NATS)
     assert other.unexplained.significant == one.unexplained.significant
     assert other.unexplained.noise_floor == pytest.approx(one.unexplained.noise_floor, rel=SAME)
 

@@ -46,7 +46,8 @@ def closure_tables(geometry: Geometry) -> dict[str, str]:
                 factors.append(factor)
     points = [np.concatenate([end.placement.translation for end in pair]) for pair in ends]
     turns = [np.concatenate([end.placement.rotation.ravel() for end in pair]) for pair in ends]
-    polynomials = [np.pad(one.polynomial, (0, POWERS - len(one.polynomial))) for one in geometry.couplings]
+    given = [coupling.polynomial for coupling in geometry.couplings]
+    polynomials = [np.pad(polynomial, (0, POWERS - len(polynomial))) for polynomial in given]
     repeating = equations > len(passive)
     return {
         "passives": str(len(passive)),
