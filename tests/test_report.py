@@ -96,7 +96,8 @@ def test_nothing_missing_takes_three_sentences_too():
     page = diagnosis_page(nothing, problem_of(dataset()), AGAIN)
     assert page.verdict[0].startswith("Nothing is missing that the catalogue knows")
     assert len(page.verdict) == 3
-    assert "from its nominal value" in page.verdict[1]
+    assert "change from the nominal value: left 3.3000 ± 0.0015 N·m/A (+10.00" in page.verdict[1]
+    assert " and right 3.3000 ± 0.0015" in page.verdict[1]
     ladder = next(one for one in page.sections if one.id == "ladder")
     assert [one.type for one in ladder.parts] == ["text", "table", "table"]  # one dot is no figure
     assert "No effect was added" in ladder.parts[0].paragraphs[0]

@@ -10,7 +10,11 @@ from bench.measured.tables import EXPLANATION, NO, RUN_HEADS, VALUE_HEADS, run_r
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
     """All machines: first what the commands gave, then each with its values beside what is known."""
-    rows = [(kept.name, *row) for kept in records for row in run_rows(kept, machines[kept.name])]
+    rows = [
+        (kept.name, _unbroken(command), *cells)
+        for kept in records
+        for command, *cells in run_rows(kept, machines[kept.name])
+    ]
     blocks = [
         "# On measured logs",
         EXPLANATION,
@@ -31,6 +35,12 @@ def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineT
             blocks.append(rows_in_markdown(VALUE_HEADS, map(_weighted, value_rows(run))))
             blocks.append("\n".join(f"- {sentence}" for sentence in run.said))
     return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def _unbroken(command: str) -> str:
+    """A command as pieces of code, each of which stays on a line: an option is not torn from its name or its value."""
+    first, *options = command.split(" --")
+    return " ".join(f"`{part}`" for part in (first, *(f"--{option}" for option in options)))
 
 
 def _weighted(row: Sequence[str]) -> list[str]:

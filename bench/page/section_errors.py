@@ -129,7 +129,7 @@ def currents_section(
             widths.add(width)
             variants[f"{j}|{k}"] = Variant((Chart("", "", spec),), (_facts(joint, found),))
     worst = [_worst(last, joint, names) for joint in joints]
-    first = worst[0] if worst else 0
+    first = worst[_loudest(last)] if worst else 0
     loads = {trace.recording: trace for trace in last.what.series}
     options = tuple(
         f"{name} ({USES[loads[name].use]}{', ' + str(loads[name].payload) if loads[name].payload else ''})"
@@ -146,7 +146,7 @@ def currents_section(
         "Current and error over time",
         aid,
         True,
-        (Choice("Motor", joints), Choice("Recording", options, first)),
+        (Choice("Motor", joints, _loudest(last)), Choice("Recording", options, first)),
         variants,
         tuple(f"{j}|{k}" for j, k in enumerate(worst))[:ON_PAPER],
     )
@@ -171,6 +171,16 @@ def _facts(joint: str, curves: Sequence[tuple[str, str, MotorSeries]]) -> str:
         f"{joint} in {trace.recording}, {said_of}: error {', '.join(errors)}; noise {share(noise)}; {rows} "
         f"that move."
     )
+
+
+def _loudest(shown: ModelBeside) -> int:
+    """The number of the motor with the largest error beside its noise: what there is to find is there."""
+    beyond = {
+        motor.joint: motor.error / max(motor.noise, 1e-12)
+        for motor in shown.where.motors
+        if motor.above_noise
+    }
+    return max(range(len(shown.joints)), key=lambda j: beyond.get(shown.joints[j], 0.0), default=0)
 
 
 def _worst(shown: ModelBeside, joint: str, names: Sequence[str]) -> int:

@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 
+from bench.effects import CATALOGUE
 from bench.page.chart_motor import error_charts
 from bench.page.model_errors import ModelBeside
-from bench.page.parts import Choice, Figure, Section, Variant
-from bench.page.words import typeset
+from bench.page.parts import Choice, Figure, PageColumn, PageTable, Section, Variant, row
+from bench.page.words import effect_name, typeset
 from bench.residuals.error_breakdown import error_breakdown
-from bench.residuals.words import finding_sentences, level_sentence
+from bench.residuals.words import MOST_LOOKS, finding_sentences, level_sentence
 
 ON_PAPER = 6  # motors that are printed
+LAWS = "their laws stand below"
 
 
 def where_section(models: Sequence[ModelBeside]) -> Section:
@@ -23,7 +25,7 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
             motor = by_joint[joint]
             notes = tuple(
                 typeset(f"{'Motor' + name[5:] if name.startswith('motor ') else name}.")
-                for name in (level_sentence(motor), *finding_sentences(motor))
+                for name in (level_sentence(motor), *finding_sentences(motor, LAWS))
             )
             charts = error_charts(error_breakdown(model.what, joint))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
@@ -52,4 +54,25 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
         tuple(f"{j}{paper}" for j in range(len(joints)))[:ON_PAPER],
     )
     lead = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
-    return Section("where", "Where it fails", lead, (figure,))
+    return Section("where", "Where it fails", lead, (figure, *_laws(models)))
+
+
+def _laws(models: Sequence[ModelBeside]) -> tuple[PageTable, ...]:
+    """The effects that leave errors like those found, each once, with what they are and how they show."""
+    named = (
+        name
+        for model in models
+        for motor in model.where.motors
+        for rival in motor.alike[:MOST_LOOKS]
+        for name in rival.effects
+    )
+    rows = tuple(
+        row(effect_name(name), typeset(CATALOGUE[name].law), CATALOGUE[name].shown_by)
+        for name in dict.fromkeys(named)
+        if name in CATALOGUE
+    )
+    if not rows:
+        return ()
+    columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("shown by", "words"))
+    aid = "Candidates, the plainest first, from the key of the handbook's atlas; bench diagnose decides between them."
+    return (PageTable("Effects that would leave such errors", aid, columns, rows, folded=True),)

@@ -7,12 +7,14 @@ from bench.document.numbers import gain_change, pretty_unit
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
 from bench.identification.result import ErrorSummary, Identification, relative_error
-from bench.identification.wording import and_list, or_list
+from bench.identification.wording import and_list, or_list, with_error
 from bench.page.parts import Tile
 from bench.page.words import effect_name, share, short, typeset
 from bench.replay.replay import Replay
 from bench.residuals.residuals import WhereItFails
 from bench.residuals.words import motor_words
+
+MOST_GAINS = 7  # that are listed in a sentence
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -27,6 +29,8 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         for verdict in found_effects(diagnosis)
         if verdict.alternatives
     ]
+    if not doubt and not said.nominal and said.moved and 1 < len(diagnosis.after.drive_gains) <= MOST_GAINS:
+        middle += f"; drive gains, with their change from the nominal value: {gains_listed(diagnosis.after)}"
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
     return tuple(typeset(name) for name in (said.verdict, *said.laws, f"{middle}.", said.left))
@@ -53,6 +57,12 @@ def gains_sentence(result: Identification) -> str:
     if not result.gains_fitted:
         return "The drive gains stay at their nominal values, as no payload of known mass gives their scale."
     gains = result.drive_gains
+    if 1 < len(gains) <= MOST_GAINS:
+        loose = max(share_of.relative_std for share_of in gains.values())
+        return (
+            f"Drive gains, with their change from the nominal value: {gains_listed(result)}; all are known to "
+            f"±{share(WITHIN_95 * loose)} or better (95 %)."
+        )
     far = max(gains, key=lambda name: abs(gain_change(gains[name])))
     loose = max(gains, key=lambda name: gains[name].relative_std)
     gain = gains[far]
@@ -62,6 +72,17 @@ def gains_sentence(result: Identification) -> str:
         much += ", farther than any other"
     known = share(WITHIN_95 * gains[loose].relative_std)
     return f"{much}; {'all are' if len(gains) > 1 else 'it is'} known to ±{known} or better (95 %)."
+
+
+def gains_listed(result: Identification) -> str:
+    """Every drive gain with its standard error and its change, as in "left 3.301 ± 0.002 N·m/A (+10 %)"."""
+    return and_list(
+        [
+            f"{joint} {typeset(with_error(gain.value, gain.std))} {pretty_unit(gain.unit)} "
+            f"({share(gain_change(gain), signed=True)})"
+            for joint, gain in result.drive_gains.items()
+        ]
+    )
 
 
 def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:

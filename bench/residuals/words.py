@@ -40,25 +40,26 @@ def motor_words(joint: str) -> str:
     return joint if joint.lower().startswith(("motor", "actuator", "joint")) else f"motor {joint}"
 
 
-def finding_sentences(motor: MotorErrors) -> list[str]:
-    """All that was found of one motor's error, the strongest of each kind first."""
+def finding_sentences(motor: MotorErrors, laws: str = "") -> list[str]:
+    """All that was found of one motor's error, the strongest of each kind first. laws: where those of effects stand."""
     units = motor.units
     return [
         *(concentration_words(concentration) for concentration in motor.concentrations),
         *(dependence_words(dependence, units) for dependence in motor.dependences),
         *(line_words(line, units) for line in motor.lines),
         *(change_words(change, units[0]) for change in motor.changes),
-        *(alike_words(motor.joint, rival) for rival in motor.alike[:MOST_LOOKS]),
+        *(alike_words(motor.joint, rival, laws) for rival in motor.alike[:MOST_LOOKS]),
     ]
 
 
-def alike_words(joint: str, rival: LookAlike) -> str:
+def alike_words(joint: str, rival: LookAlike, laws: str = "") -> str:
     """As in "motor left: Coulomb friction or Stribeck friction leaves such an error (atlas of effects, question 1)"."""
     names = [spoken(name) for name in rival.effects[:MOST_NAMES]]
     more = len(rival.effects) - len(names)
     names += [f"{more} more"] if more else []
     listed = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-    return f"{motor_words(joint)}: {listed} would leave such an error (atlas of effects, question {rival.question})"
+    where = laws or f"atlas of effects, question {rival.question}"
+    return f"{motor_words(joint)}: {listed} would leave such an error ({where})"
 
 
 def concentration_words(concentration: Concentration) -> str:

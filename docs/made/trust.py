@@ -152,6 +152,28 @@ def peers_table() -> str:
     return rows_in_markdown(("", "seeds", "time", "gain error", "intervals that hold the gain"), rows)
 
 
+def published_table() -> str:
+    """EMPS as it was published, from what the command on the page wrote, to the digits of the paper."""
+    model = json.loads((RESULTS / "measured" / "published" / "emps.json").read_text(encoding="utf-8"))
+    (mass,) = model["parameters"]
+    found = {"M": mass} | {
+        next(iter(at["axis"])): next(iter(at["axis"].values())) for at in model["effect_parameters"].values()
+    }
+    rows = [
+        (f"{name} [{one['unit'].replace('*', '·')}]", _digits(one["value"]), _digits(one["std"]))
+        for name, one in found.items()
+    ]
+    rows += [
+        ("condition number", _digits(model["condition"]), ""),
+        ("error [%]", _digits(100 * model["error"]["identify"]), ""),
+    ]
+    return rows_in_markdown(("", "estimate", "standard error"), rows)
+
+
+def _digits(value: float) -> str:
+    return f"{value:.4f}".replace("-", "−")
+
+
 def cases_table(robot: str) -> str:
     """Median of the largest gain error and coverage of every estimator, case by case."""
     rows = json.loads((RESULTS / "estimators" / f"{robot}.json").read_text(encoding="utf-8"))["rows"]
@@ -196,6 +218,7 @@ def page(text: str) -> str:
         ("speed", speed_table()),
         ("estimators", estimators_table()),
         ("cases", cases_table("five_bar")),
+        ("emps", published_table()),
     ):
         text = text.replace(f"<!-- {place} -->", table)
     return text

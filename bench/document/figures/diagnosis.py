@@ -89,7 +89,7 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
         draw_moved(axes, rows)
         added = and_list([effect_name(name) for name in diagnosis.added])
         figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
-        figure.legend(loc="outside upper right", ncols=3, frameon=False)
+        figure.legend(loc="outside lower right", ncols=3, frameon=False)
     return figure
 
 
