@@ -58,10 +58,10 @@ def gains_sentence(result: Identification) -> str:
         return "The drive gains stay at their nominal values, as no payload of known mass gives their scale."
     gains = result.drive_gains
     if 1 < len(gains) <= MOST_GAINS:
-        loose = max(share_of.relative_std for share_of in gains.values())
+        loosest = max(gain.relative_std for gain in gains.values())
         return (
             f"Drive gains, with their change from the nominal value: {gains_listed(result)}; all are known to "
-            f"±{share(WITHIN_95 * loose)} or better (95 %)."
+            f"±{share(WITHIN_95 * loosest)} or better (95 %)."
         )
     far = max(gains, key=lambda name: abs(gain_change(gains[name])))
     loose = max(gains, key=lambda name: gains[name].relative_std)
