@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnosis.normal_equations import memory_in_rows
 from bench.identification.compressed import Stack
+from bench.identification.memory import memory_in_rows
 from bench.identification.solution import Solution
 
 BLOCKS = 10  # of every recording, alternately fitted and judged: then the motion is about the same in both
@@ -66,7 +66,7 @@ def halves_of(stack: Stack, solution: Solution, further: np.ndarray) -> Halves:
     inner = np.array([[row[half == k].T @ row[half == k] for row in rows] for k in (0, 1)])
     left = rows @ _solution(inner.sum(axis=(0, 1)), np.arange(rows.shape[2] - 1))
     parts = [np.split(entry[:, None], stack.starts[1:]) for entry in left]
-    memory = np.array([memory_in_rows(part) for part in parts])
+    memory = np.array([memory_in_rows(part, stack.returns) for part in parts])
     return Halves(inner, own, count / memory, ((stack.current * weights) ** 2).sum(axis=0))
 
 

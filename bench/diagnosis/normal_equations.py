@@ -7,7 +7,7 @@ unknowns, whatever the number of samples.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,11 +24,11 @@ from bench.identification.bilinear import (
 )
 from bench.identification.effect_rows import effect_rows
 from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.memory import memory_in_rows, repeats_of
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 
-LONGEST_MEMORY = 60  # rows over which errors may be alike
 CONVERGED = 1e-7  # share of the cost by which a step must lower it, to be followed by another
 NEARLY = 1e-4  # the same where a gain has run away, so that the set is of no use
 AWAY = 30.0  # times the gain that it is counted from, or that part of it
@@ -103,6 +103,7 @@ class System:
     fitted: MotorProducts
     checked: MotorProducts
     memory: float
+    repeats: float = 1.0
     priors: tuple[float, ...] = ()
     solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
 
@@ -170,8 +171,14 @@ def build_system(
         if candidate.instances and not candidate.instances[0].effect.shape
     ]
     largest = solve_set(system, plain)
-    memory = memory_in_rows([_errors(values, change, largest, start) for values in blocks["identify"]])
-    return System(system.candidates, base, start, fitted, checked, memory)
+    errors = [_errors(values, change, largest, start) for values in blocks["identify"]]
+    known = [
+        i for i, candidate in enumerate(listed) if any(instance in exact for instance in candidate.instances)
+    ]
+    wider = solve_set(system, sorted({*plain, *known}))
+    left = [_errors(values, change, wider, start) for values in blocks["identify"]]
+    returns = [observation.course.returns for observation in prepared.fitted]
+    return replace(system, memory=memory_in_rows(errors), repeats=repeats_of(left, returns), solved={})
 
 
 def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
@@ -328,26 +335,3 @@ def _errors(rows: np.ndarray, change: np.ndarray, fit: SetFit, start: Solution) 
     errors = errors_by(fit.values, fit.gains, start.gains)
     combined = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
     return np.asarray(np.einsum("mjc,jc->mj", rows, combined) * start.weights)
-
-
-def memory_in_rows(errors: Sequence[np.ndarray]) -> float:
-    """Integrated autocorrelation time of the errors (M, n) of all recordings, in rows, at least one.
-
-    Lags are summed until the correlation is lost in its own noise (Geyer 1992, initial positive pairs).
-    """
-    length = min(len(error) for error in errors)
-    lags = min(LONGEST_MEMORY, length // 4)
-    values = np.array(
-        [
-            sum(float((error[: len(error) - lag] * error[lag:]).sum()) for error in errors)
-            for lag in range(lags + 1)
-        ]
-    )
-    correlation = values / values[0]
-    total = 1.0
-    for lag in range(1, lags, 2):
-        pair = correlation[lag] + correlation[lag + 1]
-        if pair <= 0.0:
-            break
-        total += 2.0 * pair
-    return max(float(total), 1.0)

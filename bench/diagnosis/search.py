@@ -36,7 +36,8 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
 
     On checked recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
     of their number is taken off for each parameter (Schwarz 1978). So are the priors of the set. Noise alone gives half
-    a nat a parameter there (Wilks 1938).
+    a nat a parameter there (Wilks 1938). In all, every period of a motion that returns counts once, with the
+    errors that return with it: recordings that were not fitted are no others than those that were, then.
     """
     tiny = np.finfo(float).tiny
     samples = system.checked.rows / system.memory
@@ -44,8 +45,10 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     samples = system.fitted.rows / system.memory
     fitted = 0.5 * samples * np.log((reference.fitted + tiny) / (fit.fitted + tiny))
     extra = len(fit.columns) - len(reference.columns)
-    penalty = 0.5 * extra * np.log(samples) + system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
-    return Scored(fit, float(checked), float(fitted - 0.5 * extra), float(checked + fitted - penalty))
+    penalty = 0.5 * extra * np.log(max(samples / system.repeats, 1.0))
+    penalty += system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
+    total = (checked + fitted) / system.repeats - penalty
+    return Scored(fit, float(checked), float(fitted - 0.5 * extra), float(total))
 
 
 @dataclass(frozen=True)

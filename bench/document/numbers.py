@@ -18,6 +18,7 @@ USES = {"identify": "fitted", "validate": "not fitted"}
 STD_FROM: dict[StdFrom, str] = {
     "noise": "the error taken as noise",
     "blocks": "how the estimate differs between parts of the recordings: the model's own error outweighs noise",
+    "periods": "errors that return with the motion: the model's own outweighs noise, however often the motion is made",
     "models": "how the estimate differs between models that explain the data as well",
 }
 

@@ -9,6 +9,7 @@ from bench.dataset.payload import Payload
 from bench.identification.layout import ParameterLayout, known_rows, regressor_rows
 from bench.identification.observation import Observation
 from bench.model.motion import blocks_of
+from bench.signals.returning import Course
 
 BLOCK = 65536  # rows that are compressed together, at most
 
@@ -20,7 +21,8 @@ class Stack:
     Rows of a joint at standstill are zero and `moving` (M, n) is False there.
     phi (M, n, p) torque or force for each unit of theta; kappa (M, n) torque of the known payload
     parameters; current (M, n); starts: the first row of every recording. factors (n, p + 2, p + 2): for every
-    motor the triangular factor of [phi, kappa, current], which has the same inner products.
+    motor the triangular factor of [phi, kappa, current], which has the same inner products. courses: the motion of
+    every recording, where it is known.
     """
 
     phi: np.ndarray
@@ -29,6 +31,14 @@ class Stack:
     moving: np.ndarray
     starts: tuple[int, ...]
     factors: np.ndarray
+    courses: tuple[Course, ...] = ()
+
+    @property
+    def returns(self) -> tuple[float | None, ...]:
+        """For every recording after how many rows its motion is the same again; None where it never is."""
+        if not self.courses:
+            return (None,) * len(self.starts)
+        return tuple(course.returns for course in self.courses)
 
     @property
     def scaled(self) -> bool:
@@ -49,7 +59,8 @@ def stack_observations(
     current = np.concatenate([observation.current for observation in observations]) * moving
     lengths = [len(observation.time) for observation in observations]
     starts = tuple(int(start) for start in np.cumsum([0, *lengths[:-1]]))
-    return Stack(phi, kappa, current, moving, starts, compress(phi, kappa, current))
+    courses = tuple(observation.course for observation in observations)
+    return Stack(phi, kappa, current, moving, starts, compress(phi, kappa, current), courses)
 
 
 def compress(phi: np.ndarray, kappa: np.ndarray, current: np.ndarray) -> np.ndarray:

@@ -9,12 +9,14 @@ import numpy as np
 from bench.dataset.payload import Payload, inertia_matrix
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import payload_parameter_names
+from bench.identification.memory import memory_in_rows
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
 from bench.identification.result import DriveGain, Identification, Parameter, Quantity
 from bench.identification.widened import gains_widened
 from bench.model.regressor import UNITS
+from bench.signals.returning import rows_until_return
 
 SHOWS = 3.0  # deviations by which the least spread must be negative
 MATERIAL = 0.03  # share of the error that the payload's own inertia must take away, to be needed all the same
@@ -38,7 +40,8 @@ class _Spread:
 
 def with_possible_payloads(prepared: Prepared, result: Identification, fitted: Fit) -> Identification:
     """The answer `result` of `prepared`; where a payload's inertia came out such as no body has, the one with that
-    payload as a point at its declared centre, if its error is as small.
+    payload as a point at its declared centre, if its error is as small. What came out so by chance, by fewer than SHOWS
+    of its deviations, is held against a point that is as likely: no body has it, however little the data tell.
 
     Nobody has told that it is a point: deviations are those of the answer in which its inertia is free, and hold what
     the two differ by. The second moments of a body's mass about its centre are not negative (Traversaro, Brossette,
@@ -48,9 +51,10 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
     if not result.gains_fitted:
         return result
     spreads = {name: _least_spread(prepared, result, name) for name in prepared.layout.payloads}
-    found = {name: spread for name, spread in spreads.items() if spread is not None and spread.impossible}
+    found = {name: spread for name, spread in spreads.items() if spread is not None and spread.value < 0.0}
     if not found:
         return result
+    sure = any(spread.impossible for spread in found.values())
     payloads = {name: replace(prepared.dataset.payloads[name], inertia=np.zeros(6)) for name in found}
     other = fitted(_with_payloads(prepared, payloads))
     known = {
@@ -63,9 +67,11 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
         )
     }
     as_small = (other.error.identify or 0.0) <= (1.0 + MATERIAL) * (result.error.identify or 0.0)
-    taken = as_small and {parameter.name for parameter in other.parameters} | set(known) == {
-        parameter.name for parameter in result.parameters
-    }
+    taken = (as_small if sure else _as_likely(other, result)) and {
+        parameter.name for parameter in other.parameters
+    } | set(known) == {parameter.name for parameter in result.parameters}
+    if not (taken or sure):
+        return result
     told = tuple(
         Finding(
             Code.PAYLOAD_TAKEN_AS_POINT if taken else Code.PAYLOAD_IMPOSSIBLE,
@@ -74,9 +80,34 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
             unit=UNITS[INERTIA[0]],
         )
         for name, spread in found.items()
+        if taken or spread.impossible
     )
     answer = _with_values(result, other, known) if taken else gains_widened(result, [other])
     return replace(answer, findings=(*told, *result.findings))
+
+
+def _as_likely(fewer: Identification, more: Identification) -> bool:
+    """Whether an answer with fewer unknowns is as likely as one with more, every motor with a noise of its own.
+
+    By Schwarz's criterion (1978), with as many rows as are independent of each other.
+    """
+    fitted, other = (
+        [series for series in result.recordings if series.use == "identify"] for result in (more, fewer)
+    )
+    moving = np.concatenate([series.moving for series in fitted])
+    squares = np.array(
+        [sum((series.error**2 * series.moving).sum(axis=0) for series in each) for each in (fitted, other)]
+    )
+    told = moving.sum(axis=0) > 0
+    deviations = np.sqrt(squares[0] / np.maximum(moving.sum(axis=0), 1))
+    errors = [
+        (series.error * series.moving)[:, told] / np.maximum(deviations[told], np.finfo(float).tiny)
+        for series in fitted
+    ]
+    returns = [rows_until_return(series.position) for series in fitted]
+    rows = moving.sum(axis=0)[told] / memory_in_rows(errors, returns)
+    gained = 0.5 * float(rows @ np.log(squares[1, told] / squares[0, told]))
+    return gained <= 0.5 * (more.unknowns - fewer.unknowns) * float(np.log(rows.sum()))
 
 
 def _with_values(result: Identification, other: Identification, known: Mapping[str, float]) -> Identification:

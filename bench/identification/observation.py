@@ -11,6 +11,7 @@ from bench.model.model import IdentificationModel
 from bench.model.motion import blocks_of
 from bench.model.regressor import projected_regressor, redundant_columns
 from bench.signals.decimation import Decimation, decimated_indices
+from bench.signals.returning import Course
 
 PART = 5120  # samples worked on together, at most: their columns stay in the processor's cache
 
@@ -23,7 +24,8 @@ class Observation:
     torque or force for each unit of the base parameters, of the payload's standard parameters in the tool
     frame, and of the effects' parameters. redundant (M, n, r): for each unit of the redundant motors' drive gains,
     whose nominal values are nominal (r,). position, velocity, acceleration (M, n) of the active joints.
-    moving (M, n): False where the joint stands still; such rows are neither fitted nor judged.
+    moving (M, n): False where the joint stands still; such rows are neither fitted nor judged. course: the positions,
+    of which it is kept whether they return.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Observation:
     velocity: np.ndarray
     acceleration: np.ndarray
     moving: np.ndarray
+    course: Course
 
 
 def observe(model: IdentificationModel, measured: Measured) -> Observation:
@@ -61,6 +64,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     filtered, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)
     filtered = filtered.reshape(len(kept), n, p)
     load, nb = slice(len(model.base.columns), nb), len(model.base.columns)
+    position = np.ascontiguousarray(position)
     return Observation(
         name=recording.name,
         use=recording.use,
@@ -72,10 +76,11 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         effects=np.zeros((len(kept), n, 0)),
         redundant=np.ascontiguousarray(filtered[:, :, p - r :]),
         nominal=np.array([actuator.gain for actuator in robot.redundant]),
-        position=np.ascontiguousarray(position),
+        position=position,
         velocity=np.ascontiguousarray(velocity),
         acceleration=np.ascontiguousarray(acceleration),
         moving=moving_rows(measured.gaps, samples, settings.decimation),
+        course=Course(position),
     )
 
 

@@ -8,16 +8,18 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from bench.identification.blocks import Block, block_scatter, blocks_in
 from bench.identification.compressed import Stack
+from bench.identification.repeated_errors import Returns, repeated_covariances, repeated_score, times_repeated
 from bench.identification.solution import Solution
 
 FEWEST_LAGS = 6  # of the autocovariance; what the low-pass of the fit makes of white noise dies out sooner
 MOST_LAGS = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the movement
 ALIKE = 3.0  # deviations of a correlation that is none
+MATERIAL = 1.2  # rows of different periods that count as one: more are worth a word
 
 Deviations = Literal["autocorrelated", "independent"]
-StdFrom = Literal["noise", "blocks", "models"]
+StdFrom = Literal["noise", "blocks", "periods", "models"]
 """What standard deviations stand for: the error as a noise, the scatter of the estimate between parts of the
-recordings, or the spread over models that explain the data as well."""
+recordings, the error as one that returns with the motion, or the spread over models that explain the data as well."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
 
     "autocorrelated": the residual's autocovariance, of every motor and within every recording, is carried
     through the linearised estimator (Newey and West 1987, with Bartlett's window), so that neighbouring
-    samples do not count as independent. "independent": the field's customary formula (Gautier 1997), with
+    samples do not count as independent, nor do those between which the motion returns and the error with it (see
+    repeated_errors.py). "independent": the field's customary formula (Gautier 1997), with
     the deviation of the residual about its mean; too optimistic where errors are coloured. Unknowns that change
     nothing, such as the damping of a drive without a compliance, are left out, with variances of zero.
 
@@ -97,9 +100,13 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     if deviations == "independent":
         middle = inverse * float(residual[stack.moving].var(ddof=1))
     else:
-        equations = int(stack.moving.sum())
+        parts = np.split(residual, stack.starts[1:])
+        returns = stack.returns
+        repeated = times_repeated(parts, returns, reach=0)
+        std_from = "periods" if repeated > MATERIAL else "noise"
+        equations = int(stack.moving.sum()) / repeated
         freedom = equations / max(equations - size, 1)
-        middle = inverse @ _score(stack, solution, residual, seen, lengths) @ inverse * freedom
+        middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse * freedom
         scatter = block_scatter(_blocks(stack, solution, residual, seen, lengths))
         if scatter is not None and scatter.beyond(middle):
             middle, std_from = _widened(middle, scatter.covariance), "blocks"
@@ -160,17 +167,28 @@ def _blocks(
 
 
 def _score(
-    stack: Stack, solution: Solution, residual: np.ndarray, seen: np.ndarray, lengths: np.ndarray
+    stack: Stack,
+    solution: Solution,
+    residual: np.ndarray,
+    returns: Returns,
+    seen: np.ndarray,
+    lengths: np.ndarray,
 ) -> np.ndarray:
     """J' Sigma J (P, P) of the weighted derivatives by the unknowns seen, each divided by its length."""
     ends = (*stack.starts[1:], len(residual))
     total = np.zeros((len(seen),) * 2)
     for j in range(len(solution.weights)):
-        covariances = _covariances(residual[:, j], stack.moving[:, j], stack.starts)
-        for a, b in zip(stack.starts, ends, strict=True):
+        error, moving = residual[:, j], stack.moving[:, j]
+        covariances = _covariances(error, moving, stack.starts)
+        repeated = repeated_covariances(error, moving, stack.starts, returns, covariances)
+        for a, b, period in zip(stack.starts, ends, returns, strict=True):
             jacobian = _weighted_rows(stack, solution, j, slice(a, b), seen, lengths)
             own = np.flatnonzero(jacobian.any(axis=0))  # not the other motors' gains
+            if not len(own):
+                continue
             total[np.ix_(own, own)] += _autocorrelated(jacobian[:, own], covariances)
+            if period is not None and repeated is not None:
+                total[np.ix_(own, own)] += repeated_score(jacobian[:, own], period, repeated)
     return total
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.diagnosis.normal_equations import memory_in_rows
 from bench.effects import EffectInstance, effect_columns
 from bench.identification.compressed import Stack
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.identifiability_of_effects import identifiable_columns
+from bench.identification.memory import memory_in_rows
 from bench.identification.nonlinear import present_model, settled
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem

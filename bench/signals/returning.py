@@ -1,0 +1,95 @@
+"""Motion that returns: after how many samples positions are the same again."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.basics.interpolation import cubic_spline
+
+FloatArray = NDArray[np.float64]
+
+SAME = 0.1  # of the deviation of a position: as far a motion that returns may be from what it was
+MOSTLY = 0.5  # of the samples, at least: between a start and a stop of its own
+OTHER = 0.5  # of the deviation: as far it must have been in between
+NEAR = 1.0  # of it: as far it may be off at a lag that is looked at
+FEWEST = 30  # samples that are there a second time
+STEPS = (0.25, 0.05)  # of a sample, in which a period is looked for, the second about the best of the first
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A motion's positions (M, n), of which it is worked out once after how many samples they return."""
+
+    position: FloatArray
+
+    @cached_property
+    def returns(self) -> float | None:
+        """See `rows_until_return`."""
+        return rows_until_return(self.position)
+
+
+def rows_until_return(position: FloatArray) -> float | None:
+    """The shortest lag, in samples and parts of one, after which positions (M, n) are mostly the same; None if none."""
+    spread = position.std(axis=0)
+    turning = spread > 0.0
+    if not turning.any() or len(position) <= FEWEST:
+        return None
+    scaled = position[:, turning] / spread[turning]
+    by_row = shifted_apart(scaled)[1 : len(position) - FEWEST].max(axis=1)
+    gone = np.flatnonzero(by_row > OTHER)
+    if not len(gone):
+        return None
+    inner = by_row[1:-1]
+    least = 1 + np.flatnonzero((inner <= by_row[:-2]) & (inner <= by_row[2:]) & (inner < NEAR))
+    for i in (1 + least[least > gone[0]]).tolist():
+        pace = np.abs(np.diff(scaled[i - 1 :], axis=0)).max(
+            axis=1
+        )  # as far as a part of a sample can take it
+        off = np.abs(scaled[i:] - scaled[: len(scaled) - i]).max(axis=1)
+        if np.mean(off <= SAME + pace) <= MOSTLY:
+            continue
+        best, reach = float(i), 1.0
+        for step in STEPS:
+            tried = best + step * np.arange(-round(reach / step), round(reach / step) + 1)
+            mostly = [float(np.median(apart)) for apart in _apart(scaled, tried.tolist())]
+            best, reach = float(tried[np.argmin(mostly)]), step
+        if min(mostly) <= SAME:
+            return best
+    return None
+
+
+def same_again(position: FloatArray, lag: float) -> NDArray[np.bool_]:
+    """Whether the positions (M, n) so many samples later are the same, for all samples (K,) that have a later one."""
+    spread = position.std(axis=0)
+    (apart,) = _apart(position / np.where(spread > 0.0, spread, np.inf), [lag])
+    return np.asarray(apart <= SAME)
+
+
+def _apart(scaled: FloatArray, lags: Sequence[float]) -> Iterator[FloatArray]:
+    """How far signals (M, n) are off at worst so many samples later, (K,), for every lag."""
+    rows = np.arange(len(scaled), dtype=float)
+    course = cubic_spline(rows, scaled)
+    for lag in lags:
+        known = rows[rows <= rows[-1] - lag]
+        yield np.abs(course(known + lag) - scaled[: len(known)]).max(axis=1)
+
+
+def shifted_apart(signals: FloatArray) -> FloatArray:
+    """RMS distance (M, n) of signals (M, n) from themselves, shifted by 0 to M - 1 samples, through their spectrum."""
+    signals = signals - signals.mean(axis=0)
+    rows = len(signals)
+    products = lagged_products(signals)
+    squares = np.cumsum(signals**2, axis=0)[::-1]  # of the first M - k samples, at k
+    ends = np.cumsum(signals[::-1] ** 2, axis=0)[::-1]  # of the last M - k samples
+    count = np.arange(rows, 0, -1)[:, None]
+    return np.asarray(np.sqrt(np.maximum(squares + ends - 2.0 * products, 0.0) / count))
+
+
+def lagged_products(signals: FloatArray) -> FloatArray:
+    """Inner products (M, n) of signals (M, n) with themselves, shifted by 0 to M - 1 samples."""
+    rows = len(signals)
+    spectrum = np.fft.rfft(signals, 2 * rows, axis=0)
+    return np.asarray(np.fft.irfft((spectrum * spectrum.conj()).real, 2 * rows, axis=0)[:rows])
