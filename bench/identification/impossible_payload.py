@@ -2,19 +2,19 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
 from bench.dataset.payload import Payload, inertia_matrix
+from bench.identification.by_unknown import changed, estimates
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.layout import payload_parameter_names
 from bench.identification.memory import memory_in_rows
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
-from bench.identification.result import DriveGain, Identification, Parameter, Quantity
-from bench.identification.widened import gains_widened
+from bench.identification.result import Identification
+from bench.identification.widened import gains_widened, widened
 from bench.model.regressor import UNITS
 from bench.signals.returning import rows_until_return
 
@@ -23,7 +23,6 @@ MATERIAL = 0.03  # share of the error that the payload's own inertia must take a
 INERTIA = np.arange(4, 10)
 
 Fit = Callable[[Prepared], Identification]
-Q = TypeVar("Q", DriveGain, Parameter, Quantity)
 
 
 @dataclass(frozen=True)
@@ -113,56 +112,14 @@ def _as_likely(fewer: Identification, more: Identification) -> bool:
 def _with_values(result: Identification, other: Identification, known: Mapping[str, float]) -> Identification:
     """An answer with the values of another one, of which it has further parameters, known there.
 
-    Its own deviations stay, or grow to what the values differ by; covariances grow with them.
+    Its own standard errors stay, or grow to what the values differ by.
     """
-    values = {**{parameter.name: parameter.value for parameter in other.parameters}, **known}
-    parameters = tuple(_moved(parameter, values[parameter.name]) for parameter in result.parameters)
-    gains = {
-        joint: _moved(drive_gain, other.drive_gains[joint].value)
-        for joint, drive_gain in result.drive_gains.items()
-    }
-    effects = {
-        effect: {
-            place: {
-                name: _moved(quantity, other.effect_parameters[effect][place][name].value)
-                for name, quantity in each.items()
-            }
-            for place, each in places.items()
-        }
-        for effect, places in result.effect_parameters.items()
-    }
-    moved = replace(result, parameters=parameters, drive_gains=gains, effect_parameters=effects)
-    old, new = _deviations(result), _deviations(moved)
-    times = np.array(
-        [
-            new[unknown] / old[unknown] if 0.0 < old.get(unknown, 0.0) < np.inf else 1.0
-            for unknown in result.covariance_rows
-        ]
-    )
-    return replace(
-        moved,
-        covariance=result.covariance * np.outer(times, times),
-        error=other.error,
-        recordings=other.recordings,
-        std_from="models",
-    )
-
-
-def _moved(quantity: Q, value: float) -> Q:
-    return replace(quantity, value=value, std=max(quantity.std, abs(value - quantity.value)))
-
-
-def _deviations(result: Identification) -> dict[Unknown, float]:
-    found = {Unknown("parameter", parameter.name): parameter.std for parameter in result.parameters}
-    found |= {
-        Unknown("gain", "gain", joint): drive_gain.std for joint, drive_gain in result.drive_gains.items()
-    }
-    return found | {
-        Unknown("effect", name, place, effect): quantity.std
-        for effect, places in result.effect_parameters.items()
-        for place, each in places.items()
-        for name, quantity in each.items()
-    }
+    values = {unknown: estimate.value for unknown, estimate in estimates(other).items()}
+    values |= {Unknown("parameter", name): value for name, value in known.items()}
+    before = estimates(result)
+    moved = changed(result, lambda unknown, estimate: (values[unknown], estimate.std))
+    apart = {unknown: abs(values[unknown] - estimate.value) for unknown, estimate in before.items()}
+    return replace(widened(moved, apart), error=other.error, recordings=other.recordings, std_from="models")
 
 
 def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:

@@ -11,8 +11,7 @@ from bench.identification.compressed import triangular_factors
 from bench.identification.current_error import minimised, squared_errors
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
-from bench.identification.friction_columns import friction_columns
-from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.friction_columns import rows_with_friction, with_friction
 from bench.identification.observation import observe
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
@@ -77,7 +76,7 @@ class _Trial:
     def __init__(self, prepared: Prepared) -> None:
         self.prepared = prepared
         n = len(prepared.dataset.robot.nominal_gains)
-        self.layout = replace(prepared.layout, effects=2 * n)
+        self.layout = with_friction(prepared.layout, n)
         self.of = {measurement.recording.name: measurement for measurement in prepared.measured}
         self.declared = {observation.name: observation for observation in prepared.observations}
         self.parts: dict[tuple[str, str | None], np.ndarray] = {}
@@ -106,7 +105,6 @@ class _Trial:
             loaded = replace(measured, recording=replace(recording, payload=load))
             seen = observe(self.prepared.model, loaded)
         rows = np.empty((*seen.current.shape, self.layout.size + 2))
-        rows[:, :, :-2] = regressor_rows(replace(seen, effects=friction_columns(seen)), self.layout)
-        rows[:, :, -2] = known_rows(seen, self.prepared.dataset.payloads)
+        rows[:, :, :-1] = rows_with_friction(seen, self.layout, self.prepared.dataset.payloads)
         rows[:, :, -1] = seen.current
         return triangular_factors(rows * seen.moving[:, :, None])

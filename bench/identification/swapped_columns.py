@@ -12,8 +12,7 @@ from bench.basics.threads import on_one_thread
 from bench.identification.compressed import triangular_factors
 from bench.identification.current_error import minimised, squared_errors
 from bench.identification.finding import Code, Finding
-from bench.identification.friction_columns import friction_columns
-from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.friction_columns import rows_with_friction, with_friction
 from bench.identification.observation import all_currents
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
@@ -71,7 +70,7 @@ class _Trial:
 
     def __init__(self, prepared: Prepared) -> None:
         n = len(prepared.dataset.robot.nominal_gains)
-        layout = replace(prepared.layout, effects=2 * n)
+        layout = with_friction(prepared.layout, n)
         self.size = layout.size
         self.fit_gains = prepared.fit_gains
         self.nominal = prepared.dataset.robot.nominal_gains
@@ -80,10 +79,7 @@ class _Trial:
             if observation.use != "identify":
                 continue
             rows = np.empty((len(observation.time), n, self.size + 1 + n))
-            rows[:, :, : self.size] = regressor_rows(
-                replace(observation, effects=friction_columns(observation)), layout
-            )
-            rows[:, :, self.size] = known_rows(observation, prepared.dataset.payloads)
+            rows[:, :, : self.size + 1] = rows_with_friction(observation, layout, prepared.dataset.payloads)
             rows[:, :, self.size + 1 :] = all_currents(measured)
             rows *= observation.moving[:, :, None]
             self.parts[observation.name] = triangular_factors(rows)

@@ -1,67 +1,53 @@
-"""Deviations that other answers to the same data ask for."""
+"""Standard errors that other answers to the same data ask for."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from bench.identification.by_unknown import changed, estimates
+from bench.identification.finding import Unknown
 from bench.identification.result import Identification
 
 
-def gains_widened(result: Identification, others: Sequence[Identification]) -> Identification:
-    """The answer with deviations of its gains at least as large as what they differ from in the other answers.
+def widened(result: Identification, apart: Mapping[Unknown, float]) -> Identification:
+    """The answer with standard errors at least as large as how far other answers are apart from it, by unknown.
 
-    The covariance of a gain grows with its deviation, its correlations stay.
+    The covariance grows with them, correlations stay; an unknown without a standard error has none with others.
     """
-    joints = list(result.drive_gains)
-    gains, times = dict(result.drive_gains), {}
-    for joint in joints:
-        gain = gains[joint]
-        apart = max((abs(other.drive_gains[joint].value - gain.value) for other in others), default=0.0)
-        if apart > gain.std > 0.0:
-            times[joint] = apart / gain.std
-            gains[joint] = replace(gain, std=apart)
-    if not times:
+    before = estimates(result)
+    if not any(distance > before[unknown].std for unknown, distance in apart.items()):
         return result
-    scale = np.array(
-        [
-            times.get(unknown.place, 1.0) if unknown.kind == "gain" else 1.0
-            for unknown in result.covariance_rows
-        ]
+    std = np.array([before[unknown].std if unknown in before else 0.0 for unknown in result.covariance_rows])
+    far = np.array([apart.get(unknown, 0.0) for unknown in result.covariance_rows])
+    known = (std > 0.0) & np.isfinite(std)
+    times = np.maximum(np.divide(far, std, out=np.ones_like(std), where=known), 1.0)
+    covariance = result.covariance * np.outer(times, times)
+    covariance[np.diag_indices(len(std))] += np.where(std > 0.0, 0.0, far**2)
+    wider = changed(
+        result, lambda unknown, estimate: (estimate.value, max(estimate.std, apart.get(unknown, 0.0)))
     )
-    covariance = result.covariance * np.outer(scale, scale)
-    return replace(result, drive_gains=gains, covariance=covariance, std_from="models")
+    return replace(wider, covariance=covariance, std_from="models")
+
+
+def gains_widened(result: Identification, others: Sequence[Identification]) -> Identification:
+    """As `widened`, for the gains that were fitted, by the farthest of other answers."""
+    apart = {
+        Unknown("gain", "gain", joint): max(
+            (abs(other.drive_gains[joint].value - gain.value) for other in others), default=0.0
+        )
+        for joint, gain in result.drive_gains.items()
+        if gain.std > 0.0
+    }
+    return widened(result, apart)
 
 
 def all_widened(result: Identification, other: Identification) -> Identification:
-    """The answer with standard errors of its gains and parameters at least as large as what they differ by in another
-    one of the same equations; correlations stay.
-    """
-    there = {parameter.name: parameter.value for parameter in other.parameters}
-    gains = {
-        joint: replace(gain, std=max(gain.std, abs(other.drive_gains[joint].value - gain.value)))
-        for joint, gain in result.drive_gains.items()
+    """As `widened`, for gains and parameters, by another answer to the same equations."""
+    there = estimates(other)
+    apart = {
+        unknown: abs(there[unknown].value - estimate.value)
+        for unknown, estimate in estimates(result).items()
+        if unknown.kind != "effect" and unknown in there
     }
-    parameters = tuple(
-        replace(
-            parameter,
-            std=max(parameter.std, abs(there.get(parameter.name, parameter.value) - parameter.value)),
-        )
-        for parameter in result.parameters
-    )
-    wanted = {("gain", joint): gain.std for joint, gain in gains.items()}
-    wanted |= {("parameter", parameter.name): parameter.std for parameter in parameters}
-    std = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
-    wide = np.array(
-        [
-            wanted.get((unknown.kind, unknown.place if unknown.kind == "gain" else unknown.name), old)
-            for unknown, old in zip(result.covariance_rows, std, strict=True)
-        ]
-    )
-    if not (wide > std).any():
-        return result
-    known = std > 0.0
-    times = np.divide(wide, std, out=np.ones_like(std), where=known)
-    covariance = result.covariance * np.outer(times, times)
-    covariance[np.diag_indices(len(std))] = np.where(known, np.diag(covariance), wide**2)
-    return replace(result, drive_gains=gains, parameters=parameters, covariance=covariance, std_from="models")
+    return widened(result, apart)
