@@ -49,9 +49,11 @@ class ProductLaw(JointEffect):
             hard_friction(draft, self.joint)
 
     @staticmethod
-    def torque(p: Parameters, s: Signals) -> Law:
-        sizes, after = _size(p, s), _remembered(p, s.step, s.position.shape)
+    def torque(p: Parameters, s: Signals) -> Law | None:
         rubs = _rubs(p)
+        if rubs.all():
+            return None
+        sizes, after = _size(p, s), _remembered(p, s.step, s.position.shape)
 
         def law() -> Array:
             sign = np.where(p["direction"] > 0.0, np.sign(s.velocity), 1.0)
@@ -61,8 +63,10 @@ class ProductLaw(JointEffect):
         return law
 
     @staticmethod
-    def dry_friction(p: Parameters, s: Signals) -> Law:
+    def dry_friction(p: Parameters, s: Signals) -> Law | None:
         sizes, rubs = _size(p, s), _rubs(p)
+        if not rubs.any():
+            return None
         return lambda: np.where(rubs, sizes(), 0.0)
 
     @staticmethod
