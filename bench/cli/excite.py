@@ -76,7 +76,9 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
     show_default=True,
     help="Worst relative standard error, or volume of the error ellipsoid.",
 )
-@click.option("--steps", type=click.IntRange(0), default=90, show_default=True, help="Linear programs of the search.")
+@click.option(
+    "--steps", type=click.IntRange(0), default=90, show_default=True, help="Linear programs of the search."
+)
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the search.")
 @quiet_option
 def excite(
