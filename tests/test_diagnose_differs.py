@@ -16,6 +16,10 @@ from bench.effects import CATALOGUE
 from bench.identification.nonlinear import settled
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.scenario.scenario import load_scenario
+from bench.truth.dataset import as_dataset
+from bench.truth.resense import sense_again
+from bench.truth.simulate import simulate
 from tests.workbench_kit import RECORDINGS, write_dataset
 
 FRICTION = ("viscous_friction", "coulomb_friction", "constant_offset")
@@ -50,6 +54,18 @@ def found_in(dataset: Dataset, effects: tuple[str, ...] = ()) -> list[str]:
 @pytest.mark.parametrize("effects", [(), FRICTION, ("stribeck_friction", "constant_offset:right")])
 def test_recordings_that_are_alike_raise_no_alarm(alike: Dataset, effects: tuple[str, ...]) -> None:
     assert found_in(alike, effects) == []
+
+
+def test_noise_of_ten_seeds_raises_no_alarm() -> None:
+    recordings = [
+        {"name": "free", "use": "identify", "design": {"seed": 1}},
+        {"name": "held", "use": "identify", "payload": "disc", "design": {"seed": 2}},
+    ]
+    changes = {"design": {"optimise": False, "duration": 6.0, "ramp": 0.5}, "recordings": recordings}
+    simulation = simulate(load_scenario("five_bar", changes), threads=1)
+    for seed in range(10):
+        scenario = load_scenario("five_bar", {**changes, "seed": seed})
+        assert found_in(as_dataset(sense_again(simulation, scenario)), FRICTION) == [], seed
 
 
 @pytest.mark.parametrize("effects", [(), FRICTION])
