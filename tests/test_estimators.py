@@ -137,6 +137,15 @@ def test_a_known_law_of_the_controller_makes_gains_a_tenth_as_uncertain(
     assert off(identify(prepare(problem_of(dataset))), true)[0] > 4.0 * error
 
 
+def test_output_error_is_as_exact_behind_a_filter_that_is_too_wide(
+    simulation: Simulation, true: np.ndarray
+) -> None:
+    filters = {"position_cutoff": 160.0, "decimation": 4}
+    error, z = off(identify(prepare(problem_of(declared(simulation), filters=filters)), method="oe"), true)
+    assert error < 1e-3
+    assert z < 3.0
+
+
 @pytest.mark.parametrize(("key", "factor"), [("kp", [1.0, 1.01]), ("kv", [0.9, 1.0])])
 def test_a_law_that_did_not_make_the_currents_is_refused(
     key: str, factor: list[float], simulation: Simulation

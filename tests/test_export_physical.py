@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.export.identified import load_identified
 from bench.export.physical import physical_set
@@ -129,3 +130,34 @@ def test_a_payload_that_was_estimated_is_a_real_body_too(tmp_path):
 def test_a_model_of_another_robot_is_refused():
     with pytest.raises(BenchError, match="motors"):
         load_identified(identified_file("five_bar"), "two_link")
+
+
+def test_a_solver_that_fails_is_tried_with_other_settings(monkeypatch):
+    import cvxpy
+
+    solve, tried = cvxpy.Problem.solve, []
+
+    def failing(problem, **settings):
+        tried.append(settings)
+        if len(tried) == 1:
+            raise cvxpy.error.SolverError("no way")
+        return solve(problem, **settings)
+
+    monkeypatch.setattr(cvxpy.Problem, "solve", failing)
+    found = physical_set(identified("two_link"))
+    assert [len(settings) for settings in tried[:2]] == [1, 2]
+    assert base_of(found) == pytest.approx(found.model.base, rel=1e-6, abs=1e-9)
+
+
+def test_a_solver_that_fails_in_every_way_is_one_line_and_leaves_nothing(monkeypatch, tmp_path, capsys):
+    import cvxpy
+
+    def failing(problem, **settings):
+        raise cvxpy.error.SolverError("no way")
+
+    monkeypatch.setattr(cvxpy.Problem, "solve", failing)
+    words = ["export", str(identified_file("two_link")), "--to", "mjcf", "-o", str(tmp_path / "arm.xml")]
+    assert main(words) == 2
+    told = capsys.readouterr()
+    assert (told.out, told.err) == ("", "bench: the search for real bodies failed: no way\n")
+    assert list(tmp_path.iterdir()) == []

@@ -5,6 +5,7 @@ the rotors' inertias.
 """
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -23,6 +24,12 @@ SMALLEST = (
     1e-12  # of the largest eigenvalue of a correlation: below it a direction counts as known for certain
 )
 ROTOR = 1e-2  # weight of a rotor for which there is no prior, against a body's entries: inertia is the link's first
+SETTINGS: tuple[Mapping[str, float], ...] = (
+    {},
+    {"max_step_fraction": 0.9},
+    {"static_regularization_constant": 1e-7},
+)
+"""Of Clarabel: as it is, with shorter steps from the limits, with equations that are further from singular."""
 VIOLATED = 1e-5  # by how much a condition may be missed: less than any body keeps of its prior
 
 Reached = tuple[list[np.ndarray], np.ndarray]  # standard parameters of every body, inertias of rotors
@@ -202,25 +209,32 @@ class Programs:
         return parameters, rotors
 
     def _solve(self, problem: Any) -> None:
+        """Solve it, more carefully where the solver fails; what is found has to keep its conditions however it was."""
+        failed = ""
+        for settings in SETTINGS:
+            failed = self._tried(problem, settings)
+            if not failed:
+                return
+        left_out = " (base parameters were left out as not needed: identify without --essential)"
+        raise BenchError(
+            f"the search for real bodies failed: {failed}{left_out if self.equations.fixed.any() else ''}"
+        )
+
+    def _tried(self, problem: Any, settings: Mapping[str, float]) -> str:
+        """Why a program is not solved with these settings of the solver; empty where it is."""
         cp = self._cvxpy
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter(
                     "ignore", UserWarning
                 )  # of an inaccurate solution: it is looked at below
-                problem.solve(solver=cp.CLARABEL)
+                problem.solve(solver=cp.CLARABEL, **settings)
         except cp.error.SolverError as error:
-            raise BenchError(f"the search for real bodies failed: {error}") from None
-        reached = problem.status in ("optimal", "optimal_inaccurate")
-        if (
-            not reached
-            or max(float(np.max(constraint.violation())) for constraint in problem.constraints) > VIOLATED
-        ):
-            left_out = " (base parameters were left out as not needed: identify without --essential)"
-            raise BenchError(
-                f"the search for real bodies failed: {problem.status}"
-                f"{left_out if self.equations.fixed.any() else ''}"
-            )
+            return str(error)
+        if problem.status not in ("optimal", "optimal_inaccurate"):
+            return str(problem.status)
+        missed = max(float(np.max(constraint.violation())) for constraint in problem.constraints)
+        return str(problem.status) if missed > VIOLATED else ""
 
 
 def _pressures(dual: np.ndarray) -> tuple[np.ndarray, bool]:

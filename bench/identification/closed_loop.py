@@ -4,7 +4,8 @@ Gautier, Janot and Vandanjon, "A new closed-loop output error method for paramet
 2013 (DIDIM). Under the same law and reference a simulated twin keeps the motion of the robot whatever its parameters,
 but for an error e of the size that encoders resolve; to first order in e the errors of its positions and currents are
 linear in the parameters. Position errors reach the equations through the law: the current that it makes of reference
-and measured position is a second reading of the motors' current, without the noise of the logged one.
+and measured position is a second reading of the motors' current, without the noise of the logged one. The twin's motion
+gives the instruments: the measured one has noise in it, which would bias the estimate where the filters are wide.
 """
 
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from bench.dataset.controller import ControlLaw, references
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import current_error, current_floor, squared_errors
 from bench.identification.filtered import Measured
+from bench.identification.instrumental import instrumental_variables
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 from bench.identification.standstill import bridged
@@ -28,10 +30,18 @@ PARTS = 16  # of all rows, in each of which both readings are compared
 UNLIKE, NEGLIGIBLE = 5.0, 1e-4  # deviations, and share of a current, by which they may differ on the whole
 
 
-def output_error(stack: Stack, start: Solution, terms: np.ndarray, joints: Sequence[str]) -> Solution:
+def output_error(
+    stack: Stack,
+    start: Solution,
+    nominal: np.ndarray,
+    terms: np.ndarray,
+    simulated: np.ndarray,
+    joints: Sequence[str],
+) -> Solution:
     """Gains and parameters from two readings of each motor's current, each counted by the error that it leaves.
 
     terms (M, n, 3): what the controller's law makes of references and measured positions, row by row as in the stack.
+    simulated (M, n, p + 1): [Phi, kappa] at the motion of the twin; nominal gains (n,) stay where they are not fitted.
     The law counts as known: gains have the scale of its own. Raises BenchError naming a joint where it is not the law
     that made the logged currents.
     """
@@ -52,7 +62,7 @@ def output_error(stack: Stack, start: Solution, terms: np.ndarray, joints: Seque
     def made(given: Stack) -> Stack:
         return with_current(given, current)
 
-    return replace(current_error(made(stack), start), made=made)
+    return replace(instrumental_variables(made(stack), start, nominal, simulated), made=made)
 
 
 def _check_law(logged: np.ndarray, terms: np.ndarray, joints: Sequence[str]) -> None:

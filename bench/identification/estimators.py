@@ -60,7 +60,14 @@ def _current(request: Request) -> Solution:
 
 
 def _oe(request: Request) -> Solution:
-    return output_error(request.stack, _wls(request), request.commanded(), request.joints)
+    return output_error(
+        request.stack,
+        _wls(request),
+        request.nominal,
+        request.commanded(),
+        request.simulated(),
+        request.joints,
+    )
 
 
 def _robust(request: Request) -> Solution:

@@ -21,7 +21,7 @@ HEARD = 1e-4  # share of an acceleration's power: ten times what filters that we
 LOUD = 0.1  # of an acceleration's power: noise that is told of in any case
 MOVES = 2.0  # standard errors by which the two estimates differ where noise is seen to move the answer
 DECIDES = 0.1  # of a drive gain: an answer that noise moves by so much is not to be believed
-CONSISTENT = ("iv",)  # that do not take the observation matrix of the measured motion for exact
+CONSISTENT = ("iv", "oe")  # that do not take the observation matrix of the measured motion for exact
 
 Fit = Callable[[Prepared, str], Identification]
 
