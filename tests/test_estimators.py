@@ -274,7 +274,7 @@ def test_a_little_noise_biases_least_squares_and_its_intervals_hold_that(
     )
     assert result.findings[0].code == Code.NOISE_LET_THROUGH
     assert runaway(result) is None
-    assert result.std_from == "models"
+    assert result.std_from == "instruments"
     assert off(result, true)[1] < 2.0
     std = np.sqrt(np.diag(result.covariance))
     gains = [i for i, one in enumerate(result.covariance_rows) if one.kind == "gain"]

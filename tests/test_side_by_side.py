@@ -48,7 +48,7 @@ def test_names_are_as_short_as_tells_files_apart():
 
 
 def test_an_interval_is_two_deviations_to_either_side_and_a_given_value_has_none():
-    assert interval(Quantity(3.0, 0.1, "A")) == pytest.approx((2.804, 3.196))
+    assert interval(Quantity(3.0, 0.1, "A")) == pytest.approx((2.804, 3.196), abs=1e-5)
     assert interval(Quantity(3.0, 0.0, "A")) is None
     assert interval(Quantity(3.0, math.inf, "A")) is None
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from bench.diagnosis.result import Discovered, LawTerm, LooksAt
 from bench.effects.display_names import spoken
+from bench.identification.wording import in_percent
 
 WHAT = {
     "position": "position",
@@ -33,13 +34,13 @@ def _told(some: Sequence[Discovered]) -> str:
     values = "; ".join(_valued(law, with_place=len(some) > 1) for law in some)
     falls = ""
     if first.without is not None and first.validate is not None:
-        falls = f"; the error falls from {_percent(first.without)} to {_percent(first.validate)}"
+        falls = f"; the error falls from {in_percent(first.without)} to {in_percent(first.validate)}"
     near = ""
     if first.named is not None:
         near = f" That is {spoken(first.named)}."
     elif first.nearest is not None:
         effect, error = first.nearest
-        near = f" Of the catalogue {spoken(effect)} comes closest, and leaves {_percent(error)}."
+        near = f" Of the catalogue {spoken(effect)} comes closest, and leaves {in_percent(error)}."
     return f"At {place} there is {', and '.join(kinds)}, which no effect of the catalogue is: {values}{falls}.{near}"
 
 
@@ -50,7 +51,7 @@ def _tabled(law: Discovered) -> str:
     size = f"its largest value is ({_number(largest.value, largest.std)}) {symbols(largest.unit)}"
     falls = ""
     if law.without is not None and law.validate is not None:
-        falls = f"; the error falls from {_percent(law.without)} to {_percent(law.validate)}"
+        falls = f"; the error falls from {in_percent(law.without)} to {in_percent(law.validate)}"
     return (
         f"At {law.place} something is left that no formula fits. As measured, it is {', and '.join(parts)}: "
         f"{size}{falls}."
@@ -126,7 +127,3 @@ def symbols(text: str) -> str:
     text = re.sub(r"(?:\*\*|\^)2(?![\d.])", "²", text)
     text = re.sub(r"(?:\*\*|\^)3(?![\d.])", "³", text)
     return text.replace("**", "^").replace("*", "·")
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"

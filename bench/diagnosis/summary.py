@@ -65,7 +65,7 @@ class DiagnosisSummary:
             *self.differs,
             self.left,
         ]
-        return [name for name in told if name]
+        return [sentence for sentence in told if sentence]
 
 
 def summary_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -127,7 +127,7 @@ def summary_of(diagnosis: Diagnosis) -> DiagnosisSummary:
 
 def doubts(diagnosis: Diagnosis) -> list[str]:
     """What makes the names of the found effects unsure: gains that are only nominal, recordings that do not fit."""
-    return [name for name in (*_strange(diagnosis), _nominal(diagnosis.after)) if name]
+    return [doubt for doubt in (*_strange(diagnosis), _nominal(diagnosis.after)) if doubt]
 
 
 def _strange(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -243,7 +243,7 @@ def _without(verdict: EffectVerdict, laws: set[str]) -> EffectVerdict:
 def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
     place = law.places[i]
     values = finding.after.effect_parameters[law.name][place.name]
-    linear = [joint for joint in values if joint.startswith("c")]
+    linear = [parameter for parameter in values if parameter.startswith("c")]
     numbers = {label: value for label, value in values.items() if label not in linear}
     terms = law.at({label: value.value for label, value in numbers.items()})
     formulas = [

@@ -176,7 +176,7 @@ def _assigned(variables: Sequence[Variable], of: str) -> list[str]:
 
 
 def _stacked(columns: Sequence[str], of: str) -> list[str]:
-    ones = [f"np.ones(len({of}.time))" if joint == "1" else joint for joint in columns]
+    ones = [f"np.ones(len({of}.time))" if column == "1" else column for column in columns]
     return [
         "np.column_stack(",
         "            (",
@@ -198,7 +198,7 @@ def _torque(variables: Sequence[Variable], columns: Sequence[str]) -> list[str]:
 
 def _columns(variables: Sequence[Variable], columns: Sequence[str], place: Place) -> list[str]:
     """Of a law that looks at other motors or at the tool."""
-    own = [joint.replace("joint.rate", "own.rate") for joint in columns]
+    own = [column.replace("joint.rate", "own.rate") for column in columns]
     lines = [
         "    def columns(self, robot, joint):",
         "        motors = list(robot.joints)",

@@ -20,6 +20,8 @@ STD_FROM: dict[StdFrom, str] = {
     "blocks": "how the estimate differs between parts of the recordings: the model's own error outweighs noise",
     "periods": "errors that return with the motion: the model's own outweighs noise, however often the motion is made",
     "models": "how the estimate differs between models that explain the data as well",
+    "instruments": "how the estimate differs from that of instrumental variables: the filters let noise through",
+    "payload": "how the estimate differs from that with the payload as a point, which real bodies allow",
 }
 
 Truth = Mapping[str, float]

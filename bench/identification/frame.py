@@ -25,7 +25,7 @@ def html_table(title: str, rows: Sequence[Mapping[str, str | float]]) -> str:
     """Rows of the same keys as a small table, its title above."""
 
     def cells(tag: str, values: Sequence[str | float]) -> str:
-        texts = (f"{joint:.5g}" if isinstance(joint, float) else str(joint) for joint in values)
+        texts = (f"{value:.5g}" if isinstance(value, float) else str(value) for value in values)
         return "<tr>" + "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts) + "</tr>"
 
     head = cells("th", list(rows[0])) if rows else ""

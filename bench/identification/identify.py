@@ -41,8 +41,8 @@ def identify(
     and the answer against what the noise that filters let through does to it.
     """
 
-    def fitted(recording: Prepared, by: str = method) -> Identification:
-        return fit(recording, by, deviations=deviations, essential=essential)
+    def fitted(problem: Prepared, by: str = method) -> Identification:
+        return fit(problem, by, deviations=deviations, essential=essential)
 
     return with_noise_heard(prepared, with_possible_payloads(prepared, fitted(prepared), fitted), fitted)
 

@@ -81,7 +81,7 @@ def with_possible_payloads(prepared: Prepared, result: Identification, fitted: F
         for name, spread in found.items()
         if taken or spread.impossible
     )
-    answer = _with_values(result, other, known) if taken else gains_widened(result, [other])
+    answer = _with_values(result, other, known) if taken else gains_widened(result, [other], "payload")
     return replace(answer, findings=(*told, *result.findings))
 
 
@@ -119,7 +119,9 @@ def _with_values(result: Identification, other: Identification, known: Mapping[s
     before = estimates(result)
     moved = changed(result, lambda unknown, estimate: (values[unknown], estimate.std))
     apart = {unknown: abs(values[unknown] - estimate.value) for unknown, estimate in before.items()}
-    return replace(widened(moved, apart), error=other.error, recordings=other.recordings, std_from="models")
+    return replace(
+        widened(moved, apart, "payload"), error=other.error, recordings=other.recordings, std_from="payload"
+    )
 
 
 def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:

@@ -56,7 +56,7 @@ def with_noise_heard(prepared: Prepared, result: Identification, fitted: Fit) ->
     gains, others = result.drive_gains, other.drive_gains
     moved = {joint: abs(others[joint].value - gain.value) for joint, gain in gains.items()}
     seen = any(moved[joint] > MOVES * np.hypot(gain.std, others[joint].std) for joint, gain in gains.items())
-    answer = all_widened(result, other)
+    answer = all_widened(result, other, "instruments")
     if not seen and share < LOUD:
         return answer
     worst = max(gains, key=lambda joint: moved[joint] / abs(others[joint].value))

@@ -17,9 +17,10 @@ ALIKE = 3.0  # deviations of a correlation that is none
 MATERIAL = 1.2  # rows of different periods that count as one: more are worth a word
 
 Deviations = Literal["autocorrelated", "independent"]
-StdFrom = Literal["noise", "blocks", "periods", "models"]
-"""What standard deviations stand for: the error as a noise, the scatter of the estimate between parts of the
-recordings, the error as one that returns with the motion, or the spread over models that explain the data as well."""
+StdFrom = Literal["noise", "blocks", "periods", "models", "instruments", "payload"]
+"""What standard errors stand for: the error as a noise, the scatter of the estimate between parts of the recordings,
+the error as one that returns with the motion, the spread over models that explain the data as well, the distance from
+instrumental variables, or that from a payload that can be."""
 
 
 @dataclass(frozen=True)

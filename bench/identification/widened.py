@@ -8,12 +8,14 @@ import numpy as np
 from bench.identification.by_unknown import changed, estimates
 from bench.identification.finding import Unknown
 from bench.identification.result import Identification
+from bench.identification.standard_errors import StdFrom
 
 
-def widened(result: Identification, apart: Mapping[Unknown, float]) -> Identification:
+def widened(result: Identification, apart: Mapping[Unknown, float], by: StdFrom) -> Identification:
     """The answer with standard errors at least as large as how far other answers are apart from it, by unknown.
 
-    The covariance grows with them, correlations stay; an unknown without a standard error has none with others.
+    by: what the others are. The covariance grows with them, correlations stay; an unknown without a standard error
+    has none with others.
     """
     before = estimates(result)
     if not any(distance > before[unknown].std for unknown, distance in apart.items()):
@@ -27,10 +29,12 @@ def widened(result: Identification, apart: Mapping[Unknown, float]) -> Identific
     wider = changed(
         result, lambda unknown, estimate: (estimate.value, max(estimate.std, apart.get(unknown, 0.0)))
     )
-    return replace(wider, covariance=covariance, std_from="models")
+    return replace(wider, covariance=covariance, std_from=by)
 
 
-def gains_widened(result: Identification, others: Sequence[Identification]) -> Identification:
+def gains_widened(
+    result: Identification, others: Sequence[Identification], by: StdFrom = "models"
+) -> Identification:
     """As `widened`, for the gains that were fitted, by the farthest of other answers."""
     apart = {
         Unknown("gain", "gain", joint): max(
@@ -39,10 +43,10 @@ def gains_widened(result: Identification, others: Sequence[Identification]) -> I
         for joint, gain in result.drive_gains.items()
         if gain.std > 0.0
     }
-    return widened(result, apart)
+    return widened(result, apart, by)
 
 
-def all_widened(result: Identification, other: Identification) -> Identification:
+def all_widened(result: Identification, other: Identification, by: StdFrom) -> Identification:
     """As `widened`, for gains and parameters, by another answer to the same equations."""
     there = estimates(other)
     apart = {
@@ -50,4 +54,4 @@ def all_widened(result: Identification, other: Identification) -> Identification
         for unknown, estimate in estimates(result).items()
         if unknown.kind != "effect" and unknown in there
     }
-    return widened(result, apart)
+    return widened(result, apart, by)

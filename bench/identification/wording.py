@@ -4,9 +4,12 @@ import math
 from collections.abc import Sequence
 
 
-def in_percent(share: float | None) -> str:
-    """A share as a percentage of three digits; "–" where there is none."""
-    return "–" if share is None else f"{100.0 * share:.3g} %"
+def in_percent(share: float | None, digits: int = 3) -> str:
+    """A share as a percentage of so many digits, all of those before the point; "–" where there is none."""
+    if share is None:
+        return "–"
+    value = 100.0 * share
+    return f"{value:.0f} %" if abs(value) >= 10.0**digits else f"{value:.{digits}g} %"
 
 
 def with_error(value: float, std: float) -> str:

@@ -215,4 +215,4 @@ def one_figure(title: str, aid: str, spec: Spec) -> Figure:
 
 def row(*cells: str | Cell, kind: str = "") -> PageRow:
     """A row of texts and cells."""
-    return PageRow(tuple(joint if isinstance(joint, Cell) else Cell(joint) for joint in cells), kind)
+    return PageRow(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in cells), kind)

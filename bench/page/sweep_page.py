@@ -137,7 +137,7 @@ def _verdict(found: SweepResult) -> tuple[str, ...]:
         said.append(f"The {kind} of a combination goes from {low} to {high}.")
     elif len(metrics) > 1:
         said.append(_over_all(metrics[1], all_runs.spreads[metrics[1]]))
-    return tuple(typeset(name) for name in said)
+    return tuple(typeset(sentence) for sentence in said)
 
 
 def _over_all(metric: str, spread: Spread) -> str:

@@ -63,7 +63,7 @@ def solve(problem: PeerProblem, cutoff: float, decimation: int) -> Answer:
         q, dq, ddq = tools.calculate_first_second_order_differentiation(robot.model, filtered, settings)
         border = (len(recording.position) - len(filtered)) // 2
         rows = regressor.build_regressor_basic(robot, q, dq, ddq, settings).reshape(n, len(q), -1)
-        full.append(np.concatenate([decimate(joint, decimation, axis=0) for joint in rows]))
+        full.append(np.concatenate([decimate(row, decimation, axis=0) for row in rows]))
         measured = recording.current[border : border + len(q)]
         currents.append(np.concatenate([decimate(measured[:, i], decimation) for i in range(n)]))
     names = parameters.get_standard_parameters(robot.model)

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from bench.basics.chi_squared import WITHIN_95
 from bench.basics.errors import BenchError
 from bench.effects.select import ROBOT
 from bench.files.atomic import finite
@@ -15,7 +16,6 @@ from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, Quantity
 
-DEVIATIONS = 1.96  # on either side of a value: its interval holds 95 %
 CLEAR = 3.0  # standard deviations by which a parameter must move to be told
 
 
@@ -63,7 +63,7 @@ def interval(quantity: Quantity) -> tuple[float, float] | None:
     """The 95 % interval of a value; None for one that was given, or has no deviation."""
     if not (0.0 < quantity.std < math.inf):
         return None
-    return quantity.value - DEVIATIONS * quantity.std, quantity.value + DEVIATIONS * quantity.std
+    return quantity.value - WITHIN_95 * quantity.std, quantity.value + WITHIN_95 * quantity.std
 
 
 def moved_parameters(first: Identification, other: Identification) -> list[str]:

@@ -29,6 +29,7 @@ from bench.identification.estimators import ESTIMATORS
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.identification.wording import in_percent
 from bench.scenario.scenario import Scenario, load_scenario, resolve_trajectories
 from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.sweep.versions import versions
@@ -199,10 +200,6 @@ def _row(
     )
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %" if share < 1.0 else f"{100.0 * share:.0f} %"
-
-
 def markdown(rows: Sequence[EstimatorRow]) -> str:
     """A table for each robot and case, estimators below each other."""
     text = ["# Estimators", "", EXPLANATION, ""]
@@ -211,7 +208,7 @@ def markdown(rows: Sequence[EstimatorRow]) -> str:
         text.append("|---|---|---:|---:|---:|---:|---:|")
         before = ""
         for row in (each for each in rows if each.robot == robot):
-            shares = [_percent(x) for x in (row.bias, row.spread, row.error)]
+            shares = [in_percent(x, 2) for x in (row.bias, row.spread, row.error)]
             cells = [*shares, f"{100.0 * row.within:.0f} %", f"{row.seconds:.2g}"]
             name = row.case if row.case != before else ""
             before = row.case

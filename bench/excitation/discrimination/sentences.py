@@ -7,7 +7,7 @@ from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.effects.display_names import begun, spoken
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
-from bench.identification.wording import and_list, or_list
+from bench.identification.wording import and_list, in_percent, or_list
 from bench.residuals.words import motor_words
 
 NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is sure"
@@ -91,7 +91,7 @@ def _answer(found: Discrimination) -> list[str]:
     seconds = found.motion.trajectory.duration
     lines.append(
         f"This motion, {seconds:.3g} s{_carrying(found)}, raises that to {_nats(found.promised)}; the wrong "
-        f"model's error is then {_percent(found.growth)} larger than the right one's."
+        f"model's error is then {in_percent(found.growth, 2)} larger than the right one's."
     )
     if not found.tells:
         lines += _not_enough(found)
@@ -212,10 +212,6 @@ def _spoken(request: str) -> str:
 
 def _number(nats: float) -> str:
     return f"{nats:.0f}" if nats >= 100.0 else f"{nats:.2g}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
 
 
 def _capital(text: str) -> str:

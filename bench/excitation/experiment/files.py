@@ -14,8 +14,9 @@ from bench.excitation.discrimination.files import trajectory_table
 from bench.excitation.experiment.between_samples import extremes
 from bench.excitation.experiment.forecast import Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
-from bench.excitation.experiment.sentences import percent, sentences
+from bench.excitation.experiment.sentences import sentences
 from bench.files.atomic import finite, whole_folder, write_json_atomically, write_text_atomically
+from bench.identification.wording import in_percent
 from bench.scenario.trajectory import FourierTrajectory
 
 ANSWER, SCENARIO, SUMMARY, PICTURE, VIEW = (
@@ -210,7 +211,7 @@ def _readme(plan: ExperimentPlan, told: Forecast, drawn: tuple[str, ...]) -> str
     for expected in told.unknowns:
         value = "" if np.isnan(expected.value) else f"{expected.value:.4g}"
         std = "undetermined" if expected.std is None else f"{expected.std:.2g} {expected.unit}"
-        share = "" if expected.std is None else percent(expected.relative)
+        share = "" if expected.std is None else in_percent(expected.relative, 2)
         lines.append(f"| {expected.name} | {value} | {std} | {share} |")
     robot = plan.robot.name if plan.robot.name in built_in_robots() else "ROBOT"
     lines += ["", "## Record it", ""]

@@ -3,6 +3,7 @@
 from bench.excitation.experiment.forecast import Enough, Expected, Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.search import RANDOM
+from bench.identification.wording import in_percent
 
 MOST_NAMED = 3
 
@@ -18,15 +19,17 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
             else "mean axis of the error ellipsoid"
         )
         lines.append(
-            f"The {what} of what was asked for is {percent(plan.value)}, {factor:.2g} times better than the median of "
-            f"{RANDOM} random motions inside the same limits ({percent(plan.random['median'])}, the best of them "
-            f"{percent(plan.random['best'])})."
+            f"The {what} of what was asked for is {in_percent(plan.value, 2)}, {factor:.2g} times better "
+            "than the median of "
+            f"{RANDOM} random motions inside the same limits ({in_percent(plan.random['median'], 2)}, the best of them "
+            f"{in_percent(plan.random['best'], 2)})."
         )
     if plan.before is not None:
         carried = plan.search.loads[0]
         lines.append(
-            f"The recordings that are there give {percent(plan.before)}; with this motion, "
-            f"{'unloaded' if carried is None else f'carrying {carried}'}, {percent(plan.value)} is to be expected."
+            f"The recordings that are there give {in_percent(plan.before, 2)}; with this motion, "
+            f"{'unloaded' if carried is None else f'carrying {carried}'}, {in_percent(plan.value, 2)} is "
+            "to be expected."
         )
     lines += told.notes
     if told.enough is not None:
@@ -60,7 +63,7 @@ def _looked_at(plan: ExperimentPlan) -> str:
 def _noise(plan: ExperimentPlan) -> str:
     noise = plan.nominal.noise
     current = (
-        f"the noise of each current is taken as {percent(noise.ratio)} of its RMS"
+        f"the noise of each current is taken as {in_percent(noise.ratio, 2)} of its RMS"
         if noise.current is None
         else "the noise of the currents is as given, or as recorded"
     )
@@ -72,7 +75,7 @@ def _gains(told: Forecast) -> str:
     gains = [expected for expected in told.unknowns if expected.kind == "gain"]
     if not gains:
         return ""
-    listed = ", ".join(f"{gain.name} ± {percent(gain.relative)}" for gain in gains)
+    listed = ", ".join(f"{gain.name} ± {in_percent(gain.relative, 2)}" for gain in gains)
     return f"Standard errors to be expected of the drive gains: {listed}."
 
 
@@ -95,7 +98,7 @@ def named(expected: Expected) -> str:
 
 def enough(found: Enough) -> list[str]:
     """What gives the accuracy of the gains that was asked for."""
-    goal = percent(found.accuracy)
+    goal = in_percent(found.accuracy, 2)
     lines = []
     if found.expected is not None:
         if found.expected <= found.accuracy:
@@ -114,8 +117,3 @@ def enough(found: Enough) -> list[str]:
     else:
         lines.append(f"At this time no payload that the limits allow is enough for gains within {goal}.")
     return lines
-
-
-def percent(share: float) -> str:
-    """A share with two figures."""
-    return f"{100.0 * share:.2g} %"

@@ -173,7 +173,9 @@ def _told(
     alone = {}
     for name in effects:
         gone = {name, *PARTS.get(name, ())}
-        alone[name] = _fitted(prepared, [word for word in wanted if word.partition(":")[0] not in gone])
+        alone[name] = _fitted(
+            prepared, [request for request in wanted if request.partition(":")[0] not in gone]
+        )
     return told, alone
 
 
