@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from itertools import count
 from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
-from bench.diagnosis import rounds, search
+from bench.diagnosis import diagnose, noise, rounds, search
 from bench.diagnosis.search import NEEDED, Scored, earned
 
 
@@ -64,3 +66,56 @@ def test_a_search_ends_with_a_settled_set_that_leaves_clearly_less(
     monkeypatch.setattr(rounds, "error_of", lambda model: model)
     found = rounds.searched(None, FakeRound((0,), 1.0), ())  # type: ignore[arg-type]
     assert found == FakeRound((last,), factor**last, settled=True)
+
+
+@pytest.mark.parametrize(
+    ("left", "expected"), [(1.0, True), (1.015, True), (1.03, False), (0.5, False), (4.0, False)]
+)
+def test_nothing_is_lacking_where_no_more_than_noise_is_left(
+    left: float, expected: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """1000 independent samples: 10 nats are 2 % of the squares. Half the noise means that it is not white."""
+    weights, floor = np.array([2.0, 0.5]), np.array([0.3, 0.1])
+    moving = np.ones((1000, 2), dtype=bool)
+    monkeypatch.setattr(
+        noise, "solved_quickly", lambda _: (SimpleNamespace(moving=moving), SimpleNamespace(weights=weights))
+    )
+    monkeypatch.setattr(noise, "spread", lambda *_: np.sqrt(left) * floor)
+    system = SimpleNamespace(fitted=SimpleNamespace(rows=2000), memory=2.0)
+    squares = floor**2 * 1000
+    assert noise.leaves_only_noise(system, None, squares) is expected  # type: ignore[arg-type]
+    assert not noise.leaves_only_noise(system, None, None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("possible", [True, False], ids=["only nearly so", "as it is"])
+def test_no_effect_goes_because_of_what_is_only_nearly_so(
+    possible: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+
+    def where_possible(_: object, model: str, __: object) -> tuple[Any, Any, dict[str, str]]:
+        asked.append(model)
+        out = {} if possible and model == "exact" else {"found": "of an impossible sign"}
+        return SimpleNamespace(effects=()), model, out
+
+    def searched(_: object, first: str, barred: dict[str, str], __: object) -> Any:
+        if barred:
+            raise StopIteration(first, dict(barred))
+        return SimpleNamespace(model="near")
+
+    monkeypatch.setattr(diagnose, "searched", searched)
+    monkeypatch.setattr(diagnose, "_where_possible", where_possible)
+    monkeypatch.setattr(diagnose, "leaving", lambda _, model, after, __: (model, after, ()))
+    monkeypatch.setattr(diagnose, "_fits", lambda *_: None)
+    monkeypatch.setattr(diagnose, "_ladder", lambda *_: ())
+    origin: Any = SimpleNamespace(
+        start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
+    )
+    case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None)
+    if possible:
+        assert diagnose.found_from(case, origin, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
+    else:
+        with pytest.raises(StopIteration) as ended:
+            diagnose.found_from(case, origin, None)  # type: ignore[arg-type]
+        assert ended.value.args[1] == {"found": "of an impossible sign"}
+    assert asked == ["near", "exact"]

@@ -7,12 +7,15 @@ import pytest
 
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.body_length import lengths
+from bench.identification.effect_columns import robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.perturbations import Nearby
 from bench.identification.standstill import standstills
+from bench.model.motion import motion_of
 from tests.effects_kit import RATE, moving_robot
 
 DECIMATION = 20
+OFFSET = 0.02  # rad
 VALUES = {
     "geometric_error": {"dl": 0.003},
     "encoder_offset": {"offset": 0.03},
@@ -84,3 +87,39 @@ def test_columns_filtered_together_are_those_of_each_alone(seen):
     alone = np.concatenate([effect_rows(replace(exact), DECIMATION, [one]) for one in every], axis=2)
     assert effect_columns(every[0], exact).shape == (len(exact.time), len(exact.joints), 1)
     np.testing.assert_allclose(together, alone, atol=1e-9 * np.abs(alone).max())
+
+
+def test_torque_that_the_model_needs_with_an_offset_is_known_nearby(tmp_path):
+    exact, near = with_offset("delta", tmp_path)
+    for joint in exact.joints:
+        wanted, found = (each.joints[joint].needed_torque for each in (exact, near))
+        without = exact.refined(exact.coarse.torque)[:, list(exact.joints).index(joint)]
+        assert np.abs(found - wanted).max() < 0.01 * np.abs(wanted - without).max()
+
+
+@pytest.mark.parametrize("name", ["five_bar", "delta"])
+def test_the_motion_with_an_offset_is_that_of_the_shifted_encoder(name, tmp_path):
+    exact, _ = with_offset(name, tmp_path)
+    shift = np.zeros(len(exact.joints))
+    shift[0] = OFFSET
+    wanted = motion_of(
+        exact.geometry,
+        exact.time,
+        exact.position - shift,
+        exact.velocity,
+        exact.acceleration,
+        near=exact.tree,
+    )
+    for part in ("q", "v", "a", "jacobian"):
+        there, here = (getattr(tree, part) for tree in (wanted, exact.tree))
+        assert np.abs(there - here).max() < 1e-5 * np.abs(there).max(), part
+
+
+def with_offset(name, folder):
+    """A moving robot whose first encoder is off, exactly and as a search sees it."""
+    robot, model, measured, present = moving_robot(name, folder, samples=3001)
+    joint = next(iter(robot.joints))
+    offset = EffectInstance(CATALOGUE["encoder_offset"].about({"offset": OFFSET}), joint, "encoder_offset")
+    present = replace(present, effects=((offset, np.array([OFFSET])),))
+    exact = robot_signals(model, measured, present)
+    return exact, Nearby(model, [measured]).signals(present, [exact])[0]

@@ -120,15 +120,10 @@ def found_from(
     while True:
         last = searched(origin, first, known, progress)
         progress.phase("fitting what was found")
-        whole = fit(last.model)
-        model, after = _where_it_shows(origin, last.model, whole, given)
-        stayed = {(instance.effect.name, instance.place) for instance in model.effects}
-        dropped = [
-            instance
-            for instance in last.model.effects
-            if (instance.effect.name, instance.place) not in stayed
-        ]
-        out = impossible_effects(after, model.effects[own:]) | impossible_but_needed(whole, after, dropped)
+        model, after, out = _where_possible(origin, last.model, given)
+        exact = origin.exactly(last.model) if out else last.model
+        if exact is not last.model:  # nothing goes because of what is only nearly so
+            model, after, out = _where_possible(origin, exact, given)
         if not out:
             model, after, superfluous = leaving(origin, model, after, given)
             kept, new = kept_and_new(model.effects[own:], given)
@@ -182,11 +177,24 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
     )
 
 
+def _where_possible(
+    origin: Origin, model: Prepared, given: Sequence[EffectInstance]
+) -> tuple[Prepared, Identification, dict[str, str]]:
+    """The found effects where they show, settled and fitted; and those that cannot be, with why they go."""
+    whole = fit(model)
+    kept, after = _where_it_shows(origin, model, whole, given)
+    stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
+    dropped = [instance for instance in model.effects if (instance.effect.name, instance.place) not in stayed]
+    found = kept.effects[len(origin.start.effects) :]
+    return kept, after, impossible_effects(after, found) | impossible_but_needed(whole, after, dropped)
+
+
 def _where_it_shows(
     origin: Origin, model: Prepared, result: Identification, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification]:
     """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
-    starting model has there, which stay. result: of the model with all of them.
+    starting model has there, which stay. result: of the model with all of them; where that is settled only as it is
+    known nearby, they are looked at again once it is settled as it is.
     """
     added = model.effects[len(origin.start.effects) :]
     there = {(instance.effect.name, instance.joint) for instance in given}
@@ -198,10 +206,16 @@ def _where_it_shows(
     for instance in added:
         if not any(other.effect.name == instance.effect.name for other in kept):
             kept.append(instance)
-    if len(kept) == len(added):
+    if len(kept) < len(added):
+        there_only = origin.with_instances([instance for instance in added if instance in kept])
+    else:
+        there_only = origin.exactly(model)
+    if there_only is model:
         return model, result
-    model = origin.with_instances([effect_instance for effect_instance in added if effect_instance in kept])
-    return model, fit(model)
+    fitted = fit(there_only)
+    return (
+        (there_only, fitted) if model.nearby is None else _where_it_shows(origin, there_only, fitted, given)
+    )
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:

@@ -2,10 +2,14 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
 
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, context_of, propose, shaped
+from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
@@ -28,6 +32,11 @@ class Origin:
     start: Prepared
     nearby: Nearby
 
+    @cached_property
+    def noise(self) -> np.ndarray | None:
+        """See `noise_squares`."""
+        return noise_squares(self.start)
+
     def context(self, model: Prepared) -> Context:
         """What a model leaves, for effects to be given their shape beside it."""
         return context_of(model, self.nearby.signals(model.present, model.signals))
@@ -38,22 +47,46 @@ class Origin:
 
     def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
         """The same as it is known nearby, for a first look."""
-        instances = [instance for i in chosen for instance in proposals[i].instances]
-        near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
-        return at_its_solution(settled(near))
+        return at_its_solution(self._settled_nearby(_instances(proposals, chosen)))
+
+    def in_search(self, system: System, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
+        """The same as a search goes by it: as it is known nearby, if that is less work and all that a model can be
+        asked for, as it leaves only noise. system: in which the set was found.
+        """
+        instances = _instances(proposals, chosen)
+        if not _less_nearby(instances):
+            return self.with_instances(instances)
+        near = self._settled_nearby(instances)
+        return at_its_solution(near) if leaves_only_noise(system, near, self.noise) else self.exactly(near)
+
+    def exactly(self, model: Prepared) -> Prepared:
+        """A model that is settled as it is known nearby, settled as it is."""
+        if model.nearby is None:
+            return model
+        near = with_effects(self.start, model.effects, model.present)
+        return at_its_solution(settled(near, nearly=model.settled))
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, settled; first as it is known nearby, if that is less work."""
-        if not any(
-            instance.effect.depends_on_model and not isinstance(instance.effect, ActuatorEffect)
-            for instance in instances
-        ):
-            model = with_effects(self.start, (*self.start.effects, *instances))
-            return at_its_solution(settled(model))
+        if _less_nearby(instances):
+            return self.exactly(self._settled_nearby(instances))
+        return at_its_solution(settled(with_effects(self.start, (*self.start.effects, *instances))))
+
+    def _settled_nearby(self, instances: Sequence[EffectInstance]) -> Prepared:
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
-        near = settled(near)
-        model = with_effects(self.start, near.effects, near.present)
-        return at_its_solution(settled(model, nearly=near.settled))
+        return settled(near)
+
+
+def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[EffectInstance]:
+    return [instance for i in chosen for instance in proposals[i].instances]
+
+
+def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
+    """Whether effects are much less work where small changes of the torque are known."""
+    return any(
+        instance.effect.depends_on_model and not isinstance(instance.effect, ActuatorEffect)
+        for instance in instances
+    )
 
 
 @dataclass(frozen=True)
@@ -139,7 +172,7 @@ def _again(origin: Origin, here: Round, barred: Collection[str], progress: Progr
             break
         seen.append(here.names)
         progress.phase(f"searching, round {len(seen) + 1}", len(here.proposals))
-        model = origin.with_proposals(here.proposals, here.chosen)
+        model = origin.in_search(here.system, here.proposals, here.chosen)
         proposals = reshaped(origin, replace(here, model=model), progress)
         before = here.names
         here = judged(origin, model, proposals, barred)
@@ -200,12 +233,13 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the shape that suits the found set: as found, or in the place of the effect that they rival.
 
     An effect that could stand for a found one is given the shape that it would have without that one; the
-    others the shape that explains most of what the found set leaves.
+    others the shape that explains most of what the found set leaves, if that is more than noise.
     """
     model, own = here.model, len(origin.start.effects)
     added = model.effects[own:]
     contexts: dict[int | None, Context] = {None: origin.context(model)}
     result = []
+    only_noise = leaves_only_noise(here.system, model, origin.noise)
     asked = [
         i for i, candidate in enumerate(here.proposals) if i not in here.chosen and _has_shape(candidate)
     ]
@@ -220,6 +254,9 @@ def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:
             result.append(proposal)
             continue
         rival = _rival(here.system, here.found, i)
+        if rival is None and only_noise:
+            result.append(proposal)
+            continue
         if rival not in contexts:
             name = here.proposals[rival].name if rival is not None else ""
             others = [instance for instance in added if instance.effect.name != name]

@@ -1,15 +1,21 @@
 """Whether a found effect shows at a joint."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from bench.basics.chi_squared import exceeded_with
 from bench.diagnosis.pruning import SHOWS
 from bench.effects import EffectInstance
 from bench.identification.finding import Unknown
 from bench.identification.result import Identification
 
+BY_CHANCE = 0.0027  # probability of SHOWS deviations
+
 
 def shows(result: Identification, instance: EffectInstance) -> bool:
-    """Whether an effect has a parameter there that is not zero, and none of an impossible sign.
+    """Whether an effect has a parameter there that is not zero, and none of an impossible sign; several parameters
+    together, too, as a wave is no larger where its phase happens to be that of one of them.
 
     Deviations from zero are those at the effect's own shape: an effect that is zero has none, and where size and shape
     go together, as those of a law that is nearly straight, the size by itself says nothing (Davies, "Hypothesis testing
@@ -22,32 +28,36 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
         for parameter in parameters
     ):
         return False
-    return any(
-        abs(values[parameter.name].value) > SHOWS * std
-        for parameter, std in zip(parameters, _at_its_shape(result, instance), strict=True)
-    )
+    found = np.array([values[parameter.name].value for parameter in parameters])
+    covariance = _at_its_shape(result, instance)
+    if not np.any(np.abs(found) > SHOWS * np.sqrt(np.diag(covariance))):
+        return False
+    known = np.isfinite(np.diag(covariance)) & (np.diag(covariance) > 0.0)
+    if known.sum() < 2:
+        return True
+    inverse = np.linalg.pinv(covariance[np.ix_(known, known)], hermitian=True)
+    return bool(found[known] @ inverse @ found[known] > exceeded_with(BY_CHANCE, int(known.sum())))
 
 
-def _at_its_shape(result: Identification, instance: EffectInstance) -> list[float]:
-    """Deviations of an effect's linear parameters where its shape is as it is."""
+def _at_its_shape(result: Identification, instance: EffectInstance) -> np.ndarray:
+    """Covariance (p, p) of an effect's linear parameters where its shape is as it is."""
     rows = {unknown: i for i, unknown in enumerate(result.covariance_rows)}
     name, place = instance.effect.name, instance.place
     values = result.effect_parameters[name][place]
-    shape = [
-        rows[unknown]
-        for parameter in instance.effect.shape
-        if (unknown := Unknown("effect", parameter.name, place, name)) in rows
-    ]
+
+    def rows_of(names: Sequence[str]) -> list[int | None]:
+        return [rows.get(Unknown("effect", parameter, place, name)) for parameter in names]
+
+    shape = [i for i in rows_of([parameter.name for parameter in instance.effect.shape]) if i is not None]
     shape = [i for i in shape if result.covariance[i, i] > 0.0]
-    within = (
-        np.linalg.pinv(result.covariance[np.ix_(shape, shape)], hermitian=True) if shape else np.zeros((0, 0))
-    )
-    found = []
-    for parameter in instance.effect.parameters:
-        std, at = values[parameter.name].std, rows.get(Unknown("effect", parameter.name, place, name))
-        if at is None or not np.isfinite(std):
-            found.append(std)
-            continue
-        along = result.covariance[at, shape]
-        found.append(float(np.sqrt(max(std**2 - along @ within @ along, 0.0))))
-    return found
+    stds = np.array([values[parameter.name].std for parameter in instance.effect.parameters])
+    covariance = np.diag(stds**2)
+    own = rows_of([parameter.name for parameter in instance.effect.parameters])
+    there = [(k, i) for k, i in enumerate(own) if i is not None and np.isfinite(stds[k])]
+    places, at = [k for k, _ in there], [i for _, i in there]
+    within = np.linalg.pinv(result.covariance[np.ix_(shape, shape)], hermitian=True)
+    along = result.covariance[np.ix_(at, shape)]
+    own_covariance = result.covariance[np.ix_(at, at)] - along @ within @ along.T
+    np.fill_diagonal(own_covariance, np.maximum(stds[places] ** 2 - np.diag(along @ within @ along.T), 0.0))
+    covariance[np.ix_(places, places)] = own_covariance
+    return covariance

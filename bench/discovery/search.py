@@ -48,6 +48,7 @@ def search_laws(
     Rounds end where the settled model is no better than the last one. last: of a search among the effects of the
     catalogue, with its settled model; barred: names that may not be found.
     """
+    last = replace(last, model=origin.exactly(last.model))
     laws, own = Laws(last, {}), len(origin.start.effects)
     best = Refined(last.model, {}, error_of(last.model))
     for number in range(ROUNDS):

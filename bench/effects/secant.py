@@ -19,7 +19,7 @@ def secant(
     is between the bounds. Where the loops cannot be closed with it, the least value of either sign is tried; where they
     cannot be closed at all, the column is zero.
     """
-    size = min(max(float(f"{abs(about):.{DIGITS - 1}e}"), least), most)
+    size = min(max(abs(rounded(about)), least), most)
     for step in (-size if about < 0 else size, least, -least):
         try:
             changed = change(step)
@@ -27,3 +27,8 @@ def secant(
             continue
         return (changed / step)[:, :, None]
     return np.zeros((len(robot.time), len(robot.joints), 1))
+
+
+def rounded(value: float) -> float:
+    """A value to DIGITS digits: what was computed for it holds for all that hardly differ."""
+    return float(f"{value:.{DIGITS - 1}e}")

@@ -1,6 +1,6 @@
 """What effects may know of a recording, and of the model as it is at present."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, partial
 
@@ -49,13 +49,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
     rate = measured.recording.rate
     kinds = {joint.name: joint.kind for joint in model.geometry.joints}
 
-    adding = False
-
-    def needed_at(j: int) -> np.ndarray:
-        if adding:
-            raise AskedWithinError
-        return needed()[:, j]
-
+    needed_at = needed_torque(lambda: signals, present)
     joints = {
         actuator.joint: JointSignals(
             time=measured.time - measured.recording.began,
@@ -89,9 +83,37 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             return np.zeros_like(measured.current)
         return _carried(model, model.geometry, measured.tree, present.declared[payload])
 
+    mass = 0.0 if payload is None else float(present.declared[payload][0])
+    log = measured.recording.log
+    offsets = _encoder_offsets(present, log)
+    signals = RobotSignals(
+        joints,
+        model.geometry,
+        lambda: _moved(model, measured, offsets, signals),
+        payload,
+        mass,
+        carried,
+        torque,
+        measured.gaps,
+        offsets=offsets,
+        log=log,
+        lasting=measured.kept,
+        redundant=_redundant_signals(model, measured, present),
+    )
+    return signals
+
+
+def needed_torque(seen: Callable[[], RobotSignals], present: PresentModel) -> Callable[[int], np.ndarray]:
+    """What the present model and its effects ask of a motor (index) in a recording that is `seen` so: (N,), N*m or N.
+
+    Added up when it is first asked for. Raises AskedWithinError where one of these effects asks for it.
+    """
+    adding = False
+
     @cache
     def needed() -> np.ndarray:
         nonlocal adding
+        signals = seen()
         total = signals.refined(signals.coarse.torque)
         adding = True
         try:
@@ -106,24 +128,12 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
             adding = False
         return total
 
-    mass = 0.0 if payload is None else float(present.declared[payload][0])
-    log = measured.recording.log
-    offsets = _encoder_offsets(present, log)
-    signals = RobotSignals(
-        joints,
-        model.geometry,
-        lambda: _moved(model, measured, offsets),
-        payload,
-        mass,
-        carried,
-        torque,
-        measured.gaps,
-        offsets=offsets,
-        log=log,
-        lasting=measured.kept,
-        redundant=_redundant_signals(model, measured, present),
-    )
-    return signals
+    def at(motor: int) -> np.ndarray:
+        if adding:
+            raise AskedWithinError
+        return needed()[:, motor]
+
+    return at
 
 
 def combined_torque(rows: np.ndarray, parameters: np.ndarray, beside: np.ndarray | None) -> np.ndarray:
@@ -168,23 +178,31 @@ def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
     return offsets
 
 
-def _moved(model: IdentificationModel, measured: Measured, offsets: Mapping[str, float]) -> Motion:
-    """The motion where the encoders have these offsets; as measured where the loops cannot be closed there."""
+def _moved(
+    model: IdentificationModel, measured: Measured, offsets: Mapping[str, float], seen: RobotSignals
+) -> Motion:
+    """The motion where the encoders have these offsets; as measured where the loops cannot be closed there.
+
+    What they change is smooth, and worked out at the coarse samples.
+    """
     shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
     if not shift.any():
         return measured.tree
-    position = measured.position - shift
+    few = slice(None, None, seen.every)
+    near = measured.tree.at(few)
+    rates = measured.velocity[few], measured.acceleration[few]
     try:
-        return motion_of(
-            model.geometry,
-            measured.time,
-            position,
-            measured.velocity,
-            measured.acceleration,
-            near=measured.tree,
+        there = motion_of(
+            model.geometry, measured.time[few], measured.position[few] - shift, *rates, near=near
         )
     except BenchError:  # out of reach, or singular: an offset that no fit will keep
         return measured.tree
+    tree = measured.tree
+    moved = (
+        getattr(tree, name) + seen.refined(getattr(there, name) - getattr(near, name))
+        for name in ("q", "v", "a", "jacobian")
+    )
+    return Motion(measured.time, *moved)
 
 
 def _carried(

@@ -7,7 +7,7 @@ tried then costs a product with its parameters. A shift of an active joint count
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -18,7 +18,7 @@ from bench.effects import RobotSignals
 from bench.effects.motor_link_difference import motion_band
 from bench.effects.row_cache import KeptRows
 from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, Sparse
-from bench.identification.effect_columns import PresentModel, combined_torque
+from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
 from bench.identification.perturbed_observation import geometry_key
 from bench.identification.sparse_signals import FEWEST, sparse_gaps, sparse_joint
@@ -131,9 +131,16 @@ class Nearby:
         parameters = np.concatenate((present.base, load))
         few = self.few[index]
         beside = seen.redundant_torque[few] if seen.redundant else None
-        return NearbySignals(
+        if any(seen.offsets.values()):  # what the torque needs is then smooth changes, too
+            needed_at = needed_torque(lambda: near, present)
+            given["joints"] = {
+                name: replace(joint, needs=partial(needed_at, j))
+                for j, (name, joint) in enumerate(seen.joints.items())
+            }
+        near = NearbySignals(
             **given, nearby=self, index=index, parameters=parameters, beside=beside, knots=seen.time[few]
         )
+        return near
 
     def turned(self, axis: int) -> np.ndarray:
         """What one m/s2 more of gravity along an axis of the world adds to the matrix."""

@@ -1,25 +1,20 @@
 """Cost of a diagnosis against the whole catalogue: time, processor time, memory, and several at once."""
 
 import os
-import resource
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.diagnose import diagnose
 from bench.excitation.scenario import designer
-from bench.identification.identify import identify
-from bench.identification.prepare import prepare
-from bench.identification.problem import problem_of
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.speed import report
+from bench.speed.one_diagnosis import Cost, cost_alone, cost_of
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 
@@ -45,19 +40,6 @@ THREE: Hidden = (
     {"effect": "cogging_torque", "a": 0.1, "b": 0.05, "period": 0.52},
     {"effect": "viscous_friction", "Fv": 0.15},
 )
-
-
-@dataclass(frozen=True)
-class Cost:
-    """Wall and processor time in s, and the largest memory of the process in MB.
-
-    busy: processor time over wall time of an identification of the same dataset.
-    """
-
-    seconds: float
-    processor: float
-    megabytes: float
-    busy: float
 
 
 def simulated(robot: str, hidden: Hidden, *, checked: bool) -> Dataset:
@@ -98,8 +80,7 @@ def costs() -> Iterator[tuple[str, float, Cost]]:
     """Name, limit in s and cost of every case, each in a process of its own."""
     with TemporaryDirectory() as folder:
         for name, limit, dataset in cases(Path(folder)):
-            with _workers(1) as pool:
-                yield name, limit, pool.submit(_cost, dataset).result()
+            yield name, limit, cost_alone(dataset)
 
 
 def three_over_two() -> float:
@@ -108,28 +89,14 @@ def three_over_two() -> float:
     with _workers(2) as two, _workers(3) as three:
         pools = {2: two, 3: three}
         for count, pool in pools.items():
-            list(pool.map(_cost, [dataset] * count))  # imports and caches
+            list(pool.map(cost_of, [dataset] * count))  # imports and caches
         times: dict[int, list[float]] = {2: [], 3: []}
         for count in (2, 3) * REPEATS:
             start = perf_counter()
-            list(pools[count].map(_cost, [dataset] * count))
+            list(pools[count].map(cost_of, [dataset] * count))
             times[count].append(perf_counter() - start)
     return min(times[3]) / min(times[2])
 
 
 def _workers(count: int) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(count, mp_context=get_context("spawn"))
-
-
-def _cost(dataset: Dataset) -> Cost:
-    seconds, processor = _times(lambda: diagnose(problem_of(dataset)))
-    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    identified, busy = _times(lambda: identify(prepare(problem_of(dataset))))
-    return Cost(seconds, processor, megabytes, busy / identified)
-
-
-def _times(work: Callable[[], object]) -> tuple[float, float]:
-    """Wall and processor time, s."""
-    wall, processor = perf_counter(), process_time()
-    work()
-    return perf_counter() - wall, process_time() - processor

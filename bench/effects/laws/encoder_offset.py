@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.effects.effect import Effect, EffectParameter
-from bench.effects.secant import secant
+from bench.effects.secant import rounded, secant
 from bench.effects.signals import RobotSignals
 
 SMALLEST, NEAR, LARGEST = 1e-3, 0.02, 0.2  # rad (m for a slide, a tenth of that): step of the difference
@@ -44,7 +44,7 @@ class EncoderOffset(Effect):
         unit = 1.0 if robot.joints[joint].rotates else SLIDE
         joints = list(robot.joints)
         own = joints.index(joint)
-        before = tuple(robot.offsets.get(other, 0.0) for other in joints[:own])
+        before = tuple(rounded(robot.offsets.get(other, 0.0)) for other in joints[:own])
 
         def change(offset: float) -> np.ndarray:
             after = _torque_at(robot, (*before, offset))
