@@ -179,7 +179,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
 
 def _where_possible(
     origin: Origin, model: Prepared, given: Sequence[EffectInstance]
-) -> tuple[Prepared, Identification, dict[str, str]]:
+) -> tuple[Prepared, Identification, dict[str, Reason]]:
     """The found effects where they show, settled and fitted; and those that cannot be, with why they go."""
     whole = fit(model)
     kept, after = _where_it_shows(origin, model, whole, given)
