@@ -13,7 +13,17 @@ CHOICE = "OPENBLAS_CORETYPE"
 # more from outside: the whole trial, notebooks, measured machines. A new file counts as numeric.
 OTHERS = (
     *("api", "bad_input", "cli*", "compare_show", "dataset", "docs*", "document", "effects_user_file"),
-    *("estimators_study", "export_f*", "files", "import*", "kernels", "logs_*", "measured*", "next_step"),
+    *(
+        "estimators_study",
+        "export_f*",
+        "files",
+        "import*",
+        "kernels",
+        "logs_*",
+        "measured*",
+        "names",
+        "next_step",
+    ),
     *("notebooks", "open_*", "project", "public", "readme", "recording_*", "replay", "report*", "robot_mjcf"),
     *("robot_toml", "scenario*", "show_*", "side_by_side", "speed*", "sweep_*", "trajectory", "trial_*"),
     *("truth_hidden_*", "truth_machine", "truth_sensors", "truth_simulation", "tutorial", "wheel"),

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.trial.markdown import MAIN, target_cells
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import TargetFigure
+from bench.studies.trial.target import Share, TargetFigure
 from bench.studies.trial.unknown_page import unknown_table
 
 SEEDS = ("five_bar", "delta", "robots", "dualv")
@@ -24,6 +24,7 @@ METHODS = ("current", "robust", "iv", "oe", "wtls", "tls", "wls", "ls")
 SHOWN = MAIN | {TargetFigure.ONE_UNDECIDED, TargetFigure.TWO_UNDECIDED, TargetFigure.THREE_UNDECIDED}
 UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
 APART = "apart"  # the folder of cases that were looked at for their figures alone
+NOTHING = "nothing"  # the folder of machines with nothing hidden, in each of which laws were searched
 RESULTS = Path(__file__).resolve().parents[2] / "results"
 
 
@@ -197,6 +198,20 @@ def percent(share: float) -> str:
     return f"{100 * float(share):.3g}&nbsp;%"
 
 
+def laws_of_nothing() -> str:
+    """How often a law or an effect was claimed where nothing is hidden, and laws were searched all the same."""
+    said = []
+    for path in sorted((RESULTS / "trial" / NOTHING).glob("*.parquet")):
+        rows = [row for row in pq.read_table(path).to_pylist() if row["kind"] == "nothing"]
+        laws, named = (Share(sum(bool(row[name]) for row in rows), len(rows)) for name in ("laws", "missing"))
+        said.append(
+            f"On {len(rows)} machines `{path.stem}` with nothing hidden, laws searched in each of them, a law was claimed "
+            f"{laws.count} times and an effect {named.count} times (95 % interval up to {100.0 * laws.interval[1]:.1f} %): "
+            f"`bench trial {path.stem} --kinds nothing --seeds {len(rows) // 10} --discover`."
+        )
+    return "\n".join(said)
+
+
 def speed_table() -> str:
     """Every figure of speed as it was last measured, with its commit."""
     last: dict[str, tuple[float, str]] = {}
@@ -212,6 +227,7 @@ def page(text: str) -> str:
     for place, table in (
         ("trials", trial_table(trials())),
         ("unknown laws", unknown_laws()),
+        ("laws of nothing", laws_of_nothing()),
         ("gains", gains_table()),
         ("clean", clean_table()),
         ("peers", peers_table()),
