@@ -205,8 +205,9 @@ def laws_of_nothing() -> str:
         rows = [row for row in pq.read_table(path).to_pylist() if row["kind"] == "nothing"]
         laws, named = (Share(sum(bool(row[name]) for row in rows), len(rows)) for name in ("laws", "missing"))
         said.append(
-            f"On {len(rows)} machines `{path.stem}` with nothing hidden, laws searched in each of them, a law was claimed "
-            f"{laws.count} times and an effect {named.count} times (95 % interval up to {100.0 * laws.interval[1]:.1f} %): "
+            f"On {len(rows)} machines `{path.stem}` with nothing hidden, laws searched in each of them, a law was "
+            f"claimed {laws.count} times and an effect {named.count} times (95 % interval up to "
+            f"{100.0 * laws.interval[1]:.1f} %): "
             f"`bench trial {path.stem} --kinds nothing --seeds {len(rows) // 10} --discover`."
         )
     return "\n".join(said)
