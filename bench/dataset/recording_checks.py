@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench.dataset.joint_facts import JointFacts
+from bench.files.recording_error import Remedy
 
 Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated"]
 CHECKS: tuple[Check, ...] = get_args(Check)
@@ -34,11 +35,12 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault of one column; `row` (0 is the first) is None where it is all of the column."""
+    """A fault of one column; `row` (0 is the first) is None where it is all of the column. remedy: what mends it."""
 
     check: Check
     row: int | None
     what: str
+    remedy: Remedy | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +83,10 @@ def position_units(channel: Channel) -> Fault | None:
     position before a gear, which turns as often and as fast as the gear lets it, is not.
     """
     joint, values = _joint(channel), channel.values
-    factor, wrong, right = (
-        (DEGREES, "degrees", "radians") if joint.kind == "hinge" else (MILLI, "millimetres", "metres")
+    factor, wrong, right, remedy = (
+        (DEGREES, "degrees", "radians", Remedy.FROM_DEGREES)
+        if joint.kind == "hinge"
+        else (MILLI, "millimetres", "metres", Remedy.FROM_MILLIMETRES)
     )
     if joint.lower is not None and joint.upper is not None:
         span = joint.upper - joint.lower
@@ -97,7 +101,7 @@ def position_units(channel: Channel) -> Fault | None:
         suspicious, why = _far_without_range(joint, values, channel.step, factor)
     if not suspicious:
         return None
-    return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}")
+    return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}", remedy)
 
 
 def _far_without_range(joint: JointFacts, values: Array, step: float, factor: float) -> tuple[bool, str]:
@@ -140,7 +144,8 @@ def current_units(channel: Channel) -> Fault | None:
     most, units = (LARGEST_EFFORT, "N·m or N") if channel.effort else (LARGEST_CURRENT, "A or V")
     if large <= most:
         return None
-    return Fault("units", None, f"reaches {large:.4g}: {units} are expected, it looks like thousandths")
+    what = f"reaches {large:.4g}: {units} are expected, it looks like thousandths"
+    return Fault("units", None, what, Remedy.FROM_THOUSANDTHS)
 
 
 def position_spikes(channel: Channel) -> Fault | None:

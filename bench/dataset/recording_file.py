@@ -17,9 +17,9 @@ from bench.dataset.recording import Recording, Use, position_column
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.recording_window import WHOLE, Window
 from bench.dataset.sampling import gap_rows, on_uniform_grid, time_fault
+from bench.files.recording_error import RecordingError, Remedy
 from bench.files.table import FileTable, read_table, release_tables
 
-EXCLUDE, WINDOW = "exclude = [", "window = ["  # what dataset.toml says of stretches of time
 MOST_SPANS = 3  # that are told
 
 
@@ -80,7 +80,7 @@ def recording_from_table(
     signals = np.column_stack([table.finite(column, partial(_left_out, time)) for column in columns])
     if (fault := time_fault(time)) is not None:
         cure = f"; {_between_gaps(time)}" if fault.gap else ""
-        raise BenchError(f"{table.place('time', fault.row)}: {fault.what}{cure}")
+        raise RecordingError(f"{table.place('time', fault.row)}: {fault.what}", cure, fault.remedy)
     _check_signals(table, columns, time, signals, joints, frozenset(accept))
     extra = {
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
@@ -95,14 +95,15 @@ def recording_from_table(
     return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
 
 
-def _removed(bad: np.ndarray, count: int) -> str:
+def _removed(bad: np.ndarray, count: int) -> tuple[str, Remedy]:
     """What helps where rows (K,) of so many have no time."""
     lines = "that line" if len(bad) == 1 else "those lines"
     at_the_end = bool(bad[0] == count - len(bad))
-    return f"the file breaks off there: remove {lines}" if at_the_end else f"remove {lines}"
+    said = f"the file breaks off there: remove {lines}" if at_the_end else f"remove {lines}"
+    return said, Remedy.REMOVE_ROWS
 
 
-def _left_out(time: np.ndarray, bad: np.ndarray) -> str:
+def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
     """What helps where rows (K,) have no value: stretches that dataset.toml leaves out, or lines to be removed."""
     if bad[0] == len(time) - len(bad):
         return _removed(bad, len(time))
@@ -112,14 +113,17 @@ def _left_out(time: np.ndarray, bad: np.ndarray) -> str:
     spans = [
         f"[{time[a] - half:.9g}, {time[b] + half:.9g}]" for a, b in zip(bad[first], bad[last], strict=True)
     ]
-    return f"{EXCLUDE}{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml leaves it out"
+    said = f"exclude = [{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml leaves it out"
+    return said, Remedy.LEAVE_ROWS_OUT
 
 
 def _between_gaps(time: np.ndarray) -> str:
     """What helps where samples were lost: the stretches between."""
     rows = [0, *gap_rows(time).tolist(), len(time)]
     spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows)]
-    return f"{WINDOW}{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml uses what is between"
+    return (
+        f"window = [{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml uses what is between"
+    )
 
 
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:
@@ -161,4 +165,5 @@ def _check_signals(
     others = sorted({other for other, _ in found[1:] if other != column})
     more = f"; more in {', '.join(others)}" if others else ""
     accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
-    raise BenchError(f"{table.place(column, finding.row)}: {finding.what}{more}{accept}")
+    said = f"{table.place(column, finding.row)}: {finding.what}{more}"
+    raise RecordingError(said, accept, finding.remedy, finding.check)

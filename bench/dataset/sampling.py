@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench.basics.interpolation import cubic_spline
+from bench.files.recording_error import Remedy
 
 FEWEST = 100  # samples: filters and decimation need some to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
@@ -28,17 +29,28 @@ UNIFORM = 1e-3  # of a step: stamps this near to a uniform grid are on it
 SMOOTHER = 0.9  # a spline smooths a little noise by itself; less than this is the stamps' merit
 TINY = 1e-300
 GAP = 1.5  # steps: a longer one is a gap, unless a neighbouring step makes good for it
+LIKE = {
+    1e3: ("milliseconds", Remedy.FROM_MILLISECONDS),
+    1e6: ("microseconds", Remedy.FROM_MICROSECONDS),
+    1e9: ("nanoseconds", Remedy.FROM_NANOSECONDS),
+}
+"""How many go into a second -> the unit, and what mends it."""
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class TimeFault:
-    """What is wrong with a time column; `row` is None where it is all of it. gap: samples were lost, nothing else."""
+    """What is wrong with a time column; `row` is None where it is all of it. remedy: what mends it, if known."""
 
     row: int | None
     what: str
-    gap: bool = False
+    remedy: Remedy | None = None
+
+    @property
+    def gap(self) -> bool:
+        """Whether samples were lost, and nothing else."""
+        return self.remedy is Remedy.CUT_AT_GAPS
 
 
 def time_fault(time: Array) -> TimeFault | None:
@@ -64,10 +76,11 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
 def _unit_fault(steps: Array) -> TimeFault | None:
     step = float(np.median(steps))
     if step >= SLOWEST_STEP * (1 - 1e-9):
-        factors = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}
-        fitting = [unit for factor, unit in factors.items() if 20e-6 < step / factor < 0.05]
-        unit = f"it looks like {fitting[0]}" if fitting else "too slow for a robot's controller"
-        return TimeFault(None, f"steps by {step:g}, which is not seconds: {unit}")
+        said = f"steps by {step:g}, which is not seconds"
+        for factor, (unit, remedy) in LIKE.items():
+            if 20e-6 < step / factor < 0.05:
+                return TimeFault(None, f"{said}: it looks like {unit}", remedy)
+        return TimeFault(None, f"{said}: too slow for a robot's controller")
     if step <= FASTEST_STEP:
         return TimeFault(None, f"steps by {step:g} s, {1 / step:.3g} Hz: is it in minutes or hours?")
     return None
@@ -95,7 +108,7 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
         row,
         f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"
         f"{_more(rows.size)}",
-        gap=True,
+        Remedy.CUT_AT_GAPS,
     )
 
 

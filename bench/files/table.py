@@ -21,6 +21,7 @@ import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
 from bench.files.csv_text import CsvText, split_csv
+from bench.files.recording_error import RecordingError, Remedy
 from bench.files.toml_input import one_line
 
 SUFFIXES = (".csv", ".parquet")
@@ -89,10 +90,12 @@ class FileTable:
         rows = range(self.first_row, self.first_row + self.data.num_rows)
         return np.array(self.text.floats(self.columns.index("time"), rows, otherwise=float("nan")))
 
-    def finite(self, column: str, cure: Callable[[npt.NDArray[np.intp]], str] | None = None) -> Array:
-        """The column (N,) as floats; BenchError that names the first row that is empty, NaN or infinite.
+    def finite(
+        self, column: str, cure: Callable[[npt.NDArray[np.intp]], tuple[str, Remedy]] | None = None
+    ) -> Array:
+        """The column (N,) as floats; RecordingError that names the first row that is empty, NaN or infinite.
 
-        cure: from the rows that are, what helps.
+        cure: from the rows that are, what helps, in words and as a code.
         """
         if pa.types.is_boolean(kind := self.data.schema.field(column).type):
             raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
@@ -102,8 +105,10 @@ class FileTable:
             row = int(bad[0])
             more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
             what = self._what_stands(column, row, values[row])
-            helps = f"; {cure(bad)}" if cure is not None else ""
-            raise BenchError(f"{self.place(column, row)}: {what}{more}{helps}")
+            helps, remedy = ("", None) if cure is None else cure(bad)
+            raise RecordingError(
+                f"{self.place(column, row)}: {what}{more}", f"; {helps}" if helps else "", remedy
+            )
         return values
 
     def _what_stands(self, column: str, row: int, value: float) -> str:

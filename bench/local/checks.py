@@ -1,6 +1,5 @@
 """What an import would say of a log, column by column, with what helps beside it; nothing is written."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,13 +11,13 @@ from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import time_fault
+from bench.files.recording_error import Remedy
 from bench.files.table import HUGE
 from bench.logs.columns import GROUPS
-from bench.logs.importing import CURES
+from bench.logs.importing import CUTS, LIKE
 from bench.logs.log_file import LogFile, Reading, read_log
 from bench.logs.units import UNITS, factor_of
 
-GAP = "a gap of "
 CUT = {"split_gaps": True}  # the remedy for lost samples
 
 
@@ -61,9 +60,9 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     step = 1.0 / mapped.rate if mapped.rate else 1e-3
     if time is not None and time.size > 1 and not found["time"]:
         fault = time_fault(time)
-        cut = mapped.split_gaps and fault is not None and fault.what.startswith(GAP)
+        cut = mapped.split_gaps and fault is not None and fault.gap
         if fault is not None and not cut:
-            found["time"].append(_problem(log, "time", fault.what, _row(fault.row, kept), None))
+            found["time"].append(_problem(log, "time", fault.what, _row(fault.row, kept), fault.remedy))
         step = float(np.median(np.diff(time)))
     for target, values in series.items():
         kind, _, joint = target.partition(".")
@@ -74,7 +73,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
             found[target].append(_problem(log, target, what, None, None))
         elif values.size > 1 and step > 0.0:
             found[target] = [
-                _problem(log, target, fault.what, _row(fault.row, kept), fault.check)
+                _problem(log, target, fault.what, _row(fault.row, kept), fault.remedy, fault.check)
                 for fault in _judged(target, values, step, joints[joint], mapped.accept)
             ]
     for target, problems in found.items():
@@ -98,7 +97,7 @@ def _read(
     if bad.size:
         more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
         what = f"is {values[bad[0]]:g}, which is no measurement{more}"
-        return values, [_problem(log, target, what, int(bad[0]), None)]
+        return values, [_problem(log, target, what, int(bad[0]), Remedy.LEAVE_ROWS_OUT)]
     return values, []
 
 
@@ -134,11 +133,18 @@ def _judged(
     return findings
 
 
-def _problem(log: LogFile, target: str, what: str, row: int | None, check: str | None) -> dict[str, Any]:
+def _problem(
+    log: LogFile,
+    target: str,
+    what: str,
+    row: int | None,
+    remedy: Remedy | None,
+    check: str | None = None,
+) -> dict[str, Any]:
     where = ""
     if row is not None:
         where = log.table.row_name(row) if log.table is not None else f"row {row}"
-    return {"what": what, "where": where, "remedy": _remedy(what, target, check)}
+    return {"what": what, "where": where, "remedy": _remedy(remedy, target, check)}
 
 
 def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[str, Any] | None:
@@ -152,12 +158,10 @@ def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[
     return None if name is None else {"unit": name}
 
 
-def _remedy(what: str, target: str, check: str | None) -> dict[str, Any] | None:
-    """What cures a column, by what the check says; or the name by which the check is switched off."""
-    cure = next((option for said, option in CURES.items() if said in f": {what}"), "")
-    match = re.match(r"--scale (\w+)=(\S+)", cure)
-    if match and match.group(1) == target.partition(".")[0]:
-        return {"unit": match.group(2)}
-    if cure.startswith("--split-gaps"):
+def _remedy(remedy: Remedy | None, target: str, check: str | None) -> dict[str, Any] | None:
+    """What mends a column of the page; or the name by which the check is switched off."""
+    if remedy is not None and remedy in LIKE and LIKE[remedy][0] == target.partition(".")[0]:
+        return {"unit": LIKE[remedy][1]}
+    if remedy in CUTS:
         return dict(CUT)
     return {"accept": check} if check is not None else None

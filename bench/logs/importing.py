@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,9 +14,10 @@ from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Use, write_table
 from bench.dataset.recording_checks import Check
-from bench.dataset.recording_file import EXCLUDE, WINDOW, recording_from_table
+from bench.dataset.recording_file import recording_from_table
 from bench.dataset.robot import Robot, load_robot
 from bench.files.atomic import write_text_atomically
+from bench.files.recording_error import RecordingError, Remedy
 from bench.files.table import FileTable
 from bench.logs.columns import LogMap, columns_of
 from bench.logs.log_file import AS_FOUND, Reading, read_log
@@ -107,8 +107,8 @@ def _parts(
         try:
             table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
             recording_from_table(table, part.name, part.use, request.payload, joints, request.accept)
-        except BenchError as error:
-            raise BenchError(_with_cure(str(error), request.log_map.scale)) from error
+        except RecordingError as fault:
+            raise BenchError(_with_cure(fault, request.log_map.scale)) from fault
     return parts, (*log.notes, *columns.notes, *cuts)
 
 
@@ -135,35 +135,37 @@ def _reference(robot: Robot, folder: Path) -> str:
     return relative if relative.startswith(".") else f"./{relative}"
 
 
-CURES = {
-    "looks like degrees": "--scale position=deg",
-    "looks like millimetres": "--scale position=mm",
-    "looks like milliseconds": "--scale time=ms",
-    "looks like microseconds": "--scale time=us",
-    "looks like nanoseconds": "--scale time=ns",
-    "looks like thousandths": "--scale current=mA",
-    ": a gap of ": "--split-gaps to cut the log there",
-    "which is no measurement": "--split-gaps to leave such rows out and cut the log there",
-    "is empty": "--split-gaps to leave such rows out and cut the log there",
+LIKE: Mapping[Remedy, tuple[str, str]] = {
+    Remedy.FROM_DEGREES: ("position", "deg"),
+    Remedy.FROM_MILLIMETRES: ("position", "mm"),
+    Remedy.FROM_MILLISECONDS: ("time", "ms"),
+    Remedy.FROM_MICROSECONDS: ("time", "us"),
+    Remedy.FROM_NANOSECONDS: ("time", "ns"),
+    Remedy.FROM_THOUSANDTHS: ("current", "mA"),
 }
-"""What to add to the command, by what a check says."""
+"""Which columns a log has in which unit, where a check takes them for that."""
+
+CUTS: Mapping[Remedy, str] = {
+    Remedy.CUT_AT_GAPS: "cut the log there",
+    Remedy.LEAVE_ROWS_OUT: "leave such rows out and cut the log there",
+}
+"""What --split-gaps does about a fault."""
 
 
-def _with_cure(message: str, scale: Mapping[str, float | str]) -> str:
-    """A check's message as it helps in an import: an option instead of a key of dataset.toml. scale: as it is given."""
-    found = re.sub(r' \(accept = \["(\w+)"\] .*\)$', r" (--accept \1 if that is meant)", message)
-    for of_a_dataset in (EXCLUDE, WINDOW):
-        found = found.partition(f"; {of_a_dataset}")[0]
-    if "; remove" in found or "breaks off" in found:
-        return found
-    cure = next((option for said, option in CURES.items() if said in message), None)
-    if cure is None:
-        return found
-    target, _, unit = cure.removeprefix("--scale ").partition("=")
-    if unit and target in scale:
-        given = scale[target]
-        return f"{found}; give {_scaled(target, given, unit)} in place of --scale {target}={_number(given)}"
-    return f"{found}; add {cure}"
+def _with_cure(fault: RecordingError, scale: Mapping[str, float | str]) -> str:
+    """A fault's message as it helps in an import: an option instead of a key of dataset.toml. scale: as it is given."""
+    if fault.remedy is Remedy.REMOVE_ROWS:
+        return str(fault)
+    said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
+    if fault.remedy is not None and fault.remedy in CUTS:
+        return f"{said}; add --split-gaps to {CUTS[fault.remedy]}"
+    if fault.remedy is None or fault.remedy not in LIKE:
+        return said
+    target, unit = LIKE[fault.remedy]
+    if target not in scale:
+        return f"{said}; add --scale {target}={unit}"
+    given = scale[target]
+    return f"{said}; give {_scaled(target, given, unit)} in place of --scale {target}={_number(given)}"
 
 
 def _scaled(target: str, given: float | str, unit: str) -> str:

@@ -1,0 +1,33 @@
+"""A fault of a recording as an error that says, for programs, what mends it."""
+
+from enum import Enum, auto
+
+from bench.basics.errors import BenchError
+
+
+class Remedy(Enum):
+    """What mends a fault; which words that takes depends on where the recording comes from."""
+
+    FROM_DEGREES = auto()  # the column is in that unit
+    FROM_MILLIMETRES = auto()
+    FROM_MILLISECONDS = auto()
+    FROM_MICROSECONDS = auto()
+    FROM_NANOSECONDS = auto()
+    FROM_THOUSANDTHS = auto()
+    LEAVE_ROWS_OUT = auto()  # rows without a measurement, amid others
+    REMOVE_ROWS = auto()  # such rows at the end, or without a time
+    CUT_AT_GAPS = auto()  # samples were lost
+
+
+class RecordingError(BenchError):
+    """What is wrong with a recording, told as for a file of a dataset.
+
+    said: what is wrong and where; advice: what helps in a dataset, with the punctuation before it. remedy: the same as
+    a code, None where there is none. check: the name by which the check that found it is switched off.
+    """
+
+    def __init__(
+        self, said: str, advice: str = "", remedy: Remedy | None = None, check: str | None = None
+    ) -> None:
+        super().__init__(f"{said}{advice}")
+        self.said, self.advice, self.remedy, self.check = said, advice, remedy, check
