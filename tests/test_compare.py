@@ -1,6 +1,7 @@
 """Where a model fails: errors made to order are found where they were put, and chance alone is not."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from bench.residuals.periods import lines, position_spectrum, time_spectrum
 from bench.residuals.profile import binned, dependences, profile
 from bench.residuals.regions import regions
 from bench.residuals.residuals import errors_by_motor
-from bench.residuals.words import dependence_words, where_sentences
+from bench.residuals.words import dependence_words, where_sentences, whole_sentences
 from bench.signals.decimation import noise_bandwidth
 from tests.compared_kit import EVERY, NOISE, RATE, ROWS, SETTINGS, coloured, made, one_recording, robot, white
 
@@ -48,6 +49,13 @@ def test_errors_at_reversals_are_found_there_and_said_so():
         f"{one.time_share:.0%} of the time".replace("%", " %")
         in where_sentences(errors_by_motor(made(at_reversals)))
     )
+
+
+def test_whole_sentences_begin_with_a_capital_but_keep_the_name_of_a_joint():
+    motor = found_of(made(at_reversals))
+    assert all(line.startswith("Motor left") and line.endswith(".") for line in whole_sentences(motor))
+    named = replace(motor, joint="motor_1", concentrations=(), dependences=(), lines=(), changes=(), alike=())
+    assert whole_sentences(named)[0].startswith("motor_1: error ")
 
 
 REGIONS = {

@@ -197,10 +197,9 @@ def _context(
 
 
 def _by_part(known: Mapping[str, KnownTruth], dataset: Dataset) -> dict[str, KnownTruth]:
-    """What is known, by the names of recordings or of parts of them: that of the longest name they begin with."""
+    """What is known, by the names of recordings or of parts of them: that of the log that they belong to."""
     found = {}
     for recording in dataset.recordings:
-        names = [name for name in known if recording.name.startswith(name)]
-        if names:
-            found[recording.name] = known[max(names, key=len)].within(recording.time[0], recording.time[-1])
+        if recording.log in known:
+            found[recording.name] = known[recording.log].within(recording.time[0], recording.time[-1])
     return found

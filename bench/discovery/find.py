@@ -243,7 +243,7 @@ def _without(verdict: EffectVerdict, laws: set[str]) -> EffectVerdict:
 def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
     place = law.places[i]
     values = finding.after.effect_parameters[law.name][place.name]
-    linear = [parameter for parameter in values if parameter.startswith("c")]
+    linear = [parameter.name for parameter in law.instances[0].effect.parameters]
     numbers = {label: value for label, value in values.items() if label not in linear}
     terms = law.at({label: value.value for label, value in numbers.items()})
     formulas = [

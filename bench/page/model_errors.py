@@ -15,12 +15,13 @@ from bench.signals.settings import FilterSettings
 
 @dataclass(frozen=True, eq=False)
 class ModelBeside:
-    """A model beside the recordings. name: as in "error ... "; role: the colour of its errors."""
+    """A model beside the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
 
     name: str
     role: str
     what: Compared
     where: WhereItFails
+    label: str = ""
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -40,13 +41,14 @@ def model_beside(
     model: Identification | Comparison,
     settings: FilterSettings,
     has: Sequence[str] | None = None,
+    label: str = "",
 ) -> ModelBeside:
     """Look for where the errors of a model are. problem: with the dataset that the model's series are of.
 
-    has: the effects of the model; given, others that leave such errors are named.
+    has: the effects of the model; given, others that leave such errors are named. name, label: see `ModelBeside`.
     """
     dataset = dataset_of(problem.dataset, model.recordings)
     what = compared(dataset.robot, dataset.recordings, model.recordings, settings)
     if has is None:
-        return ModelBeside(name, role, what, errors_by_motor(what))
-    return ModelBeside(name, role, what, errors_by_motor(what, possible_effects(problem), has))
+        return ModelBeside(name, role, what, errors_by_motor(what), label)
+    return ModelBeside(name, role, what, errors_by_motor(what, possible_effects(problem), has), label)

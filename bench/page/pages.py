@@ -46,9 +46,11 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
     judged = dataset_of(dataset, after.recordings)
-    models = [model_beside(COMPLETED, "after", problem, after, after.settings)]
+    models = [model_beside(COMPLETED, "after", problem, after, after.settings, label="Completed model")]
     if diagnosis.added:
-        models.insert(0, model_beside(AS_IT_IS, "before", problem, before, before.settings))
+        models.insert(
+            0, model_beside(AS_IT_IS, "before", problem, before, before.settings, label="Model as it is")
+        )
     else:
         models = [model_beside("", "error", problem, after, after.settings)]
     noise = relative_noise_floor(judged.recordings, after.recordings, after.settings)
@@ -137,8 +139,8 @@ def comparison_page(comparison: Comparison, problem: Problem, saved: Identificat
 def replay_page(result: Replay, problem: Problem, saved: Identification, made: Made) -> Page:
     """A saved model's twin, simulated along the recorded motions, and the model itself beside it."""
     dataset, settings = problem.dataset, saved.settings
-    model = model_beside(OF_MODEL, "before", problem, result.model, settings)
-    twin = model_beside(OF_TWIN, "after", problem, result.twin, settings)
+    model = model_beside(OF_MODEL, "before", problem, result.model, settings, label="Model itself")
+    twin = model_beside(OF_TWIN, "after", problem, result.twin, settings, label="Twin")
     noise = relative_noise_floor(dataset.recordings, result.twin.recordings, settings)
     return Page(
         title=f"The twin of {result.twin.robot} along recorded motions",

@@ -8,7 +8,7 @@ from bench.page.model_errors import ModelBeside
 from bench.page.parts import Choice, Figure, PageColumn, PageTable, Section, Variant, row
 from bench.page.words import effect_name, typeset
 from bench.residuals.error_breakdown import error_breakdown
-from bench.residuals.words import MOST_LOOKS, finding_sentences, level_sentence
+from bench.residuals.words import MOST_LOOKS, whole_sentences
 
 ON_PAPER = 6  # motors that are printed
 LAWS = "their laws stand below"
@@ -17,16 +17,13 @@ LAWS = "their laws stand below"
 def where_section(models: Sequence[ModelBeside]) -> Section:
     """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
     joints = models[-1].joints
-    options = tuple(beside.name.removeprefix("of the ").capitalize() for beside in models)
+    options = tuple(beside.label for beside in models)
     variants = {}
     for m, model in enumerate(models):
         by_joint = {motor_errors.joint: motor_errors for motor_errors in model.where.motors}
         for j, joint in enumerate(joints):
             motor = by_joint[joint]
-            notes = tuple(
-                typeset(f"{'Motor' + name[5:] if name.startswith('motor ') else name}.")
-                for name in (level_sentence(motor), *finding_sentences(motor, LAWS))
-            )
+            notes = tuple(typeset(sentence) for sentence in whole_sentences(motor, LAWS))
             charts = error_charts(error_breakdown(model.what, joint))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             variants[key] = Variant(charts, notes)

@@ -24,6 +24,17 @@ def where_sentences(where: WhereItFails) -> list[str]:
     return [line for motor in where.motors for line in (level_sentence(motor), *finding_sentences(motor))]
 
 
+def whole_sentences(motor: MotorErrors, laws: str = "") -> list[str]:
+    """The same of one motor with a capital letter, but for a joint that begins it under its own name, and a full stop.
+
+    laws: where those of effects stand.
+    """
+    lines = (level_sentence(motor), *finding_sentences(motor, laws))
+    if motor_words(motor.joint) == motor.joint:
+        return [f"{line}." for line in lines]
+    return [f"{line[0].upper()}{line[1:]}." for line in lines]
+
+
 def level_sentence(motor: MotorErrors) -> str:
     """How large a motor's error is beside the noise of its current."""
     size = f"{motor_words(motor.joint)}: error {in_percent(motor.error)}"

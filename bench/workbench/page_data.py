@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from bench.basics.threads import on_one_thread
-from bench.diagnosis.reason_words import judged_on, reason_sentence
+from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import Diagnosis
 from bench.effects import EffectInstance
 from bench.effects.display_names import spoken
@@ -88,7 +88,7 @@ def _carried(
     return {
         "version": VERSION,
         "robot": robot.name,
-        "judged_on": judged_on(diagnosis),
+        "held_out": diagnosis.held_out,
         "fits_gains": model.fit_gains,
         "noise_floor": diagnosis.unexplained.noise_floor,
         "motors": [_motor(model, system, kept, room, j) for j in range(len(robot.actuators))],

@@ -19,6 +19,9 @@ const WorkbenchSkeleton = (() => {
     return {value: make("dd", "", one), note: make("dd", "note", one)};
   }
 
+  /* The part of the recordings that is kept to judge on. */
+  const heldOut = (data) => `the last ${(100 * data.held_out).toFixed(0)} % of every recording`;
+
   function skeleton(section, data) {
     section.classList.add("bench");
     make("h2", "", section, "Workbench");
@@ -56,7 +59,7 @@ const WorkbenchSkeleton = (() => {
       return one;
     };
     const steps = `From the model without any effect; at each step the one that helps most.`;
-    const judge = data.whole ? ` Judged on ${data.judged_on.replace(/, not fitted$/, "")}; fitted to the rest.` : "";
+    const judge = data.whole ? ` Judged on ${heldOut(data)}; fitted to the rest.` : "";
     const ladder = part("Error, effect by effect", steps + judge);
     const plainly =
       "Standard error: of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.";
@@ -146,5 +149,5 @@ const WorkbenchSkeleton = (() => {
     holder.replaceChildren(found);
   }
 
-  return {segments, skeleton, table, command, copied, saved};
+  return {heldOut, segments, skeleton, table, command, copied, saved};
 })();

@@ -2,7 +2,7 @@
 /* The workbench: tick effects, and see errors, gains, ladder and curves of the model that has them. */
 (() => {
   const {spoken, titled, unitOf, rowOf} = WorkbenchList;
-  const {segments, skeleton, table} = WorkbenchSkeleton;
+  const {heldOut, segments, skeleton, table} = WorkbenchSkeleton;
   const SLICE = 14; // ms of solving between two looks at the page
   const MOST_STEPS = 6; // effects of which a ladder is made
 
@@ -19,7 +19,6 @@
     const judgedAny = data.motors.some((motor) => motor.judged.squares > 0);
     const errorOf = (fit) => (judgedAny ? fit.judged : fit.fitted);
     const percent = (share, digits = 3) => (share === null ? "–" : `${formatNumber(100 * share, digits)} %`);
-    const apart = data.judged_on.replace(/, not fitted$/, "");
     let task = 0;
     let shown = null;
     let pinned = null; // model A: what is ticked, and its fit
@@ -215,7 +214,7 @@
         said.push("So many effects are carried in few digits: bench identify may differ in the fourth one.");
       if (data.whole) {
         said.push(
-          `No recording is kept to judge on. Gains, parameters, curves and the fitted error come from a fit to all rows, as bench identify does it; the error not fitted, the ladder and the errors beside the effects from a fit without ${apart}.`,
+          `No recording is kept to judge on. Gains, parameters, curves and the fitted error come from a fit to all rows, as bench identify does it; the error not fitted, the ladder and the errors beside the effects from a fit without ${heldOut(data)}.`,
         );
       }
       return said;
