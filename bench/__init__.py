@@ -4,6 +4,7 @@ The public names are imported when they are first used, so that `import bench` i
 """
 
 import importlib
+from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from bench.dataset.robot import Robot as Robot
     from bench.dataset.robot import load_robot as load_robot
     from bench.diagnosis.result import Diagnosis as Diagnosis
+    from bench.identification.model_file import SavedModel as SavedModel
     from bench.identification.model_file import load_model as load_model
     from bench.identification.result import Identification as Identification
 
@@ -37,6 +39,7 @@ _HOME_OF = {
     "Recording": "bench.dataset.recording",
     "Report": "bench.api.report",
     "Robot": "bench.dataset.robot",
+    "SavedModel": "bench.identification.model_file",
     "compare": "bench.api.compare",
     "diagnose": "bench.api.diagnose",
     "figures": "bench.api.figures",
@@ -60,6 +63,7 @@ __all__ = [
     "Recording",
     "Report",
     "Robot",
+    "SavedModel",
     "compare",
     "diagnose",
     "figures",
@@ -74,6 +78,13 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        try:
+            return version("parabench")
+        except PackageNotFoundError:
+            raise AttributeError(
+                "bench has no version: parabench is on the path, but not installed"
+            ) from None
     if name not in _HOME_OF:
         raise AttributeError(f"module 'bench' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOME_OF[name]), name)

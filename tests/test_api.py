@@ -1,9 +1,12 @@
 """The verbs of `import bench`: from paths or values to values that show themselves."""
 
+from dataclasses import replace
+
 import pytest
 
 import bench
 from bench.basics.errors import BenchError
+from bench.identification.model_file import save_model as write_model
 
 SHORT = 400  # characters
 
@@ -35,7 +38,8 @@ def test_a_path_is_a_dataset(folder, result):
 def test_values_are_short_on_a_line(folder, result):
     dataset = bench.load_dataset(folder)
     errors = bench.compare(folder, result)
-    for value in (dataset, dataset.recordings[0], result, errors):
+    parts = (errors.motors, errors.motors.series[0], errors.where.motors[0].by_recording, result.recordings)
+    for value in (dataset, dataset.recordings[0], result, errors, *parts):
         assert len(repr(value)) < SHORT
         assert "\n" not in repr(value)
     for joint, gain in result.drive_gains.items():
@@ -53,6 +57,67 @@ def test_a_saved_model_is_compared_as_the_result_is(folder, result, tmp_path):
     assert given.identified is result
 
 
+def test_a_loaded_model_is_read_printed_and_saved_as_the_result_is(folder, result, tmp_path):
+    path = bench.save_model(result, tmp_path / "model.json", folder)
+    loaded = bench.load_model(path)
+    assert loaded.drive_gains == result.drive_gains
+    assert loaded.to_dataframe().equals(result.to_dataframe())
+    assert "<td>parameter</td>" in loaded._repr_html_()
+    assert len(repr(loaded)) < SHORT
+    told = str(bench.report(loaded))
+    assert f"rank {result.rank}" in told
+    for recording in result.recordings:
+        assert recording.name in told
+    again = bench.save_model(loaded, tmp_path / "again.json")
+    assert again.read_bytes() == path.read_bytes()
+    with pytest.raises(BenchError, match="page of a saved model"):
+        bench.report(loaded).save(tmp_path / "page.html", folder)
+    with pytest.raises(BenchError, match="a Dataset is no model"):
+        bench.save_model(bench.load_dataset(folder), tmp_path / "none.json")
+    assert not (tmp_path / "none.json").exists()
+
+
+def test_a_loaded_model_keeps_the_files_of_its_effects_wherever_it_is_saved(result, tmp_path):
+    own = tmp_path / "own.py"
+    own.write_text("", encoding="utf-8")
+    write_model(result, tmp_path / "model.json", effect_files=[own])
+    (tmp_path / "deeper").mkdir()
+    moved = bench.save_model(bench.load_model(tmp_path / "model.json"), tmp_path / "deeper" / "model.json")
+    (file,) = bench.load_model(moved).effect_files
+    assert file.samefile(own)
+
+
+def test_errors_are_a_table_and_figures(folder, result, tmp_path):
+    errors = bench.compare(folder, result)
+    table = errors.to_dataframe()
+    assert list(table["error"]) == [
+        value for motor in errors.where.motors for value, _ in motor.by_recording.values()
+    ]
+    assert set(table["use"]) == {trace.use for trace in result.recordings}
+    assert "<td>identify</td>" in errors._repr_html_()
+    of_errors = bench.figures(errors, folder, tmp_path / "errors", ["error_at_reversals"])
+    of_result = bench.figures(result, folder, tmp_path / "result", ["error_at_reversals"])
+    assert [path.name for path in of_errors] == [path.name for path in of_result]
+    assert of_errors
+
+
+def test_a_result_of_other_recordings_is_refused_by_name(folder, result, tmp_path):
+    data = bench.load_dataset(folder)
+    first = data.recordings[0]
+    renamed = replace(data, recordings=(replace(first, name="elsewhere.csv"), *data.recordings[1:]))
+    shorter = replace(data, recordings=(first.part(slice(0, 100)), *data.recordings[1:]))
+    for function in (bench.compare, lambda data, result: bench.figures(result, data, tmp_path / "figures")):
+        with pytest.raises(BenchError, match=f"no recording '{first.name}'.*elsewhere.csv"):
+            function(renamed, result)
+        with pytest.raises(BenchError, match=f"'{first.name}' is another recording"):
+            function(shorter, result)
+        with pytest.raises(BenchError, match="but the result is of other"):
+            function(data, replace(result, robot="other"))
+        with pytest.raises(BenchError, match="no currents"):
+            function(data, replace(result, recordings=()))
+    assert not (tmp_path / "figures").exists()
+
+
 def test_reports_are_text_html_and_a_page(folder, result, tmp_path):
     report = bench.report(result)
     assert str(report) == repr(report)
@@ -65,7 +130,14 @@ def test_reports_are_text_html_and_a_page(folder, result, tmp_path):
 
 
 def test_a_diagnosis_is_one_line_a_table_and_a_report(folder):
-    diagnosis = bench.diagnose(folder)
+    data = bench.load_dataset(folder)
+    data = replace(
+        data, recordings=tuple(recording for recording in data.recordings if recording.use == "identify")
+    )
+    diagnosis = bench.diagnose(data)
+    assert (
+        bench.compare(data, diagnosis.after).identified is diagnosis.after
+    )  # judged on the ends of recordings
     assert diagnosis.missing == ()
     assert repr(diagnosis).startswith("<two_link: nothing missing; error ")
     assert list(diagnosis.to_dataframe()["effect"]) == [one.effect for one in diagnosis.ranking]
@@ -83,3 +155,5 @@ def test_what_is_no_result_and_no_folder_is_named(tmp_path):
         bench.identify(tmp_path / "nothing")
     with pytest.raises(BenchError, match="no report is made of a int"):
         str(bench.report(3))
+    with pytest.raises(BenchError, match="none are made of a int"):
+        bench.figures(3, tmp_path, tmp_path / "figures")

@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,10 @@ def test_every_list_of_public_names_agrees():
     assert typed == bench._HOME_OF
     assert bench.__all__ == sorted(bench._HOME_OF)
     assert dir(bench) == bench.__all__
+
+
+def test_the_version_is_that_of_the_package():
+    assert bench.__version__ == version("parabench")
 
 
 def test_no_module_shadows_a_public_name(project_root):

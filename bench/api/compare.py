@@ -1,11 +1,15 @@
 """Where a model fails on recordings."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from bench.api.sources import Data, Model, as_dataset, as_model
+from bench.api.sources import Data, Model, as_dataset, as_model, dataset_behind
 from bench.dataset.dataset import Dataset
+from bench.identification.frame import data_frame, html_table
 from bench.identification.identify import identify
 from bench.identification.model_file import Comparison, apply_model
 from bench.identification.prepare import prepare
@@ -14,6 +18,11 @@ from bench.identification.result import CurrentSeries, ErrorSummary, Identificat
 from bench.residuals.look_alikes import possible_effects
 from bench.residuals.motor import Compared, compared
 from bench.residuals.residuals import WhereItFails, errors_by_motor
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = ("motor", "recording", "use", "error", "noise")
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,6 +49,23 @@ class ModelErrors:
     def recordings(self) -> tuple[CurrentSeries, ...]:
         """Measured and modelled currents of every recording."""
         return self.comparison.recordings
+
+    def rows(self) -> list[dict[str, str | float]]:
+        """Errors as a table: one row with motor, recording, use, error and noise each, relative to the current."""
+        uses = {trace.name: trace.use for trace in self.recordings}
+        return [
+            {"motor": motor.joint, "recording": name, "use": uses[name], "error": error, "noise": noise}
+            for motor in self.where.motors
+            for name, (error, noise) in motor.by_recording.items()
+        ]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The same as a data frame. Needs pandas."""
+        rows = self.rows()
+        return data_frame({name: [row[name] for row in rows] for name in COLUMNS})
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], self.rows())
 
     def __repr__(self) -> str:
         errors = ", ".join(
@@ -71,6 +97,7 @@ def compare(
         comparison = Comparison(result.robot, name, result.recordings, result.error, result.findings)
         has, settings = result.effects, result.settings
     elif isinstance(model, Identification):
+        dataset = dataset_behind(dataset, model)
         result, has, settings = model, model.effects, model.settings
         name = f"as given, {', '.join(model.effects) or 'rigid bodies only'}"
         comparison = Comparison(model.robot, name, model.recordings, model.error, model.findings)

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from bench.api.sources import Data, as_dataset
+from bench.api.compare import ModelErrors
+from bench.api.sources import Data, as_dataset, dataset_behind
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
@@ -11,21 +12,32 @@ from bench.document.figures.paper import PaperFigure, write_paper_figures
 from bench.document.figures.paper_errors import error_figures
 from bench.document.figures.paper_model import diagnosis_figures, gain_figure
 from bench.identification.result import Identification
-from bench.residuals.motor import compared
+from bench.residuals.motor import Compared, compared
 
 
 def figures(
-    result: Identification | Diagnosis, data: Data, folder: str | Path, names: Sequence[str] = ()
+    result: Identification | Diagnosis | ModelErrors,
+    data: Data,
+    folder: str | Path,
+    names: Sequence[str] = (),
 ) -> tuple[Path, ...]:
     """Write figures of a result as PDF and PNG, with their numbers as CSV: the paths.
 
-    data: what it was identified from, or its folder. names: those to draw, or how their names begin; none: every one.
-    Raises BenchError for a name that no figure has.
+    data: what it was identified from or compared with, or its folder. names: those to draw, or how their names begin;
+    none: every one. Raises BenchError for a name that no figure has, data that the result is not of, or no result.
     """
-    diagnosis = result if isinstance(result, Diagnosis) else None
-    after = result.after if isinstance(result, Diagnosis) else result
-    chosen = figures_named(figures_of(as_dataset(data), after, diagnosis), names)
-    return tuple(write_paper_figures(Path(folder), chosen))
+    if not isinstance(result, Identification | Diagnosis | ModelErrors):
+        raise BenchError(
+            f"figures: none are made of a {type(result).__name__}: give what identify, compare or diagnose return"
+        )
+    dataset = as_dataset(data)
+    if isinstance(result, ModelErrors):
+        found = figures_of_errors(result.motors, result.identified)
+    elif isinstance(result, Diagnosis):
+        found = figures_of(dataset_behind(dataset, result.after), result.after, result)
+    else:
+        found = figures_of(dataset_behind(dataset, result), result, None)
+    return tuple(write_paper_figures(Path(folder), figures_named(found, names)))
 
 
 def figures_named(found: Sequence[PaperFigure], names: Sequence[str]) -> list[PaperFigure]:
@@ -41,5 +53,11 @@ def figures_named(found: Sequence[PaperFigure], names: Sequence[str]) -> list[Pa
 def figures_of(dataset: Dataset, result: Identification, diagnosis: Diagnosis | None) -> list[PaperFigure]:
     """Every figure of a result, and of the diagnosis that it comes from, if any."""
     what = compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
-    found = [*error_figures(what), *([gain_figure(result)] if result.gains_fitted else [])]
+    found = figures_of_errors(what, result)
     return [*found, *(diagnosis_figures(diagnosis) if diagnosis is not None else [])]
+
+
+def figures_of_errors(what: Compared, result: Identification | None) -> list[PaperFigure]:
+    """Figures of a model's errors, and of its gains where they were fitted to what it is compared with."""
+    gains = [gain_figure(result)] if result is not None and result.gains_fitted else []
+    return [*error_figures(what), *gains]

@@ -15,13 +15,14 @@ from bench.diagnosis.result import Diagnosis
 from bench.document.terminal.comparison import where_report
 from bench.document.terminal.diagnosis import diagnosis_report
 from bench.document.terminal.identification import comparison_report, identification_report
+from bench.identification.model_file import SavedModel
 from bench.identification.result import Identification
 from bench.page.folder import SavedRun
 from bench.page.section_run import CommandRun
 from bench.page.write import write_saved_run
 
 WIDTH = 110  # characters
-Result = Identification | Diagnosis | ModelErrors
+Result = Identification | Diagnosis | ModelErrors | SavedModel
 
 
 @dataclass(frozen=True, repr=False)
@@ -50,12 +51,12 @@ class Report:
         dataset, page = as_dataset(data), Path(path)
         diagnosis = self.result if isinstance(self.result, Diagnosis) else None
         after = diagnosis.after if diagnosis is not None else self.result
-        if isinstance(after, ModelErrors):
-            if after.identified is None:
-                raise BenchError(
-                    "the page of a saved model is written by `bench report MODEL.json --data DATASET`"
-                )
+        if isinstance(after, ModelErrors) and after.identified is not None:
             after = after.identified
+        if isinstance(after, SavedModel | ModelErrors):
+            raise BenchError(
+                "the page of a saved model is written by `bench report MODEL.json --data DATASET`"
+            )
         if not isinstance(after, Identification):
             raise BenchError(f"no page is made of a {type(after).__name__}")
         verb = "diagnose" if diagnosis is not None else "identify"
@@ -79,6 +80,11 @@ def print_result(result: Any, console: Console, verbose: bool) -> None:  # noqa:
 @print_result.register
 def _(result: Identification, console: Console, verbose: bool) -> None:
     identification_report(result, console, verbose=verbose)
+
+
+@print_result.register
+def _(result: SavedModel, console: Console, verbose: bool) -> None:
+    identification_report(result.model, console, verbose=verbose, without_currents=result.recordings)
 
 
 @print_result.register

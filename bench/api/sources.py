@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
+from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.split import dataset_of
 from bench.identification.model_file import SavedModel, load_model
 from bench.identification.result import Identification
 
@@ -21,3 +23,33 @@ def as_dataset(data: Data) -> Dataset:
 def as_model(model: SavedModel | str | Path) -> SavedModel:
     """The saved model itself, or that of the file. Raises BenchError naming what is wrong with it."""
     return model if isinstance(model, SavedModel) else load_model(Path(model))
+
+
+def dataset_behind(dataset: Dataset, result: Identification) -> Dataset:
+    """A dataset with the recordings that a result is of: their ends kept apart where it was judged on them.
+
+    Raises BenchError naming the robot or the recording that the dataset does not have.
+    """
+    cure = "give the dataset that the result was identified from, or save the result and give its file"
+    if result.robot != dataset.robot.name or result.joints != tuple(dataset.robot.joints):
+        raise BenchError(
+            f"{dataset.folder}: of {dataset.robot.name} ({', '.join(dataset.robot.joints)}), but the result is of "
+            f"{result.robot} ({', '.join(result.joints)}): {cure}"
+        )
+    if not result.recordings:
+        raise BenchError(f"{dataset.folder}: the result holds no currents: {cure}")
+    parted = dataset_of(dataset, result.recordings)
+    logged = {recording.name: recording for recording in parted.recordings}
+    for trace in result.recordings:
+        recording = logged.get(trace.name)
+        if recording is None:
+            names = ", ".join(recording.name for recording in dataset.recordings)
+            raise BenchError(
+                f"{dataset.folder}: there is no recording {trace.name!r}, which the result is of, among {names}: {cure}"
+            )
+        step = 1.0 / recording.rate
+        if trace.time[0] < recording.time[0] - step or trace.time[-1] > recording.time[-1] + step:
+            raise BenchError(
+                f"{dataset.folder}: {trace.name!r} is another recording than the result is of: {cure}"
+            )
+    return parted

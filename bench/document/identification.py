@@ -17,7 +17,14 @@ from bench.document.numbers import (
     other_terms,
 )
 from bench.document.table import Column, Mark, Table
-from bench.identification.result import CurrentSeries, Identification, Quantity, relative_error
+from bench.identification.result import (
+    CurrentSeries,
+    ErrorSummary,
+    Identification,
+    ModelledRecording,
+    Quantity,
+    relative_error,
+)
 
 
 def gains_table(result: Identification, truth: Truth | None = None) -> Table:
@@ -136,6 +143,29 @@ def errors_table(
     marks: list[Mark] = ["strong" if len(chosen) > 1 else "" for *_, chosen in groups]
     marks += ["weak"] * last
     return Table(columns, tuple(marks), tuple(ends if last else ends[:-1]))
+
+
+def kept_errors_table(error: ErrorSummary, recordings: Sequence[ModelledRecording]) -> Table:
+    """Errors that a saved model keeps of its recordings, and of all of each use together."""
+    rows: list[tuple[str, str, str, float | None]] = []
+    marks: list[Mark] = []
+    for use, total in (("identify", error.identify), ("validate", error.validate)):
+        chosen = [recording for recording in recordings if recording.use == use]
+        rows += [
+            (recording.name, USES[use], recording.payload or "–", error.by_recording.get(recording.name))
+            for recording in chosen
+        ]
+        if len(chosen) > 1:
+            rows.append((f"all {USES[use]}", "", "", total))
+        plain: list[Mark] = [""] * len(chosen)
+        marks += [*plain, "strong"] if len(chosen) > 1 else plain
+    columns = (
+        Column("recording", [name for name, *_ in rows]),
+        Column("use", [use for _, use, *_ in rows]),
+        Column("payload", [payload for *_, payload, _ in rows]),
+        Column("error", [value for *_, value in rows], "share"),
+    )
+    return Table(columns, tuple(marks))
 
 
 def motor_errors_table(series: Sequence[CurrentSeries], joints: Sequence[str]) -> Table:

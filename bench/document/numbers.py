@@ -176,10 +176,11 @@ def settings_lines(result: Identification) -> list[str]:
     still = (
         [f"{all_rows - rows} more equations excluded, of joints that stand still"] if rows < all_rows else []
     )
+    equations = f"{rows} equations, " if result.recordings else ""  # a saved model has no rows to count
     spread = [] if result.std_from == "noise" else [f"± from {STD_FROM[result.std_from]}"]
     return [
         *spread,
-        f"{rows} equations, {result.unknowns} unknowns, rank {result.rank}",
+        f"{equations}{result.unknowns} unknowns, rank {result.rank}",
         *still,
         f"condition number {result.condition:.4g}, with columns of unit length {result.scaled_condition:.4g}",
         filters,

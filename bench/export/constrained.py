@@ -16,7 +16,7 @@ from bench.export.programs import Programs
 from bench.identification.finding import Code, Finding
 from bench.identification.model_file import SavedModel, apply_model
 from bench.identification.problem import Problem
-from bench.identification.result import Identification, Quantity
+from bench.identification.result import Identification, ModelledRecording, Quantity
 
 
 def physically_consistent(result: Identification, problem: Problem) -> Identification:
@@ -29,8 +29,8 @@ def physically_consistent(result: Identification, problem: Problem) -> Identific
     if result.left_out:
         raise BenchError("real bodies need all base parameters: identify without --essential")
     dataset = problem.dataset
-    fitted = tuple(trace.name for trace in result.recordings if trace.use == "identify")
-    saved = SavedModel(dataset.folder, result, dataset.folder, fitted)
+    modelled = tuple(ModelledRecording(trace.name, trace.use, trace.payload) for trace in result.recordings)
+    saved = SavedModel(dataset.folder, result, dataset.folder, modelled)
     identified = identified_model(dataset.folder, saved, dataset.robot, dataset.payloads, problem.catalogue)
     equations = equations_of(identified, use_cad=False)
     programs = Programs(equations)

@@ -1,10 +1,12 @@
 """Save an identified model as JSON, read it back, and apply it to recordings."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,31 +19,72 @@ from bench.files.atomic import finite, write_text_atomically
 from bench.identification.by_recording import without_own_values
 from bench.identification.finding import Finding
 from bench.identification.finding_words import note
+from bench.identification.frame import html_table
 from bench.identification.layout import payload_parameter_names
 from bench.identification.model_json import FORMAT, from_json, to_json
 from bench.identification.nonlinear import present_model
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.prepare import Prepared, prepare, with_effects
 from bench.identification.problem import Problem
-from bench.identification.result import CurrentSeries, ErrorSummary, Identification, error_summary
+from bench.identification.result import (
+    CurrentSeries,
+    DriveGain,
+    ErrorSummary,
+    Identification,
+    ModelledRecording,
+    error_summary,
+)
 from bench.identification.solution import Solution
 from bench.identification.summary import ROBOT, modelled_series
 from bench.signals.settings import FilterSettings
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class SavedModel:
     """A model file: the answer that it holds, without currents, and where they came from.
 
-    dataset: the folder that it was identified from, where the file says so. fitted: the recordings that were fitted, by
-    name: of them effects may have a value each. effect_files: Python files with effects of one's own that it has.
+    dataset: the folder that it was identified from, where the file says so. recordings: of it, those that were fitted
+    and those that it was judged on. effect_files: Python files with effects of one's own that it has.
     """
 
     path: Path
     model: Identification
     dataset: Path | None = None
-    fitted: tuple[str, ...] = ()
+    recordings: tuple[ModelledRecording, ...] = ()
     effect_files: tuple[Path, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<{self.path.name}: {repr(self.model)[1:-1]}>"
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], self.model.rows())
+
+    @property
+    def fitted(self) -> tuple[str, ...]:
+        """The recordings that were fitted, by name: of them effects may have a value each."""
+        return tuple(recording.name for recording in self.recordings if recording.use == "identify")
+
+    @property
+    def drive_gains(self) -> Mapping[str, DriveGain]:
+        """By joint."""
+        return self.model.drive_gains
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The names of the effects that the model has."""
+        return self.model.effects
+
+    @property
+    def error(self) -> ErrorSummary:
+        """Relative errors by use, motor and recording, where it was identified."""
+        return self.model.error
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Gains, parameters and effect parameters as of the result itself. Needs pandas."""
+        return self.model.to_dataframe()
 
     @property
     def settings(self) -> FilterSettings:
@@ -80,15 +123,18 @@ class Comparison:
 
 
 def save_model(
-    result: Identification,
+    result: Identification | SavedModel,
     path: str | Path,
     dataset: Path | None = None,
     effect_files: Sequence[Path] = (),
 ) -> None:
     """Write the answer as a JSON file, whole or not at all. dataset: the folder that it was identified from.
 
-    effect_files: with the effects that are in no catalogue; the model names them, where possible relative to itself.
+    effect_files: with the effects that are in no catalogue; the model names them, where possible relative to itself. A
+    model that was loaded has both from its own file, where they are not given.
     """
+    if isinstance(result, SavedModel):
+        dataset, effect_files = dataset or result.dataset, effect_files or result.effect_files
     answer = model_json(result, dataset)
     if effect_files:
         folder = Path(path).resolve().parent
@@ -100,9 +146,10 @@ def _named_from(folder: Path, file: Path) -> str:
     return str(file.relative_to(folder)) if file.is_relative_to(folder) else str(file)
 
 
-def model_json(result: Identification, dataset: Path | None = None) -> dict[str, Any]:
+def model_json(result: Identification | SavedModel, dataset: Path | None = None) -> dict[str, Any]:
     """What a model file holds. dataset: the folder that it was identified from."""
-    answer = to_json(result)
+    model = result.model if isinstance(result, SavedModel) else result
+    answer = to_json(model, result.recordings)
     if dataset is not None:
         answer["dataset"] = str(dataset.resolve())
     return answer
@@ -121,11 +168,12 @@ def load_model(path: str | Path) -> SavedModel:
         raise BenchError(f"{path}: not a model file that `bench identify --json` wrote")
     try:
         dataset = Path(content["dataset"]) if content.get("dataset") else None
-        fitted = tuple(
-            str(recording["name"]) for recording in content["recordings"] if recording["use"] == "identify"
+        recordings = tuple(
+            ModelledRecording(str(recording["name"]), str(recording["use"]), recording["payload"])
+            for recording in content["recordings"]
         )
         files = tuple(path.parent / str(file) for file in content.get("effect_files", ()))
-        return SavedModel(path, from_json(content), dataset, fitted, files)
+        return SavedModel(path, from_json(content), dataset, recordings, files)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BenchError(f"{path}: damaged model file: {type(error).__name__} at {error}") from None
 

@@ -1,6 +1,7 @@
 """An identification as plain data and back: the one place that knows how a model file is laid out."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -8,14 +9,27 @@ import numpy as np
 
 from bench.files.atomic import finite
 from bench.identification.finding import Code, Finding, Unknown
-from bench.identification.result import DriveGain, ErrorSummary, Identification, Parameter, Quantity
+from bench.identification.result import (
+    CurrentSeries,
+    DriveGain,
+    ErrorSummary,
+    Identification,
+    ModelledRecording,
+    Parameter,
+    Quantity,
+)
 from bench.signals.settings import FilterSettings
 
 FORMAT = 1
 
 
-def to_json(result: Identification) -> dict[str, Any]:
-    """The answer as plain data, ready for JSON; a number that is not finite becomes null."""
+def to_json(
+    result: Identification, recordings: Sequence[CurrentSeries | ModelledRecording] | None = None
+) -> dict[str, Any]:
+    """The answer as plain data, ready for JSON; a number that is not finite becomes null.
+
+    recordings: those that it is of, where the answer has lost their currents.
+    """
 
     def quantity(quantity: Quantity) -> dict[str, Any]:
         return {"value": quantity.value, "std": quantity.std, "unit": quantity.unit}
@@ -53,7 +67,8 @@ def to_json(result: Identification) -> dict[str, Any]:
         "covariance": result.covariance.tolist(),
         "covariance_rows": [asdict(unknown) for unknown in result.covariance_rows],
         "recordings": [
-            {"name": trace.name, "use": trace.use, "payload": trace.payload} for trace in result.recordings
+            {"name": trace.name, "use": trace.use, "payload": trace.payload}
+            for trace in (result.recordings if recordings is None else recordings)
         ],
         "notes": list(result.notes),
         "findings": [_finding(finding) for finding in result.findings],

@@ -58,7 +58,7 @@ class ErrorSummary:
     by_recording: Mapping[str, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CurrentSeries:
     """Measured and modelled currents of one recording at the fit's rate: time (M,) s, others (M, n).
 
@@ -81,10 +81,23 @@ class CurrentSeries:
     by_effect: Mapping[str, np.ndarray] = field(default_factory=dict)
     sharing: np.ndarray | None = None
 
+    def __repr__(self) -> str:
+        rows, motors = self.measured.shape
+        return f"<currents of {self.name}: {rows} rows, {motors} motors, {self.use}>"
+
     @property
     def error(self) -> np.ndarray:
         """Measured minus modelled current (M, n)."""
         return self.measured - self.modelled
+
+
+@dataclass(frozen=True)
+class ModelledRecording:
+    """Which recording a model's errors are of, without its currents."""
+
+    name: str
+    use: str
+    payload: str | None
 
 
 @dataclass(frozen=True, repr=False)

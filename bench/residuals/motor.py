@@ -17,7 +17,7 @@ SWIFT = 3  # rows left aside between two directions: more is a standstill, not a
 BESIDE = 1.5  # rows on either side of a reversal that belong to it
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MotorSeries:
     """The rows of one recording in which one motor moves, M of them, at the fit's rate.
 
@@ -45,6 +45,9 @@ class MotorSeries:
     to_reversal: np.ndarray
     beside_standstill: np.ndarray
 
+    def __repr__(self) -> str:
+        return f"<motor {self.joint} in {self.recording}: {len(self.time)} rows, {self.use}>"
+
     @property
     def error(self) -> np.ndarray:
         """Measured minus modelled current (M,), drive unit."""
@@ -61,7 +64,7 @@ class MotorSeries:
         return np.abs(self.to_reversal) <= BESIDE
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Compared:
     """All motors in all recordings. units: of current, position by joint, such as ("A", "rad")."""
 
@@ -69,6 +72,10 @@ class Compared:
     joints: tuple[str, ...]
     units: dict[str, tuple[str, str]]
     series: tuple[MotorSeries, ...]
+
+    def __repr__(self) -> str:
+        recordings = ", ".join(dict.fromkeys(trace.recording for trace in self.series))
+        return f"<motors {', '.join(self.joints)} of {self.robot} in {recordings}>"
 
     def of(self, joint: str) -> tuple[MotorSeries, ...]:
         """The recordings of one motor, without those in which it hardly moves."""

@@ -10,13 +10,16 @@ from bench.document.identification import (
     effects_table,
     errors_table,
     gains_table,
+    kept_errors_table,
     motor_errors_table,
     parameters_table,
 )
 from bench.document.numbers import POOR, Truth, is_poor, settings_lines
 from bench.document.terminal.tables import POOR_STYLE, printed
 from bench.identification.model_file import Comparison
-from bench.identification.result import CurrentSeries, Identification, Quantity
+from bench.identification.result import CurrentSeries, Identification, ModelledRecording, Quantity
+
+ERRORS = "Error of the modelled current, RMS(error) / RMS(measured)"
 
 
 def identification_report(
@@ -25,19 +28,21 @@ def identification_report(
     *,
     verbose: bool = False,
     truth: Truth | None = None,
+    without_currents: Sequence[ModelledRecording] = (),
 ) -> None:
     """Print gains, parameters, errors, settings and notes, to fit the console's width.
 
     verbose: every grouping in full. truth: true values to compare with, see `Truth`; what it does not name
-    is left blank.
+    is left blank. without_currents: the recordings of a saved model, which keeps their errors alone.
     """
     console = console or Console()
     width = console.width
-    payloads = sorted({trace.payload for trace in result.recordings if trace.payload is not None})
+    recordings = result.recordings or without_currents
+    payloads = sorted({trace.payload for trace in recordings if trace.payload is not None})
     facts = [
         f"estimator {result.method}",
         f"effects {', '.join(result.effects)}" if result.effects else "rigid bodies only",
-        f"{len(result.recordings)} recording{'s' if len(result.recordings) != 1 else ''}",
+        f"{len(recordings)} recording{'s' if len(recordings) != 1 else ''}",
         f"payload {', '.join(payloads)}" if payloads else "no payload",
     ]
     console.print()
@@ -50,7 +55,10 @@ def identification_report(
         console.print(Text(f"left out, as the data do not need them: {', '.join(result.left_out)}", "dim"))
     if result.effect_parameters:
         section(console, "Effects", printed(effects_table(result, truth), width))
-    _errors_section(console, result.recordings, result.joints)
+    if result.recordings:
+        _errors_section(console, result.recordings, result.joints)
+    else:
+        section(console, ERRORS, printed(kept_errors_table(result.error, without_currents), width))
     if verbose:
         section(console, "What the parameters stand for", _groupings(result))
     console.print()
@@ -105,7 +113,7 @@ def _groupings(result: Identification) -> Grid:
 def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: Sequence[str]) -> None:
     """Motors that do not fit into the width are left out all together, and get a table of their own."""
     table = printed(errors_table(series, joints), console.width)
-    section(console, "Error of the modelled current, RMS(error) / RMS(measured)", table)
+    section(console, ERRORS, table)
     if len(joints) > 1 and len(table.columns) <= 4:
         section(console, "The same by motor", printed(motor_errors_table(series, joints), console.width))
 
