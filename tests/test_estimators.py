@@ -1,5 +1,6 @@
 """What each estimator is there for: bad seconds, noise in the observation matrix, a controller whose law is known."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -279,3 +280,14 @@ def test_a_little_noise_biases_least_squares_and_its_intervals_hold_that(
     std = np.sqrt(np.diag(result.covariance))
     gains = [i for i, one in enumerate(result.covariance_rows) if one.kind == "gain"]
     assert np.allclose(std[gains], [one.std for one in result.drive_gains.values()])
+
+
+def test_an_estimator_has_two_places(project_root: Path) -> None:
+    """Its own module aside, the names of estimators stand in one file alone: every list is taken from there."""
+    quoted = re.compile(r'"wtls"|"tls"|"wls"')
+    naming = {
+        path.relative_to(project_root).as_posix()
+        for path in (project_root / "bench").rglob("*.py")
+        if quoted.search(path.read_text(encoding="utf-8"))
+    }
+    assert naming - {"bench/identification/estimators.py"} == set()

@@ -7,7 +7,6 @@ import click
 
 from bench.cli.last_lines import STANDARD_OUTPUT, next_line, say, write_answer, wrote
 from bench.cli.options import (
-    METHODS,
     dataset_argument,
     effect_file_option,
     filter_options,
@@ -17,6 +16,7 @@ from bench.cli.options import (
     output_option,
     with_option,
 )
+from bench.identification.estimators import DEFAULT_METHOD, ESTIMATORS
 
 if TYPE_CHECKING:
     from bench.residuals.motor import Compared
@@ -27,7 +27,11 @@ if TYPE_CHECKING:
 @with_option
 @effect_file_option
 @click.option(
-    "--method", type=click.Choice(METHODS), default="current", show_default=True, help="The estimator."
+    "--method",
+    type=click.Choice(list(ESTIMATORS)),
+    default=DEFAULT_METHOD,
+    show_default=True,
+    help="The estimator.",
 )
 @click.option(
     "--gains",

@@ -10,8 +10,6 @@ from bench.basics.errors import BenchError
 from bench.cli.completion import effects
 from bench.cli.last_lines import answer_on
 
-METHODS = ("current", "iv", "ls", "oe", "robust", "tls", "wls", "wtls")
-
 Command = Callable[..., Any]
 
 dataset_argument = click.argument("dataset", type=click.Path(path_type=Path))

@@ -1,19 +1,21 @@
-"""The estimators by name. Each takes the stacked equations and returns a solution."""
+"""The estimators by name. Each takes the stacked equations and returns a solution.
+
+An estimator's own module is imported when it runs: commands take the names from here, and their help is quick.
+"""
+
+from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from bench.basics.errors import BenchError
-from bench.identification.closed_loop import output_error
-from bench.identification.compressed import Stack
-from bench.identification.current_error import current_error
-from bench.identification.instrumental import instrumental_variables
-from bench.identification.least_squares import least_squares, weighted_least_squares
-from bench.identification.robust import robust_error
-from bench.identification.solution import Solution
-from bench.identification.total_least_squares import total_least_squares, weighted_total_least_squares
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from bench.identification.compressed import Stack
+    from bench.identification.solution import Solution
 
 DEFAULT_METHOD = "current"
 
@@ -35,31 +37,27 @@ class Request:
     joints: tuple[str, ...]
 
 
-def _iv(request: Request) -> Solution:
-    return instrumental_variables(request.stack, _wls(request), request.nominal, request.simulated())
-
-
-def _ls(request: Request) -> Solution:
-    return least_squares(request.stack, request.nominal, request.fit_gains)
-
-
-def _wls(request: Request) -> Solution:
-    return weighted_least_squares(request.stack, request.nominal, request.fit_gains)
-
-
-def _tls(request: Request) -> Solution:
-    return total_least_squares(request.stack)
-
-
-def _wtls(request: Request) -> Solution:
-    return weighted_total_least_squares(request.stack, _wls(request), request.column_errors())
-
-
 def _current(request: Request) -> Solution:
+    from bench.identification.current_error import current_error
+
     return current_error(request.stack, _wls(request))
 
 
+def _robust(request: Request) -> Solution:
+    from bench.identification.robust import robust_error
+
+    return robust_error(request.stack, _wls(request), request.nominal)
+
+
+def _iv(request: Request) -> Solution:
+    from bench.identification.instrumental import instrumental_variables
+
+    return instrumental_variables(request.stack, _wls(request), request.nominal, request.simulated())
+
+
 def _oe(request: Request) -> Solution:
+    from bench.identification.closed_loop import output_error
+
     return output_error(
         request.stack,
         _wls(request),
@@ -70,20 +68,41 @@ def _oe(request: Request) -> Solution:
     )
 
 
-def _robust(request: Request) -> Solution:
-    return robust_error(request.stack, _wls(request), request.nominal)
+def _wtls(request: Request) -> Solution:
+    from bench.identification.total_least_squares import weighted_total_least_squares
+
+    return weighted_total_least_squares(request.stack, _wls(request), request.column_errors())
+
+
+def _tls(request: Request) -> Solution:
+    from bench.identification.total_least_squares import total_least_squares
+
+    return total_least_squares(request.stack)
+
+
+def _wls(request: Request) -> Solution:
+    from bench.identification.least_squares import weighted_least_squares
+
+    return weighted_least_squares(request.stack, request.nominal, request.fit_gains)
+
+
+def _ls(request: Request) -> Solution:
+    from bench.identification.least_squares import least_squares
+
+    return least_squares(request.stack, request.nominal, request.fit_gains)
 
 
 ESTIMATORS: dict[str, Callable[[Request], Solution]] = {
     "current": _current,
-    "iv": _iv,
-    "ls": _ls,
-    "oe": _oe,
     "robust": _robust,
+    "iv": _iv,
+    "oe": _oe,
+    "wtls": _wtls,
     "tls": _tls,
     "wls": _wls,
-    "wtls": _wtls,
+    "ls": _ls,
 }
+"""In the order in which they are shown; commands and tables take their names from here."""
 NEED_SCALE = ("tls", "wtls")
 
 

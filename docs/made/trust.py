@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from bench.document.markdown.tables import rows_in_markdown
+from bench.identification.estimators import ESTIMATORS
 from bench.studies.trial.markdown import MAIN, target_cells
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Share, TargetFigure
@@ -20,7 +21,6 @@ GAIN_GOAL = "0.1 % five-bar, 0.4 % Delta, 0.3 % others"
 ENCODER_BITS = 20
 CLEAN = {"five_bar": 0.0002, "delta": 0.001}
 """Scenarios without noise, and what `tests/test_identify.py` allows them."""
-METHODS = ("current", "robust", "iv", "oe", "wtls", "tls", "wls", "ls")
 SHOWN = MAIN | {TargetFigure.ONE_UNDECIDED, TargetFigure.TWO_UNDECIDED, TargetFigure.THREE_UNDECIDED}
 UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
 APART = "apart"  # the folder of cases that were looked at for their figures alone
@@ -181,8 +181,8 @@ def cases_table(robot: str) -> str:
     lines = []
     for case in dict.fromkeys(row["case"] for row in rows):
         of = {row["method"]: row for row in rows if row["case"] == case}
-        lines.append((case, *(_cell(of[method]) for method in METHODS)))
-    return rows_in_markdown(("", *(f"`{method}`" for method in METHODS)), lines)
+        lines.append((case, *(_cell(of[method]) for method in ESTIMATORS)))
+    return rows_in_markdown(("", *(f"`{method}`" for method in ESTIMATORS)), lines)
 
 
 def _cell(row: dict[str, Any]) -> str:
