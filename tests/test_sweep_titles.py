@@ -1,13 +1,38 @@
 """Metrics and axes of sweeps in words."""
 
+from types import SimpleNamespace
+
 import pytest
 
-from bench.studies.sweep.measure import METRICS
-from bench.studies.sweep.titles import METRIC_TITLES, RELATIVE, axis_title, axis_words, metric_title
+from bench.page.figures_sweep import metric_label
+from bench.studies.sweep import measure
+from bench.studies.sweep.metrics import METRICS, Metric, is_relative, is_share, what_is_measured
+from bench.studies.sweep.titles import axis_title, axis_words, metric_title
 
 
-def test_titles_are_of_metrics_that_there_are():
-    assert {*METRIC_TITLES, *RELATIVE} <= set(METRICS)
+def test_a_metric_is_told_from_its_one_line():
+    for name, metric in METRICS.items():
+        assert what_is_measured(f"{name}.anything") == metric.measures
+        assert not metric.share or metric.relative
+    assert is_share("gain_within.left")
+    assert is_relative("error.validate")
+    assert what_is_measured("seed") == "seed"
+    assert not is_share("seed")
+
+
+def test_a_metric_of_the_answer_alone_has_one_place(monkeypatch):
+    """One more line in the table, and it is measured, titled and told with its unit."""
+    line = Metric(
+        "unknowns of the fit", title="number of unknowns", unit="1", value=lambda result: result.unknowns
+    )
+    monkeypatch.setitem(METRICS, "unknowns", line)
+    monkeypatch.setattr(measure, "accuracy", lambda *_: {"gain_within.arm": 1.0, "gain_error.arm": 0.0})
+    settings = SimpleNamespace(position_cutoff=100.0, decimation=4)
+    result = SimpleNamespace(drive_gains={"arm": None}, settings=settings, unknowns=7)
+    found = measure.measure(None, None, result, ("accuracy",))
+    assert (found["unknowns"], found["decimation"], found["position_cutoff"]) == (7, 4.0, 100.0)
+    assert metric_label("unknowns") == "Number of unknowns [1]"
+    assert what_is_measured("unknowns") == "unknowns of the fit"
 
 
 @pytest.mark.parametrize(

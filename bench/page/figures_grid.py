@@ -10,7 +10,8 @@ import numpy as np
 from bench.effects.display_names import begun
 from bench.page.figures_sweep import WIDE, point_label, value_text
 from bench.page.parts import Chart, Choice, Figure, Variant
-from bench.studies.sweep.summary import Spread, Summary, SummaryLine, is_share
+from bench.studies.sweep.metrics import is_share
+from bench.studies.sweep.summary import Spread, Summary, SummaryLine
 from bench.studies.sweep.titles import axis_title, metric_title
 
 MOST_VARIANTS = 60

@@ -11,12 +11,11 @@ from bench.identification.wording import and_list
 from bench.page.parts import Chart, Figure, Variant, one_figure
 from bench.page.thinned import significant
 from bench.page.words import share, short, typeset
-from bench.studies.sweep.measure import METRICS
-from bench.studies.sweep.summary import Spread, is_share, spread, summarise
+from bench.studies.sweep.metrics import is_relative, is_share, metric_of, what_is_measured
+from bench.studies.sweep.summary import Spread, spread, summarise
 from bench.studies.sweep.table import read_table
-from bench.studies.sweep.titles import axis_title, axis_words, is_relative, metric_title
+from bench.studies.sweep.titles import axis_title, axis_words, metric_title
 
-UNITS = {"loop_gap": "m", "position_cutoff": "Hz"}
 ROLES = ("one", "two", "three", "four", "five", "six", "seven")
 BINS = 12  # a drawn axis, which has a value of its own in every run, is cut into as many parts of equal count
 MOST_VALUES = 40
@@ -43,7 +42,7 @@ def point_label(value: Any) -> str:
 
 def metric_label(metric: str) -> str:
     """A metric in words with its unit."""
-    unit = "%" if is_relative(metric) else UNITS.get(metric.split(".", maxsplit=1)[0], "")
+    unit = "%" if is_relative(metric) else metric_of(metric).unit
     title = begun(metric_title(metric))
     return f"{title} [{unit}]" if unit else title
 
@@ -75,7 +74,7 @@ def plot_figure(table: Path, x: str, y: str, lines: str | None, picked: Collecti
         drawn.append(line | ({"name": f"{axis_words(lines)} {_short(name)}"} if lines else {}))
     marks = [{"kind": "rule", "role": "noise", "name": "95 %", "at": COVERAGE, "dashed": True}]
     marks = marks if is_share(y) else []
-    what = METRICS.get(y.split(".", maxsplit=1)[0], y).split(";")[0]
+    what = what_is_measured(y)
     reading = (
         "means; whiskers: 95 % intervals." if is_share(y) else "medians; whiskers: the middle 90 % of runs."
     )

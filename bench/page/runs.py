@@ -10,9 +10,10 @@ from bench.page.parts import Items, Part, Runs, RunsColumn
 from bench.page.section_run import quoted
 from bench.page.thinned import significant
 from bench.page.words import typeset
+from bench.studies.sweep.metrics import is_relative
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.table import column_names, read_table
-from bench.studies.sweep.titles import axis_title, is_relative, metric_title
+from bench.studies.sweep.titles import axis_title, metric_title
 
 MOST_RUNS = 5000
 AID = (

@@ -28,14 +28,14 @@ from bench.page.runs import runs_part
 from bench.page.section_run import versions_of
 from bench.page.words import plural, typeset
 from bench.studies.sweep.axes import DrawnAxis
-from bench.studies.sweep.measure import METRICS
+from bench.studies.sweep.metrics import is_relative, is_share, what_is_measured
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.results import default_plots, table_in
 from bench.studies.sweep.run_sweep import FILE, RECORD
-from bench.studies.sweep.summary import Spread, Summary, SummaryLine, is_share, summarise
+from bench.studies.sweep.summary import Spread, Summary, SummaryLine, summarise
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
-from bench.studies.sweep.titles import axis_title, axis_words, is_relative, metric_title
+from bench.studies.sweep.titles import axis_title, axis_words, metric_title
 from bench.studies.sweep.versions import versions
 
 MOST_LINES = 200  # of a table on the page; the file beside it has all
@@ -141,7 +141,7 @@ def _verdict(found: SweepResult) -> tuple[str, ...]:
 
 
 def _over_all(metric: str, spread: Spread) -> str:
-    what = METRICS.get(metric.split(".", maxsplit=1)[0], metric).split(";")[0]
+    what = what_is_measured(metric)
     low, high = value_text(metric, spread.low), value_text(metric, spread.high)
     if is_share(metric):
         return f"{begun(what)}: {value_text(metric, spread.mean)}, 95 % interval {low} to {high}."

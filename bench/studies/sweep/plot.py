@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from bench.files.atomic import atomic_path
-from bench.studies.sweep.measure import METRICS
-from bench.studies.sweep.summary import Spread, Summary, SummaryPart, is_share, rank, summarise_in_parts
+from bench.studies.sweep.metrics import is_share, what_is_measured
+from bench.studies.sweep.summary import Spread, Summary, SummaryPart, rank, summarise_in_parts
 
 MANY_TICKS = 300.0  # ratio of largest to smallest value from which powers of ten are ticks enough
 WIDE = 20.0  # ratio of largest to smallest value from which an axis is logarithmic
@@ -62,7 +62,7 @@ def plot_sweep(
         )
     axes.set_xlabel(x)
     axes.set_ylabel(y)
-    axes.set_title(METRICS.get(y.split(".", maxsplit=1)[0], y).split(";")[0], fontsize=9, color="#555555")
+    axes.set_title(what_is_measured(y), fontsize=9, color="#555555")
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     if lines is not None:

@@ -10,8 +10,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from bench.studies.sweep.summary import Spread, Summary, is_share
-from bench.studies.sweep.titles import is_relative
+from bench.studies.sweep.metrics import is_relative, is_share
+from bench.studies.sweep.summary import Spread, Summary
 
 GAP = 2  # blanks between columns
 

@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
+from bench.studies.sweep.metrics import is_share
 from bench.studies.sweep.reference import ReferenceLine
-from bench.studies.sweep.summary import is_share
 
 Verdict = Literal["same", "better", "worse", "over its limit", "new"]
 ALARMS = ("worse", "over its limit")

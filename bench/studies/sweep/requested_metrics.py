@@ -6,22 +6,10 @@ from collections.abc import Iterable
 
 from bench.basics.errors import BenchError
 from bench.studies.sweep.axes import GridAxis
-from bench.studies.sweep.measure import METRICS
+from bench.studies.sweep.metrics import METRICS
 from bench.studies.sweep.plan import Plan
 
-OF_JOINTS = ("gain_error", "gain_std", "gain_within", "drive_gain")
 USES = ("identify", "validate")
-OF_USES = ("error", "noise_floor")
-ALONE = ("gain_error", "gain_within")
-"""Metrics of a joint that have a value over all joints too."""
-RECORDS = {
-    "drive_gain": "gains",
-    "parameter": "parameters",
-    "parameter_error": "parameters",
-    "parameter_within": "parameters",
-    "effect": "effects",
-}
-"""Metric -> the group of `record` that it belongs to; the others are always there."""
 
 
 def check_asked(plan: Plan, joints: Iterable[str]) -> None:
@@ -53,14 +41,16 @@ def _fault(plan: Plan, metric: str, joints: list[str]) -> str | None:
     table = plan.sweep.table
     if name not in METRICS:
         return f"no metric {metric!r}; there are {', '.join(METRICS)}"
-    if name in RECORDS and RECORDS[name] not in table.record:
-        groups = ", ".join(f'"{group}"' for group in (*table.record, RECORDS[name]))
+    known = METRICS[name]
+    if known.group and known.group not in table.record:
+        groups = ", ".join(f'"{group}"' for group in (*table.record, known.group))
         return f"{metric!r} is not recorded: record = [{groups}]"
     if name == "diagnosis" and not _diagnoses(plan):
         return f"{metric!r} needs `diagnose = true` in [identify]"
-    if name in OF_USES and of not in USES:
+    if known.of == "use" and of not in USES:
         return f"{metric!r}: should be {name}.identify or {name}.validate"
-    if name in OF_JOINTS and (of or name not in ALONE) and of not in joints:
+    one_joint = known.of == "joint" or (known.of == "joint or all" and of)
+    if one_joint and of not in joints:
         return f"{metric!r}: should be {name}.JOINT, with one of {', '.join(joints)}"
     return None
 

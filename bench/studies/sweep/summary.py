@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import betaincinv
 
 from bench.basics.errors import BenchError
+from bench.studies.sweep.metrics import is_share
 from bench.studies.sweep.table import column_names, read_table
 
 SPREAD = (0.05, 0.95)
@@ -18,8 +19,6 @@ PARTS = (
     12  # a drawn axis, which has a value of its own in every run, is cut into as many parts of equal count
 )
 MOST_VALUES = 40
-SHARES = ("gain_within", "parameter_within")
-"""Metrics that are a share of successes: their mean is a coverage."""
 
 
 @dataclass(frozen=True)
@@ -138,11 +137,6 @@ def spread(metric: str, values: np.ndarray) -> Spread:
     else:
         low, high = (float(x) for x in np.quantile(known, SPREAD))
     return Spread(len(known), median, mean, low, high)
-
-
-def is_share(metric: str) -> bool:
-    """Whether the mean of a metric is a share of successes."""
-    return metric.split(".", maxsplit=1)[0] in SHARES
 
 
 def share_interval(successes: float, trials: int) -> tuple[float, float]:

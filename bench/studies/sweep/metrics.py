@@ -1,0 +1,138 @@
+"""Every metric of a sweep: what it measures, how it is told, and what has to be asked for so that it is recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from bench.identification.result import Identification
+
+Of = Literal["", "joint", "joint or all", "use"]
+"""What stands behind its dot: nothing or what its text says, a joint, a joint or nothing, identify or validate."""
+
+
+@dataclass(frozen=True)
+class Metric:
+    """What a metric measures; parts: what may stand behind its name; title: as people call it.
+
+    unit: SI, empty for a number; relative: told in percent; share: of successes, its mean is a coverage. of: see `Of`.
+    group: of `record`, that it belongs to, empty where it is always there. value: how it follows from an answer alone;
+    None where `measure` needs the truth, or several values.
+    """
+
+    measures: str
+    parts: str = ""
+    title: str = ""
+    unit: str = ""
+    relative: bool = False
+    share: bool = False
+    of: Of = ""
+    group: str = ""
+    value: Callable[[Identification], float] | None = None
+
+
+METRICS: Mapping[str, Metric] = {
+    "gain_error": Metric(
+        "largest relative deviation of an estimated drive gain from the true one",
+        ".JOINT with its sign",
+        "largest gain error",
+        relative=True,
+        of="joint or all",
+    ),
+    "gain_std": Metric(
+        "standard deviation of a drive gain as estimated, relative",
+        ".JOINT",
+        "stated standard error of a gain",
+        relative=True,
+        of="joint",
+    ),
+    "gain_within": Metric(
+        "share of the drive gains whose 95 % interval holds the truth",
+        ".JOINT",
+        "gains inside their 95 % intervals",
+        relative=True,
+        share=True,
+        of="joint or all",
+    ),
+    "gain_rms": Metric(
+        "root mean square of the relative deviations of all drive gains",
+        title="RMS gain error",
+        relative=True,
+    ),
+    "error": Metric(
+        "relative error of the current",
+        ".identify, .validate",
+        "error of the current",
+        relative=True,
+        of="use",
+    ),
+    "noise_floor": Metric(
+        "what a perfect model would leave of the current",
+        ".identify, .validate",
+        "noise floor",
+        relative=True,
+        of="use",
+    ),
+    "identify_error_over_noise_floor": Metric(
+        "error of the current over the noise floor, fitted recordings",
+        title="error over the noise floor, fitted",
+    ),
+    "validate_error_over_noise_floor": Metric(
+        "the same, recordings that were not fitted", title="error over the noise floor, not fitted"
+    ),
+    "scaled_condition": Metric(
+        "condition number of the observation matrix, columns of unit length",
+        title="condition number, scaled columns",
+    ),
+    "loop_gap": Metric("largest opening of a loop, m", title="largest opening of a loop", unit="m"),
+    "position_cutoff": Metric(
+        "cut-off of the low-pass on positions, Hz",
+        title="cut-off of the position filter",
+        unit="Hz",
+        value=lambda result: result.settings.position_cutoff,
+    ),
+    "decimation": Metric(
+        "one sample in this many is fitted", value=lambda result: float(result.settings.decimation)
+    ),
+    "drive_gain": Metric("drive gain", ".JOINT", "drive gain", of="joint", group="gains"),
+    "parameter": Metric("base parameter", ".NAME, .NAME.std, .NAME.true", group="parameters"),
+    "parameter_error": Metric(
+        "largest relative deviation of an essential base parameter from the true one",
+        title="largest parameter error",
+        relative=True,
+        group="parameters",
+    ),
+    "parameter_within": Metric(
+        "share of the base parameters whose 95 % interval holds the truth",
+        title="parameters inside their 95 % intervals",
+        relative=True,
+        share=True,
+        group="parameters",
+    ),
+    "diagnosis": Metric(
+        "of `diagnose`", ".missed and .invented, how many effects; .missing, their names; .gain_error after"
+    ),
+    "effect": Metric("effect parameter", ".EFFECT.JOINT.PARAMETER and .std", group="effects"),
+}
+NONE = Metric("")
+
+
+def metric_of(column: str) -> Metric:
+    """The metric that a column of a table is of; one with nothing known of it where there is none."""
+    return METRICS.get(column.partition(".")[0], NONE)
+
+
+def what_is_measured(column: str) -> str:
+    """What a column measures, without a capital; of none of the metrics its name."""
+    return metric_of(column).measures or column
+
+
+def is_share(column: str) -> bool:
+    """Whether the mean of a column is a share of successes."""
+    return metric_of(column).share
+
+
+def is_relative(column: str) -> bool:
+    """Whether a column is told in percent."""
+    return metric_of(column).relative
