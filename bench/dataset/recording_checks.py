@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench.dataset.joint_facts import JointFacts
-from bench.files.recording_error import Remedy
+from bench.files.recording_fault import Remedy
 
 Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated"]
 CHECKS: tuple[Check, ...] = get_args(Check)

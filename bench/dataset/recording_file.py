@@ -17,7 +17,7 @@ from bench.dataset.recording import Recording, Use, position_column
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.recording_window import WHOLE, Window
 from bench.dataset.sampling import gap_rows, on_uniform_grid, time_fault
-from bench.files.recording_error import RecordingError, Remedy
+from bench.files.recording_fault import RecordingFaultError, Remedy
 from bench.files.table import FileTable, read_table, release_tables
 
 MOST_SPANS = 3  # that are told
@@ -80,7 +80,7 @@ def recording_from_table(
     signals = np.column_stack([table.finite(column, partial(_left_out, time)) for column in columns])
     if (fault := time_fault(time)) is not None:
         cure = f"; {_between_gaps(time)}" if fault.gap else ""
-        raise RecordingError(f"{table.place('time', fault.row)}: {fault.what}", cure, fault.remedy)
+        raise RecordingFaultError(f"{table.place('time', fault.row)}: {fault.what}", cure, fault.remedy)
     _check_signals(table, columns, time, signals, joints, frozenset(accept))
     extra = {
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
@@ -166,4 +166,4 @@ def _check_signals(
     more = f"; more in {', '.join(others)}" if others else ""
     accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
     said = f"{table.place(column, finding.row)}: {finding.what}{more}"
-    raise RecordingError(said, accept, finding.remedy, finding.check)
+    raise RecordingFaultError(said, accept, finding.remedy, finding.check)

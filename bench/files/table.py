@@ -21,7 +21,7 @@ import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
 from bench.files.csv_text import CsvText, split_csv
-from bench.files.recording_error import RecordingError, Remedy
+from bench.files.recording_fault import RecordingFaultError, Remedy
 from bench.files.toml_input import one_line
 
 SUFFIXES = (".csv", ".parquet")
@@ -93,7 +93,7 @@ class FileTable:
     def finite(
         self, column: str, cure: Callable[[npt.NDArray[np.intp]], tuple[str, Remedy]] | None = None
     ) -> Array:
-        """The column (N,) as floats; RecordingError that names the first row that is empty, NaN or infinite.
+        """The column (N,) as floats; RecordingFaultError that names the first row that is empty, NaN or infinite.
 
         cure: from the rows that are, what helps, in words and as a code.
         """
@@ -106,7 +106,7 @@ class FileTable:
             more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
             what = self._what_stands(column, row, values[row])
             helps, remedy = ("", None) if cure is None else cure(bad)
-            raise RecordingError(
+            raise RecordingFaultError(
                 f"{self.place(column, row)}: {what}{more}", f"; {helps}" if helps else "", remedy
             )
         return values

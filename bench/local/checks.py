@@ -11,7 +11,7 @@ from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import time_fault
-from bench.files.recording_error import Remedy
+from bench.files.recording_fault import Remedy
 from bench.files.table import HUGE
 from bench.logs.columns import GROUPS
 from bench.logs.importing import CUTS, LIKE

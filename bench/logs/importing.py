@@ -17,7 +17,7 @@ from bench.dataset.recording_checks import Check
 from bench.dataset.recording_file import recording_from_table
 from bench.dataset.robot import Robot, load_robot
 from bench.files.atomic import write_text_atomically
-from bench.files.recording_error import RecordingError, Remedy
+from bench.files.recording_fault import RecordingFaultError, Remedy
 from bench.files.table import FileTable
 from bench.logs.columns import LogMap, columns_of
 from bench.logs.log_file import AS_FOUND, Reading, read_log
@@ -107,7 +107,7 @@ def _parts(
         try:
             table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
             recording_from_table(table, part.name, part.use, request.payload, joints, request.accept)
-        except RecordingError as fault:
+        except RecordingFaultError as fault:
             raise BenchError(_with_cure(fault, request.log_map.scale)) from fault
     return parts, (*log.notes, *columns.notes, *cuts)
 
@@ -152,7 +152,7 @@ CUTS: Mapping[Remedy, str] = {
 """What --split-gaps does about a fault."""
 
 
-def _with_cure(fault: RecordingError, scale: Mapping[str, float | str]) -> str:
+def _with_cure(fault: RecordingFaultError, scale: Mapping[str, float | str]) -> str:
     """A fault's message as it helps in an import: an option instead of a key of dataset.toml. scale: as it is given."""
     if fault.remedy is Remedy.REMOVE_ROWS:
         return str(fault)

@@ -19,7 +19,7 @@ class Remedy(Enum):
     CUT_AT_GAPS = auto()  # samples were lost
 
 
-class RecordingError(BenchError):
+class RecordingFaultError(BenchError):
     """What is wrong with a recording, told as for a file of a dataset.
 
     said: what is wrong and where; advice: what helps in a dataset, with the punctuation before it. remedy: the same as
