@@ -116,9 +116,9 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
 def _basis(trajectory: FourierTrajectory, times: np.ndarray) -> np.ndarray:
     """What unit coefficients do to position, velocity and acceleration: (3, N, 2, H)."""
     harmonics = trajectory.harmonics
-    one, none = np.eye(harmonics), np.zeros((harmonics, harmonics))
+    identity, none = np.eye(harmonics), np.zeros((harmonics, harmonics))
     series = replace(
-        trajectory, center=np.zeros(2 * harmonics), a=np.vstack((one, none)), b=np.vstack((none, one))
+        trajectory, center=np.zeros(2 * harmonics), a=np.vstack((identity, none)), b=np.vstack((none, identity))
     )
     return np.array(series.evaluate(times)).reshape(3, len(times), 2, harmonics)
 
