@@ -10,7 +10,7 @@ from bench.diagnosis.result import Diagnosis
 from bench.effects import CATALOGUE, EffectInstance
 from bench.excitation.scenario import designer
 from bench.identification.identify import fit
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
@@ -66,7 +66,7 @@ def test_a_neighbour_of_the_same_periods_does_not_drive_an_effect_from_its_place
         for name in ("cogging_torque", "torque_ripple")
         for joint, periods in known.items()
     ]
-    result = fit(settled(with_effects(start, instances)))
+    result = fit(converged(with_effects(start, instances)))
     for joint in known:
         periods = result.effect_parameters["cogging_torque"][joint]["periods"]
         assert periods.value == pytest.approx(PERIODS, rel=1e-3)

@@ -13,7 +13,7 @@ from bench.diagnosis.differs import differing
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
 from bench.effects import CATALOGUE
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
@@ -48,7 +48,7 @@ def told(unlike: Dataset) -> Diagnosis:
 
 def found_in(dataset: Dataset, effects: tuple[str, ...] = ()) -> list[str]:
     prepared = prepare(problem_of(dataset, effects))
-    return [one.request for one in differing(settled(prepared), CATALOGUE)]
+    return [one.request for one in differing(converged(prepared), CATALOGUE)]
 
 
 @pytest.mark.parametrize("effects", [(), FRICTION, ("stribeck_friction", "constant_offset:right")])

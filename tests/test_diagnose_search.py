@@ -1,4 +1,4 @@
-"""What a set of effects must bring to be taken, and that what a search ends with was settled."""
+"""What a set of effects must bring to be taken, and that what a search ends with was converged."""
 
 from dataclasses import dataclass
 from itertools import count
@@ -44,11 +44,11 @@ def test_an_effect_earns_its_place_on_fitted_recordings_and_on_others(
 
 @dataclass(frozen=True)
 class FakeRound:
-    """A round of a search with a set of one effect; settled: whether its model is of that set."""
+    """A round of a search with a set of one effect; converged: whether its model is of that set."""
 
     chosen: tuple[int, ...]
     model: float
-    settled: bool = False
+    converged: bool = False
 
 
 @pytest.mark.parametrize(("factor", "last"), [(0.9, rounds.ROUNDS - 1), (0.99, 0)])
@@ -59,13 +59,13 @@ def test_a_search_ends_with_a_settled_set_that_leaves_clearly_less(
     names = count(1)
 
     def again(_: object, here: FakeRound, *__: object) -> FakeRound:
-        return FakeRound(here.chosen, factor ** here.chosen[0], settled=True)
+        return FakeRound(here.chosen, factor ** here.chosen[0], converged=True)
 
     monkeypatch.setattr(rounds, "_again", again)
     monkeypatch.setattr(rounds, "_with_partner", lambda *_: FakeRound((next(names),), 1.0))
     monkeypatch.setattr(rounds, "error_of", lambda model: model)
     found = rounds.searched(None, FakeRound((0,), 1.0), ())  # type: ignore[arg-type]
-    assert found == FakeRound((last,), factor**last, settled=True)
+    assert found == FakeRound((last,), factor**last, converged=True)
 
 
 @pytest.mark.parametrize(

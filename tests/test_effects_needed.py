@@ -9,7 +9,7 @@ from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for
 from bench.excitation.scenario import designer
 from bench.identification.identify import identify
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import Problem, problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
@@ -58,9 +58,9 @@ def test_an_effect_of_one_s_own_may_ask_for_the_torque_that_the_model_needs(load
 @pytest.mark.parametrize("joint", GAINS)
 def test_the_torque_needed_leaves_out_what_is_made_of_it(loaded, tmp_path, joint):
     (tmp_path / "loss.py").write_text(OWN)
-    rigid = settled(prepare(problem_of(loaded, ["viscous_friction"])))
+    rigid = converged(prepare(problem_of(loaded, ["viscous_friction"])))
     catalogue = catalogue_for([tmp_path / "loss.py"])
-    more = settled(prepare(Problem(loaded, catalogue, ("viscous_friction", "loss"))))
+    more = converged(prepare(Problem(loaded, catalogue, ("viscous_friction", "loss"))))
     about = with_effects(rigid, rigid.effects, more.present)
     values = {(one.effect.name, one.joint): own for one, own in more.present.effects}
     j = list(GAINS).index(joint)

@@ -8,7 +8,7 @@ import pytest
 
 from bench.dataset.dataset import load_dataset
 from bench.identification.identify import fit
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
@@ -35,7 +35,7 @@ def arm_by_logs(measured_data: Path) -> list[Identification]:
     for uses in PAIRS:
         logs = tuple(replace(one, use=use) for one, use in zip(dataset.recordings, uses, strict=True))
         prepared = prepare(problem_of(replace(dataset, recordings=logs), (*FRICTION, LOAD)))
-        answers.append(fit(settled(prepared)))
+        answers.append(fit(converged(prepared)))
     return answers
 
 

@@ -8,7 +8,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.document.colours import ON_DARK, ON_WHITE, rgb
 from bench.document.figures.currents import current_figure, write_current_figure
-from bench.document.numbers import error_deviation, percent
+from bench.document.numbers import error_std, percent
 from bench.identification.result import relative_error
 from tests.shown import dataset_of, identification_of
 
@@ -58,7 +58,7 @@ def test_every_motor_and_recording_has_its_currents_and_its_error(result):
 
 def test_the_band_is_that_of_the_fitted_recordings(result):
     fitted = np.concatenate([one.error[3:] for one in result.recordings if one.use == "identify"])
-    np.testing.assert_allclose(error_deviation(result), np.sqrt((fitted**2).mean(axis=0)))
+    np.testing.assert_allclose(error_std(result), np.sqrt((fitted**2).mean(axis=0)))
 
 
 def test_recordings_can_be_chosen_and_a_wrong_name_is_told(result):

@@ -10,7 +10,7 @@ from rerun.chunk import RrdReader
 
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
-from bench.document.numbers import error_deviation, percent
+from bench.document.numbers import error_std, percent
 from bench.viewer import body_motion
 from bench.viewer import recording as writer
 from bench.viewer.recording import entity_roots, write_rrd
@@ -42,7 +42,7 @@ def written(request, tmp_path_factory):
 
 def test_currents_are_all_there_to_the_last_bit(written):
     path, result, dataset = written
-    deviation = error_deviation(result)
+    deviation = error_std(result)
     for recording, series in zip(dataset.recordings, result.recordings, strict=True):
         root = "/" + Path(recording.name).stem
         for j, joint in enumerate(dataset.robot.joints):

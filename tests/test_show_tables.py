@@ -18,7 +18,7 @@ from bench.document.numbers import (
     pretty_unit,
     rounded_terms,
     settings_lines,
-    value_and_deviation,
+    value_and_std,
 )
 from bench.document.table import Column
 from bench.document.terminal.identification import comparison_report, identification_report
@@ -62,7 +62,7 @@ def test_units_are_printed_with_their_signs(unit, expected):
     ],
 )
 def test_a_value_has_the_digits_that_its_deviation_supports(value, std, expected):
-    assert value_and_deviation(value, std) == expected
+    assert value_and_std(value, std) == expected
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.reason_words import left_words
 from bench.diagnosis.unexplained import unexplained
 from bench.identification.identify import fit
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
@@ -71,7 +71,7 @@ def test_the_encoders_noise_is_carried_through_the_model():
         },
     )
     dataset = as_dataset(simulate(scenario, threads=1))
-    prepared = settled(prepare(problem_of(dataset)))
+    prepared = converged(prepare(problem_of(dataset)))
     result = fit(prepared)
     encoders = encoder_error(prepared)
     floor = unexplained(result, dataset.recordings).noise_floor

@@ -58,14 +58,14 @@ def look(chromium, folder):
         page.on("request", lambda request: page.heard.append(request.url))
         page.goto((folder / "page.html").as_uri() + address)
         page.heard = [one for one in page.heard if not one.startswith((folder / "page.html").as_uri())]
-        return settled(page)
+        return converged(page)
 
     yield look
     for page in pages:
         page.close()
 
 
-def settled(page):
+def converged(page):
     page.wait_for_selector("#workbench[data-ready=true]")
     return page
 
@@ -73,7 +73,7 @@ def settled(page):
 def press(page, place, key="Space"):
     page.locator(place).focus()
     page.keyboard.press(key)
-    return settled(page)
+    return converged(page)
 
 
 def shown(page):
@@ -142,12 +142,12 @@ def test_effects_ticked_by_keyboard_agree_with_the_command(look, folder):
     page = look()
     page.get_by_role("button", name="Nothing").focus()
     page.keyboard.press("Enter")
-    before = shown(settled(page))
+    before = shown(converged(page))
     agree(before, identified(folder))
     page.keyboard.press("Tab")  # on to the first effect
     assert page.evaluate("document.activeElement.dataset.effect") == "coulomb_friction"
     page.keyboard.press("Space")
-    one = shown(settled(page))
+    one = shown(converged(page))
     agree(one, identified(folder, "coulomb_friction:left"))  # where it was ticked before
     assert before["then"]["coulomb_friction"] == pytest.approx(one["error"]["validate"], rel=1e-9)
     two = shown(press(page, "input[data-effect=stribeck_friction]"))
@@ -179,7 +179,7 @@ def test_the_address_holds_the_choice_and_back_takes_it_back(look, folder):
     page = look()
     press(page, "input[data-effect=viscous_friction]")
     page.get_by_label("Motor").select_option(label="right")
-    settled(page)
+    converged(page)
     address = page.evaluate("location.hash")
     assert re.fullmatch(r"#workbench\?with=coulomb_friction:left&motor=right&recording=\S+", address)
     seen = shown(page)
@@ -187,9 +187,9 @@ def test_the_address_holds_the_choice_and_back_takes_it_back(look, folder):
     assert shown(again) == seen
     assert again.get_by_label("Motor").evaluate("one => one.selectedOptions[0].text") == "right"
     page.go_back()
-    settled(page)
+    converged(page)
     page.go_back()
-    settled(page)
+    converged(page)
     agree(shown(page), identified(folder, *FOUND))
     assert page.heard == [] == again.heard
 
@@ -214,7 +214,7 @@ def test_deviations_stand_beside_the_gains_of_what_was_fitted(look, folder):
         seen = shown(page)["deviations"]
         assert seen == {joint: pytest.approx(one["std"], rel=1e-6) for joint, one in known.items()}
         page.get_by_role("button", name="Nothing").click()
-        settled(page)
+        converged(page)
     press(page, "input[data-effect=rotor_inertia], input[data-effect=stribeck_friction]")
     assert shown(page)["deviations"] == {}
 
@@ -229,7 +229,7 @@ def test_the_command_can_be_copied_and_the_model_downloaded(look, tmp_path, fold
     compared = apply_model(problem_of(load_dataset(folder / "data")), load_model(tmp_path / "model.json"))
     assert compared.error.validate == pytest.approx(shown(page)["error"]["validate"], rel=5e-5)
     page.get_by_role("button", name="Nothing").click()
-    settled(page)
+    converged(page)
     assert page.get_by_role("button", name="Download model").is_disabled()
     assert page.heard == []
 
@@ -239,7 +239,7 @@ def test_two_models_stand_beside_each_other(look):
     before = shown(page)
     page.get_by_role("button", name="Keep as A").click()
     page.get_by_role("button", name="Nothing").click()
-    settled(page)
+    converged(page)
     words = page.locator(".bench-pinned").text_content()
     assert words.startswith("A: Coulomb friction at left, viscous friction at left; not fitted ")
     assert before["words"]["validate"] in words

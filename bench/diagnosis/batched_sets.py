@@ -9,7 +9,7 @@ from bench.diagnosis.normal_equations import (
     SetFit,
     System,
     fit_of,
-    is_settled,
+    has_converged,
     solve_set,
     start_of,
 )
@@ -73,7 +73,7 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
     inner = np.stack([system.fitted.padded(column, values.shape[1]) for column in columns])
     cost = squares_of(inner, errors_by(values, gains, start.gains)) @ squares
     found: dict[tuple[int, ...], SetFit] = {}
-    left = np.arange(len(keys))  # which of them are not settled yet
+    left = np.arange(len(keys))  # which of them are not converged yet
     for _ in range(MOST_STEPS):
         try:
             step, by_gain, sound = _steps(inner, values, gains, start)
@@ -82,12 +82,12 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
         share = share_within_reach(gains, by_gain)
         new_values, new_gains, new = _moved(inner, values, gains, cost, (step, by_gain, share), start)
         lower = sound & (new <= cost * (1.0 + 1e-12))
-        settled = lower & is_settled(cost, new, share, new_gains / start.gains)
-        for i in np.flatnonzero(settled):
+        converged = lower & has_converged(cost, new, share, new_gains / start.gains)
+        for i in np.flatnonzero(converged):
             which = int(left[i])
             key, own = keys[which], columns[which]
             found[key] = fit_of(system, key, own, new_values[i, : len(own)], new_gains[i], float(new[i]))
-        on = lower & ~settled
+        on = lower & ~converged
         if not on.any():
             break
         inner, values, gains = (

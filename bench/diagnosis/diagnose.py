@@ -33,7 +33,7 @@ from bench.effects import EffectInstance
 from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
 from bench.identification.noise_let_through import with_noise_heard
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, relative_error
@@ -90,7 +90,7 @@ def opened(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
     problem = replace(problem, dataset=dataset)
     start = prepare(problem)
     progress.phase("fitting the model as it is")
-    start = settled(start)
+    start = converged(start)
     return SplitProblem(problem, held_out, start, fit(start))
 
 
@@ -180,7 +180,7 @@ def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SIL
 def _where_possible(
     origin: Origin, model: Prepared, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification, dict[str, Reason]]:
-    """The found effects where they show, settled and fitted; and those that cannot be, with why they go."""
+    """The found effects where they show, converged and fitted; and those that cannot be, with why they go."""
     whole = fit(model)
     kept, after = _where_it_shows(origin, model, whole, given)
     stayed = {(instance.effect.name, instance.place) for instance in kept.effects}
@@ -193,8 +193,8 @@ def _where_it_shows(
     origin: Origin, model: Prepared, result: Identification, given: Sequence[EffectInstance]
 ) -> tuple[Prepared, Identification]:
     """The found effects without the joints at which they are nothing or have an impossible sign; given: those that the
-    starting model has there, which stay. result: of the model with all of them; where that is settled only as it is
-    known nearby, they are looked at again once it is settled as it is.
+    starting model has there, which stay. result: of the model with all of them; where that is converged only as it is
+    known nearby, they are looked at again once it is converged as it is.
     """
     added = model.effects[len(origin.start.effects) :]
     there = {(instance.effect.name, instance.joint) for instance in given}
@@ -219,7 +219,7 @@ def _where_it_shows(
 
 
 def _relative(after: Identification, system: System, found: Found) -> float:
-    """Error of the settled model over that of its set in the system, so that the errors of sets end where it does."""
+    """Error of the converged model over that of its set in the system, so that the errors of sets end where it does."""
     judged = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
     here = checked_error(system, found.best.fit)
     return judged / here if here > 0 else 0.0

@@ -13,7 +13,7 @@ from bench.diagnosis.search import NEEDED
 from bench.effects import Effect, EffectInstance
 from bench.effects.select import TAG
 from bench.identification.identify import fit
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import Quantity
 from bench.identification.solve_only import candidate_columns, solved_quickly
@@ -34,7 +34,7 @@ class _Candidate:
 
 
 def differing(model: Prepared, catalogue: Mapping[str, Effect]) -> tuple[Differing, ...]:
-    """Which effects of a settled model have another value in each fitted recording, or would have one, strongest first.
+    """Effects of a converged model that have another value in each fitted recording, or would have, strongest first.
 
     One value for all recordings competes with one for each. A recording that is not fitted has no value of its own, so
     that every other part of each is kept apart to judge on.
@@ -106,7 +106,7 @@ def _that_show(
         for candidate, *_ in chosen
         for log in logs
     ]
-    wider = settled(with_effects(model, (*kept, *added)))
+    wider = converged(with_effects(model, (*kept, *added)))
     result = fit(wider)
     first = wider.layout.size - len(added)
     found = []

@@ -213,14 +213,14 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
             share /= 2.0
         else:
             break
-        settled = bool(is_settled(cost, new, share, new_gains / start.gains))
+        converged = bool(has_converged(cost, new, share, new_gains / start.gains))
         values, gains, cost = new_values, new_gains, new
-        if settled:
+        if converged:
             break
     return fit_of(system, chosen, columns, values, gains, cost)
 
 
-def is_settled(
+def has_converged(
     cost: np.ndarray | float, new: np.ndarray | float, share: np.ndarray | float, ratio: np.ndarray
 ) -> np.ndarray:
     """Whether a share of a step lowers the cost too little to be followed by another; ratio (..., n): of the gains."""

@@ -1,4 +1,4 @@
-"""Found effects that do not stay: of an impossible sign, or needed no more where the others are settled anew."""
+"""Found effects that do not stay: of an impossible sign, or needed no more where the others are converged anew."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -50,10 +50,10 @@ def impossible_but_needed(
 def superfluous_effect(ladder: Sequence[LadderStep]) -> dict[str, Reason]:
     """The effect added last, if the others do as well without it; and why it goes.
 
-    A search compares sets about one model, and every step of the ladder is settled by itself. What made a
+    A search compares sets about one model, and every step of the ladder is converged by itself. What made a
     difference there and makes none here only mended how the others were linearised.
     """
-    if len(ladder) < 3:  # a single effect stands against nothing at all, which is settled in the search
+    if len(ladder) < 3:  # a single effect stands against nothing at all, which is converged in the search
         return {}
     before, after = ladder[-2:]
     if (

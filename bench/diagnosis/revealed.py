@@ -1,4 +1,4 @@
-"""Effects that show only when the shape of a found one gives way, or when all are settled with them."""
+"""Effects that show only when the shape of a found one gives way, or when all are converged with them."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ MOST = 2  # effects that are tried
 def partners(
     model: Prepared, context: Context, proposals: Sequence[Proposal], found: Collection[int]
 ) -> list[int]:
-    """Proposals (indices) that would explain much of what the settled model leaves, the most first.
+    """Proposals (indices) that would explain much of what the converged model leaves, the most first.
 
     Beside the model's columns stand the derivatives by its shape parameters: a time constant that was found without a
     viscous friction has taken its part, and would leave it there. Where nothing bends, in the model or in what joins
@@ -52,7 +52,7 @@ def _bends(instance: EffectInstance) -> bool:
 
 
 def beside(proposals: Sequence[Proposal], model: Prepared, own: int) -> list[Proposal]:
-    """The proposals in the shape that they have in a settled model, whose first `own` effects are the starting ones."""
+    """The proposals in the shape they have in a converged model, whose first `own` effects are the starting ones."""
     added = model.effects[own:]
     changed = []
     for proposal in proposals:

@@ -15,7 +15,7 @@ from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
 from bench.diagnosis.search import MATERIAL, NEEDED, Found, score, search
 from bench.effects import ActuatorEffect, Effect, EffectInstance
-from bench.identification.nonlinear import present_model, settled
+from bench.identification.nonlinear import converged, present_model
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.result import relative_error
@@ -42,7 +42,7 @@ class Origin:
         return context_of(model, self.nearby.signals(model.present, model.signals))
 
     def with_proposals(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
-        """The starting model with some of the proposals, settled."""
+        """The starting model with some of the proposals, converged."""
         return self.with_instances([instance for i in chosen for instance in proposals[i].instances])
 
     def nearly(self, proposals: Sequence[Proposal], chosen: Sequence[int]) -> Prepared:
@@ -60,21 +60,21 @@ class Origin:
         return at_its_solution(near) if leaves_only_noise(system, near, self.noise) else self.exactly(near)
 
     def exactly(self, model: Prepared) -> Prepared:
-        """A model that is settled as it is known nearby, settled as it is."""
+        """A model that is converged as it is known nearby, converged as it is."""
         if model.nearby is None:
             return model
         near = with_effects(self.start, model.effects, model.present)
-        return at_its_solution(settled(near, nearly=model.settled))
+        return at_its_solution(converged(near, nearly=model.converged))
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
-        """The starting model with these effects, settled; first as it is known nearby, if that is less work."""
+        """The starting model with these effects, converged; first as it is known nearby, if that is less work."""
         if _less_nearby(instances):
             return self.exactly(self._settled_nearby(instances))
-        return at_its_solution(settled(with_effects(self.start, (*self.start.effects, *instances))))
+        return at_its_solution(converged(with_effects(self.start, (*self.start.effects, *instances))))
 
     def _settled_nearby(self, instances: Sequence[EffectInstance]) -> Prepared:
         near = with_effects(seen_nearby(self.start, self.nearby), (*self.start.effects, *instances))
-        return settled(near)
+        return converged(near)
 
 
 def _instances(proposals: Sequence[Proposal], chosen: Sequence[int]) -> list[EffectInstance]:
@@ -91,7 +91,7 @@ def _less_nearby(instances: Sequence[EffectInstance]) -> bool:
 
 @dataclass(frozen=True)
 class Round:
-    """A settled model, every effect in the shape that suits it, their system about it, and the best set there."""
+    """A converged model, every effect in the shape that suits it, their system about it, and the best set there."""
 
     model: Prepared
     proposals: Sequence[Proposal]
@@ -110,18 +110,18 @@ class Round:
 
 
 def origin_of(start: Prepared) -> Origin:
-    """The search for what a settled starting model lacks."""
+    """The search for what a converged starting model lacks."""
     start = at_its_solution(start)
     return Origin(start, Nearby(start.model, start.measured))
 
 
 def at_its_solution(model: Prepared) -> Prepared:
-    """A settled model, with itself as what effects are linearised about; from nominal gains where it has run away."""
+    """A converged model, with itself as what effects are linearised about; from nominal gains where it has run away."""
     if any(instance.effect.shape or instance.effect.depends_on_model for instance in model.effects):
         return model
     stack, solution = solved_quickly(model)
     present = present_model(model, restarted(stack, solution, model.dataset.robot.nominal_gains))
-    return replace(with_effects(model, model.effects, present), settled=model.settled)
+    return replace(with_effects(model, model.effects, present), converged=model.converged)
 
 
 def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progress = SILENT) -> Round:
@@ -133,7 +133,7 @@ def first_round(origin: Origin, catalogue: Mapping[str, Effect], progress: Progr
 
 def searched(origin: Origin, first: Round, barred: Collection[str], progress: Progress = SILENT) -> Round:
     """Search, linearise about what was found, and search again until the same is found; then as long as an effect that
-    joins leads to a set which, settled, leaves clearly less.
+    joins leads to a set which, converged, leaves clearly less.
 
     barred: effects that may not be found: of an impossible sign, or superfluous.
     """
@@ -154,7 +154,7 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
 
 
 def error_of(model: Prepared) -> float:
-    """Relative error of a settled model on recordings that were not fitted, without anything else of its answer."""
+    """Relative error of a converged model on recordings that were not fitted, without anything else of its answer."""
     _, solution = solved_quickly(model)
     judged = [
         modelled_series(model, observation, solution)
@@ -165,7 +165,7 @@ def error_of(model: Prepared) -> float:
 
 
 def _again(origin: Origin, here: Round, barred: Collection[str], progress: Progress) -> Round:
-    """Linearise about what was found, and search again, until the same is found: the settled model with it."""
+    """Linearise about what was found, and search again, until the same is found: the converged model with it."""
     seen: list[set[str]] = []
     for _ in range(ROUNDS - 1):
         if not here.chosen or here.names in seen[:-1]:
@@ -182,7 +182,7 @@ def _again(origin: Origin, here: Round, barred: Collection[str], progress: Progr
 
 
 def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
-    """What is found when an effect joins the model and all shapes are settled anew; None if nothing better is.
+    """What is found when an effect joins the model and all shapes are converged anew; None if nothing better is.
 
     Sets are compared in one system: what each promises holds where it was linearised about the same model.
     """

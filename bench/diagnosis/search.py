@@ -35,8 +35,8 @@ def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     """Log-likelihood ratios against `reference`, with as many samples as are independent.
 
     On checked recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
-    of their number is taken off for each parameter (Schwarz 1978). So are the priors of the set. Noise alone gives half
-    a nat a parameter there (Wilks 1938). In all, every period of a motion that returns counts once, with the
+    of their number is subtracted for each parameter (Schwarz 1978). So are the priors of the set. Noise alone gives
+    half a nat a parameter there (Wilks 1938). In all, every period of a motion that returns counts once, with the
     errors that return with it: recordings that were not fitted are no others than those that were, then.
     """
     tiny = np.finfo(float).tiny

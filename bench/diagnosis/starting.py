@@ -9,7 +9,7 @@ from bench.diagnosis.rounds import Origin
 from bench.diagnosis.search import MATERIAL
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.result import Identification
 
@@ -22,7 +22,7 @@ def origins_of(start: Prepared) -> list[Prepared]:
     fixed = [instance for instance in start.effects if instance.recording]
     if len(fixed) == len(start.effects):
         return [start]
-    return [settled(with_effects(start, fixed)), start]
+    return [converged(with_effects(start, fixed)), start]
 
 
 def worse(after: Identification, before: Identification) -> bool:

@@ -26,7 +26,7 @@ def verdicts(
 ) -> tuple[EffectVerdict, ...]:
     """Every effect, the found ones first, then by evidence.
 
-    places: joints at which each found effect shows. scale: error of the settled model over that of its set here.
+    places: joints at which each found effect shows. scale: error of the converged model over that of its set here.
     without: error of the found model without each of its effects, fitted anew.
     left: where it is significant, no effect accounts for it, and a found effect is only sure if the error without
     it is DOMINANT times what is left with it, or DOMINANT_BESIDE times where much is left.

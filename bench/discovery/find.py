@@ -101,7 +101,7 @@ def _with_laws(
     *,
     fewer: bool = False,
 ) -> _Answer:
-    """The answer with the laws that were found, settled and judged beside all effects; without, if they do not stay.
+    """The answer with the laws that were found, converged and judged beside all effects; without, if they do not stay.
 
     prior: of the laws, by default that of the terms they were found with. fewer: as small an error is enough, since
     they stand for several effects.
@@ -187,7 +187,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
 
 
 def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Proposal]:
-    """Laws as a settled model has them, as proposals."""
+    """Laws as a converged model has them, as proposals."""
     return [
         Proposal(
             law.name,

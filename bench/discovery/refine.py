@@ -13,18 +13,18 @@ from bench.discovery.source import law_effect
 from bench.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.discovery.variables import Place
 from bench.effects import EffectInstance
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solve_only import solved_quickly
 
 MOST = 18  # models that are tried
 AS_GOOD = 0.5 * MATERIAL  # by which the error may grow where fewer effects do
-FAR_LESS = 1.5  # times the best error: a model that starts from there is not settled
+FAR_LESS = 1.5  # times the best error: a model that starts from there is not converged
 
 
 @dataclass(frozen=True)
 class Refined:
-    """A settled model, its terms of the grammar by the name of their effect, and its error where nothing was fitted."""
+    """A converged model, its terms of the grammar by their effect's name, and its error where nothing was fitted."""
 
     model: Prepared
     terms: Mapping[str, Term]
@@ -50,7 +50,7 @@ def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: 
 
     They have fewer other effects or as many.
 
-    Each is settled by itself and judged on recordings that were not fitted; MOST of them, those beside all or none of
+    Each is converged by itself and judged on recordings that were not fitted; MOST of them, those beside all or none of
     the other effects first.
     """
     own = len(origin.start.effects)
@@ -62,7 +62,7 @@ def refined(origin: Origin, model: Prepared, terms: Mapping[str, Term], places: 
 
 
 def _tried(origin: Origin, found: Refined, places: Sequence[Place]) -> Iterator[Refined]:
-    """Settled models with a number of one term set free, with all other effects, none of them, and all but one."""
+    """Converged models with a number of one term set free, with all other effects, none of them, and all but one."""
     own = len(origin.start.effects)
     wholes = []
 
@@ -139,13 +139,13 @@ def _slower(new: Refined, own: int) -> bool:
 
 
 def _without(origin: Origin, whole: Prepared, kept: Collection[str], error: float) -> Prepared | None:
-    """A settled model without some of its effects; None where that explains far less, the others as they are."""
+    """A converged model without some of its effects; None where that explains far less, the others as they are."""
     own = len(origin.start.effects)
     left = [instance for i, instance in enumerate(whole.effects) if i < own or instance.effect.name in kept]
     fewer = with_effects(whole, left)
     if error_of(fewer) > FAR_LESS * error:
         return None
-    return at_its_solution(settled(fewer, nearly=True))
+    return at_its_solution(converged(fewer, nearly=True))
 
 
 def better(new: Refined, old: Refined, own: int) -> bool:

@@ -45,8 +45,8 @@ def search_laws(
 ) -> tuple[Laws, Refined] | None:
     """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
 
-    Rounds end where the settled model is no better than the last one. last: of a search among the effects of the
-    catalogue, with its settled model; barred: names that may not be found.
+    Rounds end where the converged model is no better than the last one. last: of a search among the effects of the
+    catalogue, with its converged model; barred: names that may not be found.
     """
     last = replace(last, model=origin.exactly(last.model))
     laws, own = Laws(last, {}), len(origin.start.effects)
@@ -63,10 +63,10 @@ def search_laws(
             laws = new
             break
         model = origin.with_proposals(new.last.proposals, new.last.chosen)
-        settled = Refined(model, new.found, error_of(model))
-        if not better(settled, best, own):
+        converged = Refined(model, new.found, error_of(model))
+        if not better(converged, best, own):
             break
-        laws, best = replace(new, last=replace(new.last, model=model)), settled
+        laws, best = replace(new, last=replace(new.last, model=model)), converged
     if not laws.found:
         return None
     return laws, refined(origin, laws.last.model, laws.found, places_of(origin.start))

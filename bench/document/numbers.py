@@ -46,7 +46,7 @@ def current_unit(gain_unit: str) -> str:
     return gain_unit.rsplit("/", maxsplit=1)[-1]
 
 
-def value_and_deviation(value: float, std: float) -> tuple[str, str]:
+def value_and_std(value: float, std: float) -> tuple[str, str]:
     """A value to the digits that its standard deviation supports, and the deviation to two digits."""
     if not (math.isfinite(value) and math.isfinite(std)):
         return f"{value:.5g}", f"{std:.2g}"
@@ -82,7 +82,7 @@ def quantity_text(quantity: Quantity) -> str:
     """A value with its deviation, or that it was given, or that other parameters take it up."""
     if math.isinf(quantity.std):
         return ABSORBED
-    value, std = value_and_deviation(quantity.value, quantity.std)
+    value, std = value_and_std(quantity.value, quantity.std)
     return f"{value} {std}" if std == GIVEN else f"{value} ± {std}"
 
 
@@ -157,7 +157,7 @@ def judged_error(series: CurrentSeries) -> np.ndarray:
     return np.where(series.moving, series.error, np.nan)
 
 
-def error_deviation(result: Identification) -> np.ndarray:
+def error_std(result: Identification) -> np.ndarray:
     """Standard deviation of the error on the fitted recordings, (n,), in the drives' units."""
     fitted = [judged_error(trace) for trace in result.recordings if trace.use == "identify"]
     errors = np.concatenate(fitted or [judged_error(trace) for trace in result.recordings])

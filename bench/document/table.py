@@ -15,7 +15,7 @@ from bench.document.numbers import (
     pretty_unit,
     quantity_text,
     rounded_terms,
-    value_and_deviation,
+    value_and_std,
 )
 from bench.identification.frame import data_frame
 from bench.identification.result import Quantity
@@ -88,7 +88,7 @@ class Column:
             "unit": pretty_unit,
             "quantity": quantity_text,
             "deviation": lambda entry: percent(entry.relative_std) if 0.0 < entry.std < inf else "–",
-            "true": lambda entry: value_and_deviation(entry.value, entry.std)[0],
+            "true": lambda entry: value_and_std(entry.value, entry.std)[0],
             "sigma": lambda entry: f"{entry:+.1f} σ",
             "share": percent,
             "bar": percent,

@@ -125,7 +125,7 @@ class RobotSignals:
     `moved` computes `tree`. payload: the name of what it carries, None without; payload_mass kg, as declared, zero
     where unknown; `carried` computes `payload_torque`. torque: the rigid-body torque of the present model, less what
     redundant motors give. An effect that depends on it is linearised about the present model, and the fit repeats until
-    it is settled. gaps: stretches of samples in which each joint stands still. offsets: of the present model's encoders
+    it converges. gaps: stretches of samples in which each joint stands still. offsets: of the present model's encoders
     by joint, rad or m. log: the recording whose own values hold here, of effects that have a value for each. lasting:
     rows of effects that do not depend on the present model, kept as long as the recording; passing: those that do.
     noted: what else effects have computed of the present model. sparse: where these are not all samples of the

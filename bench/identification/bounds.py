@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.effects import EffectInstance
 from bench.identification.findings import FAR
-from bench.identification.nonlinear import present_model, settled
+from bench.identification.nonlinear import converged, present_model
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solution import Solution
 from bench.identification.solve_only import linearised, solved_quickly
@@ -16,7 +16,7 @@ STILL = 1e-3  # relative change of gains
 
 
 def beyond_bounds(prepared: Prepared) -> tuple[EffectInstance, ...]:
-    """The effects of a settled model with a parameter that its data ask to be at its bound or beyond.
+    """The effects of a converged model with a parameter that its data ask to be at its bound or beyond.
 
     So are those whose motor's gain runs away beside them: the two grow together, or swing from one linearisation to the
     next and never settle, so that a few more are looked at.
@@ -54,22 +54,22 @@ def _outside(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ..
 
 
 def within_bounds(prepared: Prepared) -> tuple[Prepared, tuple[EffectInstance, ...]]:
-    """A settled model, and those of its effects that stay zero, since they cannot be told from the drive gain.
+    """A converged model, and those of its effects that stay zero, since they cannot be told from the drive gain.
 
-    Where the data ask for such a size, gain and effect grow together without end. The others are settled without it.
+    Where the data ask for such a size, gain and effect grow together without end. The others are converged without it.
     """
-    whole = prepared = settled(prepared)
+    whole = prepared = converged(prepared)
     gone: set[tuple[str, str]] = set()
     while beyond := beyond_bounds(prepared):
         gone |= {_place(instance) for instance in beyond}
         kept = [instance for instance in prepared.effects if _place(instance) not in gone]
-        prepared = settled(with_effects(whole, kept))
+        prepared = converged(with_effects(whole, kept))
     if not gone:
         return whole, ()
     left = {_place(instance): instance for instance in prepared.effects}
     every = [left.get(_place(instance)) or _nothing(instance) for instance in whole.effects]
     outside = tuple(instance for instance in every if _place(instance) in gone)
-    return replace(with_effects(prepared, every), settled=True), outside
+    return replace(with_effects(prepared, every), converged=True), outside
 
 
 def columns_of(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> np.ndarray:

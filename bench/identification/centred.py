@@ -41,7 +41,7 @@ class Centred:
         gains: np.ndarray,
         weights: np.ndarray,
         fit_gains: bool,
-        converged: float,
+        tolerance: float,
         most_steps: int,
         unseen: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray] | None:
@@ -64,14 +64,14 @@ class Centred:
                 share /= 2.0
                 if share < LEAST_SHARE:
                     return None
-            settled = share == 1.0 and (
-                cost - new <= converged * cost or creeps(cost - new, last, unseen * cost)
+            converged = share == 1.0 and (
+                cost - new <= tolerance * cost or creeps(cost - new, last, unseen * cost)
             )
             values, gains, cost, last = new_values, new_gains, new, cost - new
             ratio = gains / self.gains
             if ratio.max() > FAR or ratio.min() < 1.0 / FAR:
                 return None
-            if settled:
+            if converged:
                 return values, gains
         return None
 

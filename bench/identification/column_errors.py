@@ -27,8 +27,8 @@ def column_errors(recordings: Sequence[Recording], settings: FilterSettings, col
         rate = recording.rate
         bands = signal_bands([recording.position], [recording.current], rate)
         phi, kappa = columns(recording)
-        phi_shaken, kappa_shaken = columns(perturbed(recording, bands.position_noise, random))
-        change = np.concatenate((phi_shaken - phi, (kappa_shaken - kappa)[:, :, None]), axis=2)
+        phi_perturbed, kappa_perturbed = columns(perturbed(recording, bands.position_noise, random))
+        change = np.concatenate((phi_perturbed - phi, (kappa_perturbed - kappa)[:, :, None]), axis=2)
         samples, n, size = change.shape
         errors = np.zeros((n, size + 1, size + 1))
         errors[:, :size, :size] = np.einsum("kjp,kjq->jpq", change, change)

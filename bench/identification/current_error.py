@@ -38,8 +38,8 @@ def current_error(stack: Stack, start: Solution, *, to_the_last_digit: bool = Tr
         if not to_the_last_digit:
             return replace(nearly, weights=_weights(stack, squared_errors(stack.factors, theta, gains)))
         passes = [CONVERGED]
-    for converged in passes:
-        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, converged, unseen)
+    for tolerance in passes:
+        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, tolerance, unseen)
         weights = _weights(stack, squared_errors(stack.factors, theta, gains))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 
@@ -52,10 +52,10 @@ def _from_products(
     """
     near = centred(stack.factors, start.theta, start.gains, weights)
     values, gains = np.zeros(near.basis.shape[1]), start.gains
-    for i, converged in enumerate(passes):
+    for i, tolerance in enumerate(passes):
         if i:
             weights = _weights(stack, near.squares(values, gains))
-        found = near.minimised(values, gains, weights, start.gains_fitted, converged, MOST_STEPS, unseen)
+        found = near.minimised(values, gains, weights, start.gains_fitted, tolerance, MOST_STEPS, unseen)
         if found is None:
             return None
         values, gains = found
@@ -80,7 +80,7 @@ def minimised(
     gains: np.ndarray,
     weights: np.ndarray,
     fit_gains: bool,
-    converged: float = CONVERGED,
+    tolerance: float = CONVERGED,
     unseen: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share.
@@ -112,9 +112,9 @@ def minimised(
         else:
             return theta, gains
         fall = cost - new_cost
-        settled = share == 1.0 and (fall <= converged * cost or creeps(fall, last, unseen * cost))
+        converged = share == 1.0 and (fall <= tolerance * cost or creeps(fall, last, unseen * cost))
         theta, gains, cost, last = new_theta, new_gains, new_cost, fall
-        if settled:
+        if converged:
             break
     return theta, gains
 

@@ -58,7 +58,7 @@ def _gain_came_out(finding: Finding) -> str:
     return f"The drive gain of {finding.names[0]} came out at {finding.numbers['value']:.3g} {unit}"
 
 
-def _without_deviation(finding: Finding) -> str:
+def _without_std(finding: Finding) -> str:
     return (
         f"{finding.of[0].name} came out at {finding.numbers['value']:.3g} {finding.unit} with no standard "
         "error that is known: the data do not tell it."
@@ -287,7 +287,7 @@ def _noise_through(finding: Finding) -> str:
 
 WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.GAIN_RUNAWAY: _gain_runaway,
-    Code.PARAMETER_WITHOUT_DEVIATION: _without_deviation,
+    Code.PARAMETER_WITHOUT_DEVIATION: _without_std,
     Code.ROUNDING_DECIDES: _rounding,
     Code.UNITS_UNLIKE: _unlike_units,
     Code.COLUMNS_SWAPPED: _swapped,
@@ -303,7 +303,7 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
     Code.NOISE_DECIDES: _noise_through,
     Code.NOISE_LET_THROUGH: _noise_through,
     Code.PAYLOAD_NOT_DECLARED: lambda finding: (
-        f"Left aside: {', '.join(finding.names)}. What "
+        f"Excluded: {', '.join(finding.names)}. What "
         f"{'they carry' if len(finding.names) > 1 else 'it carries'} is not "
         "declared in full, and no fitted recording carries it."
     ),

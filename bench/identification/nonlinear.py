@@ -49,7 +49,7 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
     )
 
 
-def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
+def converged(prepared: Prepared, *, nearly: bool = False) -> Prepared:
     """Shape parameters found and model-dependent columns linearised, in a few rounds; nothing to do without.
 
     At first every shape is searched beside the others; then all move together by steps of Gauss and Newton, as long
@@ -58,7 +58,7 @@ def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
     """
     instances = prepared.effects
     curved = [instance for instance in instances if instance.effect.shape or instance.effect.depends_on_model]
-    if prepared.settled or not curved:
+    if prepared.converged or not curved:
         return prepared
     present = prepared.present
     before: tuple[np.ndarray, ...] | None = None
@@ -88,11 +88,11 @@ def settled(prepared: Prepared, *, nearly: bool = False) -> Prepared:
         if before is not None and _alike(now, before, int(stack.moving.sum())):
             break
         before = now
-    return replace(with_effects(prepared, instances, present), settled=True)
+    return replace(with_effects(prepared, instances, present), converged=True)
 
 
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
-    """What must stay as it is for a model to be settled: gains, values that are not linear, and RMS errors."""
+    """What must stay as it is for a model to be converged: gains, values that are not linear, and RMS errors."""
     curves = [_curved_values(instance) for instance in prepared.effects]
     return solution.gains, np.concatenate(curves), spread(stack, solution)
 

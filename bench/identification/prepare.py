@@ -33,7 +33,7 @@ class Prepared:
 
     measured and observations go together, one for each recording that can be used. present: the model that
     effects are linearised about; signals: what they see of each recording. fit_gains: whether drive gains
-    are unknowns. settled: whether effects that are not
+    are unknowns. converged: whether effects that are not
     linear have their shape and are linearised about this very model. nearby: where small changes of the torque are
     taken from, in place of what effects compute exactly. contradicted: loop closures that other encoders deny. bands:
     what the spectra of the recordings to identify from say, None where nobody has read them. kept: what models of these
@@ -50,7 +50,7 @@ class Prepared:
     present: PresentModel
     signals: tuple[RobotSignals, ...]
     fit_gains: bool = False
-    settled: bool = False
+    converged: bool = False
     nearby: Nearby | None = None
     contradicted: tuple[Finding, ...] = ()
     bands: Bands | None = None
@@ -78,7 +78,7 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
     """Build the model and turn every recording into equations, filtered and decimated alike.
 
     The filters and the unknown payload parameters follow from the recordings to fit, or (not `fitted_only`)
-    from all. A recording whose payload no such recording carries is left aside, unless all parameters of
+    from all. A recording whose payload no such recording carries is excluded, unless all parameters of
     the payload are declared. logs: those of which effects may have a value each; by default the fitted ones.
     Raises BenchError naming what in the data or the robot cannot be used.
     """
@@ -187,14 +187,14 @@ def with_effects(
         layout=layout,
         present=present,
         signals=signals,
-        settled=False,
+        converged=False,
     )
 
 
 def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
     """The same with small changes of the torque taken from what is known nearby."""
     signals = nearby.signals(prepared.present, prepared.signals)
-    return replace(prepared, signals=signals, nearby=nearby, settled=False)
+    return replace(prepared, signals=signals, nearby=nearby, converged=False)
 
 
 def _speeds(model: IdentificationModel, measured: Measured) -> np.ndarray:

@@ -20,7 +20,7 @@ FIRST_WAY = 0.03  # of a joint's travel: before that, friction still depends on 
 AROUND = (
     4.0  # likewise, of what tells of the surroundings: the noise in it is averaged as by the fit's low-pass
 )
-MOST = 0.2  # of a row that may come from standstill before it is left aside
+MOST = 0.2  # of a row that may come from standstill before it is excluded
 
 Gaps = tuple[np.ndarray, ...]
 """For each joint, the stretches (k, 3) of samples in which it stands still or reverses: the first, one past the

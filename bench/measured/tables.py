@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from bench.document.numbers import percent, pretty_unit, value_and_deviation
+from bench.document.numbers import percent, pretty_unit, value_and_std
 from bench.effects.display_names import spoken
 from bench.measured.known import DRIVE_GAIN, PARAMETER, WITHIN, AgainstKnown, MachineTable
 from bench.measured.run import MachineRun, NamedEffects, Record
@@ -112,7 +112,7 @@ def estimate(known: AgainstKnown) -> str:
         return f"{known.value:g}, kept"
     if known.std is None:
         return f"{known.value:.5g}, not determined"
-    return " ± ".join(value_and_deviation(known.value, known.std))
+    return " ± ".join(value_and_std(known.value, known.std))
 
 
 def answer(right: bool | None) -> str:

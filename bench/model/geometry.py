@@ -314,7 +314,7 @@ def _home(compiled: mujoco.MjModel, joints: tuple[Joint, ...]) -> np.ndarray:
 
 
 def from_mujoco(joints: tuple[Joint, ...], qpos: np.ndarray) -> np.ndarray:
-    """MuJoCo positions (N, nq) in Pinocchio's coordinates: offsets taken off, quaternions x y z w."""
+    """MuJoCo positions (N, nq) in Pinocchio's coordinates: offsets subtracted, quaternions x y z w."""
     q = np.array(qpos, dtype=float)
     for joint in joints:
         if joint.kind in ("hinge", "slide"):

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from bench.document.numbers import GIVEN, is_poor, percent, value_and_deviation
+from bench.document.numbers import GIVEN, is_poor, percent, value_and_std
 from bench.document.numbers import effect_name as spelled
 from bench.effects.display_names import named_after
 from bench.identification.result import Quantity
@@ -60,7 +60,7 @@ def plural(count: int, noun: str) -> str:
 
 
 def _pair(value: float, half: float) -> str:
-    first, second = value_and_deviation(value, half)
+    first, second = value_and_std(value, half)
     if second == GIVEN:
         return typeset(first)
     if not math.isfinite(half):

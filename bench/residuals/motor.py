@@ -13,7 +13,7 @@ from bench.signals.settings import FilterSettings
 from bench.signals.spectrum import noise_floor
 
 FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
-SWIFT = 3  # rows left aside between two directions: more is a standstill, not a reversal
+SWIFT = 3  # rows excluded between two directions: more is a standstill, not a reversal
 BESIDE = 1.5  # rows on either side of a reversal that belong to it
 
 

@@ -50,7 +50,7 @@ class Dependence:
     """The share of a motor's squared error that a variable's bin means account for.
 
     low, high: the smallest and the largest bin mean, drive unit; low_at, high_at: where. of_rest: a share of what
-    is left when the variables named before are taken off.
+    is left when the variables named before are subtracted.
     """
 
     joint: str
@@ -103,7 +103,7 @@ def binned(values: np.ndarray, errors: np.ndarray, edges: np.ndarray) -> Profile
 def dependences(series: Sequence[MotorSeries]) -> list[Dependence]:
     """The variables that a motor's error follows far beyond chance, the strongest first.
 
-    The next is looked for in what is left when the bin means by the one before are taken off.
+    The next is looked for in what is left when the bin means by the one before are subtracted.
     """
     errors = np.concatenate([trace.error for trace in series])
     whole = errors

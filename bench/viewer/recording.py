@@ -17,7 +17,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.document.markdown.identification import parameters_markdown, summary_markdown
-from bench.document.numbers import USES, Truth, current_unit, error_deviation, judged_error, percent
+from bench.document.numbers import USES, Truth, current_unit, error_std, judged_error, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
@@ -170,7 +170,7 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
     result, dataset, context = viewed.result, viewed.dataset, viewed.context
     by_name = {recording.name: recording for recording in dataset.recordings}
     roots = entity_roots([series.name for series in result.recordings])
-    deviation = error_deviation(result)
+    deviation = error_std(result)
     steps = [(step.label, step.recordings) for step in context.steps]
     shown = []
     for series in result.recordings:

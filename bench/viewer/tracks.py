@@ -45,7 +45,7 @@ def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Seq
             values=np.zeros(2),
             variances=np.full(2, content.deviation[j] ** 2),
             units=[motor.current_unit] * 2,
-            names=["± deviation of the fitted errors"] * 2,
+            names=["± standard deviation of the fitted errors"] * 2,
             colors=[rgb(ON_DARK.band)] * 2,
         )
         stream.send_columns(f"{error}/deviation", indexes=[ends], columns=deviation)

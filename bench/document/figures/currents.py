@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
 from bench.document.colours import ON_WHITE
-from bench.document.numbers import USES, current_unit, error_deviation, judged_error, percent
+from bench.document.numbers import USES, current_unit, error_std, judged_error, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, Identification, relative_error
 
@@ -49,7 +49,7 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
     """
     chosen = _chosen(result, recordings)
     joints = list(result.joints)
-    spread = error_deviation(result)
+    spread = error_std(result)
     with mpl.rc_context(STYLE):
         blocks = currents_page([trace.name for trace in chosen], joints)
         for series in chosen:
@@ -168,7 +168,7 @@ def _draw_error(axes: Axes, series: CurrentSeries, motor: int, spread: float) ->
         color=ON_WHITE.band,
         alpha=0.35,
         linewidth=0.0,
-        label="± one deviation of the fitted errors",
+        label="± one standard deviation of the fitted errors",
     )
     axes.plot(time, 1e3 * judged_error(series)[:, motor], color=ON_WHITE.error, linewidth=0.8, label="error")
     axes.margins(x=0.01)

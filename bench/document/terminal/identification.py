@@ -70,7 +70,7 @@ def identification_report(
 
 
 def comparison_report(comparison: Comparison, console: Console | None = None) -> None:
-    """Print how well a saved model foretells recordings, by recording and motor."""
+    """Print how well a saved model predicts recordings, by recording and motor."""
     console = console or Console()
     console.print()
     console.print(Text.assemble((comparison.robot, "bold"), "  ", (f"model {comparison.model}", "dim")))

@@ -29,7 +29,7 @@ class DriveFlexibility(Effect):
     """The link lies behind the motor, whose position was logged, by the deflection d of a spring.
 
     The columns are changes of the model's torque where the link's position, velocity and acceleration are those
-    behind the spring; what lies above the band of the joint's motion is taken off, since the encoder's noise grows
+    behind the spring; what lies above the band of the joint's motion is subtracted, since the encoder's noise grows
     with its fourth power. Valid where the friction is the motor's and the gear's, and no load of the spring; drives
     that swing together count as alone. Source: Spong, "Modeling and control of elastic joint robots", Journal of
     Dynamic Systems, Measurement, and Control 109, 1987.

@@ -1,4 +1,4 @@
-"""What currents a model foretells for a motion that nobody has made yet, and what another would see in them."""
+"""What currents a model predicts for a motion that nobody has made yet, and what another would see in them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -56,7 +56,7 @@ def planned(
 
 
 def predicted(rival: Rival, plan: PlannedMotion) -> np.ndarray:
-    """Currents (N, n) that the model with its own effect foretells, drive unit, without noise.
+    """Currents (N, n) that the model with its own effect predicts, drive unit, without noise.
 
     Where an effect depends on the current itself, such as a delay, both are found in turn.
     """

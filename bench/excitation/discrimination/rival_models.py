@@ -10,7 +10,7 @@ from bench.identification.compressed import Stack
 from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.memory import memory_in_rows
-from bench.identification.nonlinear import present_model, settled
+from bench.identification.nonlinear import converged, present_model
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
 from bench.identification.solution import Solution
@@ -94,7 +94,7 @@ def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
 
 
 def _fitted(prepared: Prepared, request: str) -> Rival:
-    prepared = settled(prepared)
+    prepared = converged(prepared)
     stack, solution = solved_quickly(prepared)
     own = tuple(instance for instance in prepared.effects if instance.request == request)
     count = sum(len(instance.effect.parameters) for instance in own)  # requests come last

@@ -1,4 +1,4 @@
-"""How much of what one model foretells another cannot imitate, fitted anew to old and new data together."""
+"""How much of what one model predicts another cannot imitate, fitted anew to old and new data together."""
 
 from dataclasses import dataclass, replace
 
@@ -17,7 +17,7 @@ DEPENDENT = 1e-10  # share of a column's length that counts as none
 class Question:
     """Would data of a machine as `truth` says speak against `other`?
 
-    given (p + 1, p + 1): triangular factor of [Jacobian of `other`, what it does not foretell of `truth`] on the
+    given (p + 1, p + 1): triangular factor of [Jacobian of `other`, what it does not predict of `truth`] on the
     given data, whitened, so that half its squares are nats.
     """
 
@@ -58,7 +58,7 @@ def question(truth: Rival, other: Rival, noise: RivalNoise) -> Question:
 
 
 def separation(asked: Question, plan: PlannedMotion, current: np.ndarray) -> Separation:
-    """What the planned motion adds; current (N, n): what the truth foretells for it."""
+    """What the planned motion adds; current (N, n): what the truth predicts for it."""
     other = asked.other
     observation, curved = rows_with(other, plan, current)
     stack = stack_observations([observation], other.prepared.layout, other.prepared.dataset.payloads)

@@ -1,7 +1,7 @@
 """From a motion to the best one near it: the largest error is made small by linear programs, one after the other.
 
 Errors and limits are linearised about the motion; the program makes the largest error smallest within the limits and
-within a step that is trusted, which grows where it foretells what comes and shrinks where it does not (sequential
+within a step that is trusted, which grows where it predicts what comes and shrinks where it does not (sequential
 linear programming, Fletcher and Sainz de la Maza, "Nonlinear programming and nonsmooth optimization by successive
 linear programming", Mathematical Programming 43, 1989).
 """
@@ -19,7 +19,7 @@ from bench.excitation.experiment.room import filled
 from bench.excitation.experiment.search import Candidate, Search
 
 FIRST, SMALLEST, MOST = 0.1, 1e-4, 0.5  # of the step that is trusted, of the largest size of a coefficient
-ENOUGH, GOOD = 0.1, 0.6  # of what was foretold: to be taken, and to be trusted further
+ENOUGH, GOOD = 0.1, 0.6  # of what was predicted: to be taken, and to be trusted further
 ALSO_MEAN = 0.03  # weight of all errors' mean beside the largest: where that one cannot fall, others shall
 
 
@@ -60,15 +60,15 @@ def descended(search: Search, start: Descent, steps: int, progress: Progress = S
 
 def _stepped(search: Search, now: Descent) -> Descent:
     about = linearised(search, now.candidate) if now.about is None else now.about
-    step, foretold = _program(about, now.trusted)
+    step, predicted = _program(about, now.trusted)
     smaller = replace(now, trusted=0.4 * now.trusted, about=about)
-    if not foretold > 0.0:
+    if not predicted > 0.0:
         return smaller
     other = _moved(search, now.candidate, step)
     if other is None:
         return smaller
     value = merit(search.errors(search.fit(other)))
-    fallen = (now.merit - value) / foretold
+    fallen = (now.merit - value) / predicted
     if fallen < ENOUGH:
         return smaller
     trusted = min(2.0 * now.trusted, MOST) if fallen > GOOD else now.trusted

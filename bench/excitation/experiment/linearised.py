@@ -118,7 +118,10 @@ def _basis(trajectory: FourierTrajectory, times: np.ndarray) -> np.ndarray:
     harmonics = trajectory.harmonics
     identity, none = np.eye(harmonics), np.zeros((harmonics, harmonics))
     series = replace(
-        trajectory, center=np.zeros(2 * harmonics), a=np.vstack((identity, none)), b=np.vstack((none, identity))
+        trajectory,
+        center=np.zeros(2 * harmonics),
+        a=np.vstack((identity, none)),
+        b=np.vstack((none, identity)),
     )
     return np.array(series.evaluate(times)).reshape(3, len(times), 2, harmonics)
 

@@ -13,7 +13,7 @@ from bench.diagnosis.law_effects import law_effects
 from bench.diagnosis.result import Diagnosis, Discovered
 from bench.effects import CATALOGUE, EffectInstance, places_in, select_effects
 from bench.effects.select import ROBOT
-from bench.identification.nonlinear import settled
+from bench.identification.nonlinear import converged
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.standstill import bridged
 from bench.signals.decimation import decimate
@@ -122,7 +122,7 @@ def _found_model(
             instances.append(replace(instance, effect=effect))
             values += [0.0 if name in but else told[parameter.name] for parameter in effect.parameters]
     model = with_effects(prepared, instances)
-    return settled(model, nearly=True), np.array(values)
+    return converged(model, nearly=True), np.array(values)
 
 
 def _true_torques(
