@@ -18,7 +18,7 @@ from bench.identification.result import CurrentSeries, Identification, relative_
 
 PAGE_WIDTH = 11.0  # inches: text of 10 points can be read where a page is shown as wide as a column of text
 MOTOR_HEIGHT = 1.75  # inches
-LEFT, RIGHT, TITLE, FOOT, LEGEND = 0.92, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
+LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
 LABEL_AT = -0.178  # left of the axes, as a share of their width
 BESIDE = 2  # recordings beside each other
 DPI = 120
