@@ -136,7 +136,11 @@ const Recordings = (() => {
     return Object.keys(app.folder.robots).find((one) => one === name || one.split("/").pop() === name) || "";
   }
 
+  let drawn = 0; // of several that overlap only the last one goes on
+
   async function draw() {
+    drawn += 1;
+    const turn = drawn;
     const own = Robots.create(app, made);
     if (!form.log) return setup.replaceChildren(own);
     const robots = [["", "choose …"], ...Object.entries(app.folder.robots)];
@@ -189,8 +193,10 @@ const Recordings = (() => {
     try {
       look = await Server.look("columns", source());
     } catch (error) {
-      return setup.append(el("p", {class: "fault", role: "alert"}, error.message));
+      if (turn === drawn) setup.append(el("p", {class: "fault", role: "alert"}, error.message));
+      return undefined;
     }
+    if (turn !== drawn) return undefined;
     if (look.topics.length > 1)
       setup.append(
         Columns.topics(look.topics, form.topic, (topic) => {
