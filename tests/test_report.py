@@ -90,6 +90,13 @@ def test_doubts_and_gains_share_the_second_sentence():
     assert "instead of viscous friction it could as well be current delay or quadratic drag" in sentences[1]
 
 
+def test_every_gain_is_said_once():
+    middle = diagnosis_page(diagnosis(), problem_of(dataset()), AGAIN).verdict[1]
+    assert "drive gain of left is" in middle
+    assert "beside it, with the change from the nominal value, right 3.3000" in middle
+    assert "left 3" not in middle
+
+
 def test_nothing_missing_takes_three_sentences_too():
     found = diagnosis()
     nothing = replace(found, missing=(), ladder=found.ladder[:1], after=found.before, ranking=(DOUBTFUL,))

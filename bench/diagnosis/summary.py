@@ -243,8 +243,8 @@ def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
     return " at all motors" if places == motors else f" at {and_list(places)}"
 
 
-def _largest_change(diagnosis: Diagnosis) -> str | None:
-    """The drive gain that the found effects move most, if the gains were fitted and it moves."""
+def moved_gain(diagnosis: Diagnosis) -> str | None:
+    """The joint whose drive gain the found effects move most, if the gains were fitted and it moves."""
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     if not diagnosis.after.gains_fitted:
         return None
@@ -252,6 +252,14 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
     joint = max(changes, key=lambda name: abs(changes[name]))
     if abs(changes[joint]) < TELLING or after[joint].std > LOOSE * abs(after[joint].value):
         return None
+    return joint
+
+
+def _largest_change(diagnosis: Diagnosis) -> str | None:
+    joint = moved_gain(diagnosis)
+    if joint is None:
+        return None
+    before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     them = "it" if len(diagnosis.missing) == 1 else "them"
     gain = after[joint]
     return (

@@ -1,8 +1,10 @@
 """The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
 
+from collections.abc import Sequence
+
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.summary import found_effects, summary_of
+from bench.diagnosis.summary import found_effects, moved_gain, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
@@ -30,7 +32,10 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         if verdict.alternatives
     ]
     if not doubt and not said.nominal and said.moved and 1 < len(diagnosis.after.drive_gains) <= MOST_GAINS:
-        middle += f"; drive gains, with their change from the nominal value: {gains_listed(diagnosis.after)}"
+        others = [joint for joint in diagnosis.after.drive_gains if joint != moved_gain(diagnosis)]
+        middle += (
+            f"; beside it, with the change from the nominal value, {gains_listed(diagnosis.after, others)}"
+        )
     if doubtful:
         middle += f"; {and_list(doubtful)}: these recordings cannot tell"
     return tuple(typeset(name) for name in (said.verdict, *said.laws, f"{middle}.", said.left))
@@ -60,8 +65,8 @@ def gains_sentence(result: Identification) -> str:
     if 1 < len(gains) <= MOST_GAINS:
         loosest = max(gain.relative_std for gain in gains.values())
         return (
-            f"Drive gains, with their change from the nominal value: {gains_listed(result)}; all are known to "
-            f"±{share(WITHIN_95 * loosest)} or better (95 %)."
+            f"Drive gains, with their change from the nominal value: {gains_listed(result, list(gains))}; all are "
+            f"known to ±{share(WITHIN_95 * loosest)} or better (95 %)."
         )
     far = max(gains, key=lambda name: abs(gain_change(gains[name])))
     loose = max(gains, key=lambda name: gains[name].relative_std)
@@ -74,13 +79,14 @@ def gains_sentence(result: Identification) -> str:
     return f"{much}; {'all are' if len(gains) > 1 else 'it is'} known to ±{known} or better (95 %)."
 
 
-def gains_listed(result: Identification) -> str:
-    """Every drive gain with its standard error and its change, as in "left 3.301 ± 0.002 N·m/A (+10 %)"."""
+def gains_listed(result: Identification, joints: Sequence[str]) -> str:
+    """Drive gains with their standard errors and changes, as in "left 3.301 ± 0.002 N·m/A (+10 %)"."""
     return and_list(
         [
             f"{joint} {typeset(with_error(gain.value, gain.std))} {pretty_unit(gain.unit)} "
             f"({share(gain_change(gain), signed=True)})"
             for joint, gain in result.drive_gains.items()
+            if joint in joints
         ]
     )
 
