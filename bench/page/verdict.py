@@ -1,6 +1,6 @@
 """The verdict in three sentences: what is missing, what that changes, what is left; and the numbers that count."""
 
-from collections.abc import Sequence
+from collections.abc import Collection
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
@@ -32,7 +32,7 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
         if verdict.alternatives
     ]
     if not doubt and not said.nominal and said.moved and 1 < len(diagnosis.after.drive_gains) <= MOST_GAINS:
-        others = [joint for joint in diagnosis.after.drive_gains if joint != moved_gain(diagnosis)]
+        others = diagnosis.after.drive_gains.keys() - {moved_gain(diagnosis)}
         middle += (
             f"; beside it, with the change from the nominal value, {gains_listed(diagnosis.after, others)}"
         )
@@ -65,7 +65,7 @@ def gains_sentence(result: Identification) -> str:
     if 1 < len(gains) <= MOST_GAINS:
         loosest = max(gain.relative_std for gain in gains.values())
         return (
-            f"Drive gains, with their change from the nominal value: {gains_listed(result, list(gains))}; all are "
+            f"Drive gains, with their change from the nominal value: {gains_listed(result, gains)}; all are "
             f"known to ±{share(WITHIN_95 * loosest)} or better (95 %)."
         )
     far = max(gains, key=lambda name: abs(gain_change(gains[name])))
@@ -79,7 +79,7 @@ def gains_sentence(result: Identification) -> str:
     return f"{much}; {'all are' if len(gains) > 1 else 'it is'} known to ±{known} or better (95 %)."
 
 
-def gains_listed(result: Identification, joints: Sequence[str]) -> str:
+def gains_listed(result: Identification, joints: Collection[str]) -> str:
     """Drive gains with their standard errors and changes, as in "left 3.301 ± 0.002 N·m/A (+10 %)"."""
     return and_list(
         [

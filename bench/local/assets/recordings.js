@@ -3,21 +3,25 @@
 const Recordings = (() => {
   const {el, field, select, radios} = Dom;
   const NEW = "\u0000new";
-  const form = {
-    log: "",
-    robot: "",
-    dataset: NEW,
-    name: null, // of a new dataset, once somebody has typed one
+  /* What holds of one log, and is asked for again of the next. */
+  const OF_ONE_LOG = {
     use: "identify",
     load: null,
-    payload: "load",
     mass: "",
     center: "",
     inertia: "",
     topic: "",
     rate: "",
     skip: 0,
+  };
+  const form = {
+    log: "",
+    robot: "",
+    dataset: NEW,
+    name: null, // of a new dataset, once somebody has typed one
+    payload: "load",
     mapped: null,
+    ...OF_ONE_LOG,
   };
   let app,
     logs,
@@ -113,17 +117,7 @@ const Recordings = (() => {
 
   /* Show a log, with its robot if one is chosen. */
   async function choose(log) {
-    Object.assign(form, {
-      log,
-      load: null,
-      mass: "",
-      center: "",
-      inertia: "",
-      topic: "",
-      rate: "",
-      skip: 0,
-      use: "identify",
-    }); // what holds of one log is asked for again
+    Object.assign(form, OF_ONE_LOG, {log});
     faults = [];
     form.dataset = app.dataset === null ? NEW : app.dataset;
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
@@ -139,8 +133,7 @@ const Recordings = (() => {
   let drawn = 0; // of several that overlap only the last one goes on
 
   async function draw() {
-    drawn += 1;
-    const turn = drawn;
+    const mine = ++drawn;
     const own = Robots.create(app, made);
     if (!form.log) return setup.replaceChildren(own);
     const robots = [["", "choose …"], ...Object.entries(app.folder.robots)];
@@ -193,10 +186,10 @@ const Recordings = (() => {
     try {
       look = await Server.look("columns", source());
     } catch (error) {
-      if (turn === drawn) setup.append(el("p", {class: "fault", role: "alert"}, error.message));
+      if (mine === drawn) setup.append(el("p", {class: "fault", role: "alert"}, error.message));
       return undefined;
     }
-    if (turn !== drawn) return undefined;
+    if (mine !== drawn) return undefined;
     if (look.topics.length > 1)
       setup.append(
         Columns.topics(look.topics, form.topic, (topic) => {
@@ -350,13 +343,7 @@ const Recordings = (() => {
           : form.load === NEW
             ? Payload.fault(form)
             : "";
-    let line = null,
-      fault = missing;
-    if (!missing)
-      await Server.line(asked()).then(
-        (text) => (line = text),
-        (error) => (fault = error.message),
-      );
+    const {line, fault} = await Server.offer(missing, asked);
     if (mine !== round) return;
     const button = el(
       "button",

@@ -150,17 +150,12 @@ const Robots = (() => {
     let round = 0;
     async function command(holder) {
       const mine = ++round;
-      let line = null;
-      let fault = !form.order.length
+      const missing = !form.order.length
         ? "Tick the motors."
         : form.order.some((name) => !(Number(form.gains[name]) > 0))
           ? "Every motor needs a nominal gain."
           : "";
-      if (!fault)
-        await Server.line(asked()).then(
-          (text) => (line = text),
-          (error) => (fault = error.message),
-        );
+      const {line, fault} = await Server.offer(missing, asked);
       if (mine !== round) return;
       const button = el(
         "button",

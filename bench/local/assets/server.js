@@ -29,6 +29,16 @@ const Server = (() => {
   const file = (path) => get(`files/${address(path)}`);
   const look = (name, asked) => post(`api/look/${name}`, asked);
   const line = async (asked) => (await post("api/command", asked)).line;
+
+  /* What a step is as a command, or what it lacks: a fault that the page knows, or the server's. */
+  async function offer(fault, asked) {
+    if (fault) return {line: null, fault};
+    return line(asked()).then(
+      (text) => ({line: text, fault: ""}),
+      (error) => ({line: null, fault: error.message}),
+    );
+  }
+
   const upload = (log) => ask(`api/logs/${encodeURIComponent(log.name)}`, {method: "PUT", body: log});
 
   /* Run a step's command; the job once it is over, however it ended. */
@@ -58,5 +68,5 @@ const Server = (() => {
     events.addEventListener("error", () => reachable(false));
   }
 
-  return {get, post, file, look, line, upload, run, cancel, listen, address, own};
+  return {get, post, file, look, line, offer, upload, run, cancel, listen, address, own};
 })();
