@@ -6,8 +6,7 @@ from bench.diagnosis.normal_equations import System
 from bench.diagnosis.search import NEEDED
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly, spread
-from bench.signals.decimation import noise_bandwidth
-from bench.signals.spectrum import noise_floor
+from bench.residuals.motor import current_noise
 
 WHITE = 0.8  # share of the noise's squares: where less is left, the noise is not white, and its floor says nothing
 
@@ -22,10 +21,8 @@ def noise_squares(prepared: Prepared) -> np.ndarray | None:
         return None
     total = np.zeros(len(prepared.present.gains))
     for measured, observation in zip(prepared.measured, prepared.observations, strict=True):
-        recording = measured.recording
         if observation.use == "identify":
-            band = noise_bandwidth(prepared.settings.decimation) * recording.rate / 2
-            variance = noise_floor(recording.current, recording.rate, band) ** 2
+            variance = current_noise(measured.recording, prepared.settings) ** 2
             total += variance * observation.moving.sum(axis=0)
     return total
 

@@ -9,9 +9,8 @@ from bench.dataset.recording import Recording
 from bench.diagnosis.repeats import not_repeated
 from bench.diagnosis.result import Remainder, Unexplained
 from bench.identification.result import CurrentSeries, Identification, relative_error
-from bench.signals.decimation import noise_bandwidth
+from bench.residuals.motor import current_noise
 from bench.signals.settings import FilterSettings
-from bench.signals.spectrum import noise_floor
 
 BINS = 12
 SURPRISING = 1e-4  # probability of so strong a dependence by chance, all tests together
@@ -36,11 +35,7 @@ def relative_noise_floor(
     noise = measured = 0.0
     for trace in series:
         recording = by_name[trace.name]
-        band = noise_bandwidth(settings.decimation) * recording.rate / 2
-        variance = noise_floor(recording.current, recording.rate, band) ** 2
-        if trace.sharing is not None:
-            given = noise_floor(recording.redundant_current, recording.rate, band)
-            variance = variance + trace.sharing**2 @ given**2
+        variance = current_noise(recording, settings, trace.sharing) ** 2
         noise += float((variance * trace.moving.sum(axis=0)).sum())
         measured += float(((trace.measured * trace.moving) ** 2).sum())
     return float(np.sqrt(noise / measured)) if measured else 0.0
