@@ -147,6 +147,15 @@ def test_output_error_is_as_exact_behind_a_filter_that_is_too_wide(
     assert z < 3.0
 
 
+def test_what_the_law_commands_is_not_taken_for_less_behind_a_filter_that_is_too_narrow(
+    simulation: Simulation, true: np.ndarray
+) -> None:
+    filters = {"position_cutoff": 5.0}
+    error, z = off(identify(prepare(problem_of(declared(simulation), filters=filters)), method="oe"), true)
+    assert error < 4e-4
+    assert z < 3.0
+
+
 @pytest.mark.parametrize(("key", "factor"), [("kp", [1.0, 1.01]), ("kv", [0.9, 1.0])])
 def test_a_law_that_did_not_make_the_currents_is_refused(
     key: str, factor: list[float], simulation: Simulation

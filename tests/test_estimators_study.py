@@ -9,8 +9,17 @@ import numpy as np
 from bench.dataset.dataset import Dataset
 from bench.files.atomic import finite
 from bench.peers.problems import make_problem
-from bench.studies.estimators import CASES, Condition, kept_rows, markdown, rows_of, with_bad_seconds
+from bench.studies.estimators import (
+    CASES,
+    Condition,
+    kept_rows,
+    markdown,
+    rows_of,
+    steps_at,
+    with_bad_seconds,
+)
 from bench.truth.dataset import as_dataset
+from bench.truth.resense import sense_again
 
 
 def test_the_same_seeds_give_the_same_rows_and_more_noise_a_larger_spread() -> None:
@@ -23,6 +32,21 @@ def test_the_same_seeds_give_the_same_rows_and_more_noise_a_larger_spread() -> N
     assert 0.0 < one.spread < one.spread * 5 < more.spread
     text = markdown([one, more])
     assert f"| {noisy.name} | current |" in text
+
+
+def test_every_seed_has_encoders_whose_steps_lie_elsewhere() -> None:
+    simulation = make_problem("five_bar", 1, friction=False).simulation
+    true = simulation.recordings[0].position
+    step = 2.0 * np.pi / 2**20
+    errors = []
+    for seed in (1, 2):
+        zero = steps_at("five_bar", seed)
+        logged = sense_again(simulation, simulation.scenario, zero).recordings[0].log.position
+        counts = (logged - zero) / step
+        assert np.abs(counts - np.round(counts)).max() < 1e-6
+        assert np.abs(logged - true).max() < 0.501 * step
+        errors.append(logged - true)
+    assert np.all(np.sqrt(np.mean((errors[0] - errors[1]) ** 2, axis=0)) > 0.2 * step)
 
 
 def test_what_refuses_the_data_is_counted_and_kept(tmp_path: Path) -> None:

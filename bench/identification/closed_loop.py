@@ -24,6 +24,7 @@ from bench.identification.solution import Solution
 from bench.identification.standstill import bridged
 from bench.signals.decimation import decimate
 from bench.signals.processing import estimate_motion
+from bench.signals.settings import HIGHEST_CUTOFF, WIDEST
 
 TERMS = ("kp", "kv", "ka")
 PARTS = 16  # of all rows, in each of which both readings are compared
@@ -110,9 +111,17 @@ def commanded_currents(prepared: Prepared) -> np.ndarray:
 
 
 def law_terms(law: ControlLaw, measured: Measured, joints: Sequence[str]) -> np.ndarray:
-    """What the law makes of a recording's references and positions (N, n, 3), filtered alike, at its own rate."""
-    recording = measured.recording
-    wanted = estimate_motion(references(recording, joints), recording.rate, measured.settings)
-    seen = measured.velocity - law.velocity_delay * measured.acceleration
-    position, velocity = wanted.position - measured.position, wanted.velocity - seen
-    return np.stack((law.kp * position, law.kv * velocity, law.ka * wanted.acceleration), axis=2)
+    """What the law makes of a recording's references and positions (N, n, 3), at its own rate.
+
+    It is a current, and is to lose no more of the fit's band than the logged one does, however narrow the filter of
+    the motion is.
+    """
+    recording, settings = measured.recording, measured.settings
+    band = settings.band(recording.rate)
+    cutoff = min(max(settings.position_cutoff, WIDEST * band), HIGHEST_CUTOFF * recording.rate)
+    wide = replace(settings, position_cutoff=cutoff)
+    wanted = estimate_motion(references(recording, joints), recording.rate, wide)
+    seen = estimate_motion(recording.position, recording.rate, wide)
+    velocity = wanted.velocity - seen.velocity + law.velocity_delay * seen.acceleration
+    terms = law.kp * (wanted.position - seen.position), law.kv * velocity, law.ka * wanted.acceleration
+    return np.stack(terms, axis=2)

@@ -1,7 +1,8 @@
 """The estimators beside each other: `python -m bench.studies.estimators -o results/estimators`.
 
 Robots, noise of currents and encoders, filters that were given wrongly, bad seconds in the currents, controllers: bias,
-spread, coverage and time of each estimator, over seeds of the sensors' noise. Workers do not change the answers.
+spread, coverage and time of each estimator, over seeds: other noise of the currents, and encoders whose steps lie
+elsewhere. Workers do not change the answers.
 """
 
 from __future__ import annotations
@@ -148,6 +149,12 @@ def _simulated(robot: str, controller: tuple[tuple[str, float], ...]) -> Simulat
     return simulate(_scenario(robot, case, 1), _trajectories(robot), threads=1)
 
 
+def steps_at(robot: str, seed: int) -> np.ndarray:
+    """Where the encoders' steps lie, (n,) rad or m: anywhere, as they do on a machine."""
+    random = np.random.default_rng([seed, len(ROBOTS)])
+    return random.uniform(0.0, 0.1, len(load_scenario(robot).robot.driven))
+
+
 @on_one_thread
 def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> list[EstimatorRow]:
     """Every method on the same data of a robot in a case, seeds 1 to so many."""
@@ -156,7 +163,7 @@ def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> 
     found: dict[str, list[tuple[np.ndarray, np.ndarray, float]]] = {method: [] for method in methods}
     reasons: dict[str, list[str]] = {method: [] for method in methods}
     for seed in range(1, seeds + 1):
-        dataset = as_dataset(sense_again(simulation, _scenario(robot, case, seed)))
+        dataset = as_dataset(sense_again(simulation, _scenario(robot, case, seed), steps_at(robot, seed)))
         prepared = prepare(
             problem_of(with_bad_seconds(dataset, case.bad_seconds, seed), (), filters=dict(case.filters))
         )
@@ -220,8 +227,8 @@ def markdown(rows: Sequence[EstimatorRow]) -> str:
 
 EXPLANATION = (
     "Errors of the drive gains, relative to the true ones, of the joint where they are largest: `bias`, their mean "
-    "over the seeds of the sensors' noise; `spread`, their standard deviation; `largest error`, the median over the "
-    "seeds of the worst gain. `within`: 95 % intervals that hold the truth. `seconds`: processor time of the fit "
+    "over the seeds, each with other noise of the currents and encoders whose steps lie elsewhere; `spread`, their "
+    "standard deviation; `largest error`, the median over the seeds of the worst gain. `within`: 95 % intervals that hold the truth. `seconds`: processor time of the fit "
     f"alone, from equations to estimates. Two recordings of {DURATION:g} s at 1 kHz, one with the payload; each case "
     "says what is unlike the first. `oe` knows the law of the controller. Written by `python -m "
     "bench.studies.estimators`."
