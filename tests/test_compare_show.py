@@ -13,8 +13,10 @@ from rich.console import Console
 
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
+from bench.document.charts.chart import Binned
+from bench.document.charts.motor import BINS, against_chart
 from bench.document.figures.comparison import currents_figure, errors_figure, write_comparison_figures
-from bench.document.figures.comparison_panels import BINS, draw_against, worth_drawing
+from bench.document.figures.draw import draw, worth_drawing
 from bench.document.terminal.comparison import where_report
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -75,7 +77,9 @@ def test_no_outlier_is_left_out_or_out_of_sight():
     rows = np.random.default_rng(3).normal(size=40000)
     x = np.linspace(0.0, 1.0, len(rows))
     rows[[11, 12345, 30001]] = (9.0, -30.0, 8.0)
-    drawn = worth_drawing(x, rows, profile(x, rows, BINS), 2000)
+    bins = profile(x, rows, BINS)
+    means = (bins.edges, bins.center, bins.mean, bins.spread, bins.mean, bins.mean, bins.count)
+    drawn = worth_drawing(Binned("", "forwards", x, rows, *means), 2000)
     assert {11, 12345, 30001} <= set(drawn.tolist())
     assert len(drawn) < 2500
     far = np.abs(rows) > 3.2
@@ -88,7 +92,7 @@ def test_errors_beyond_the_axes_are_marked_at_their_border(what):
         replace(one, modelled=one.modelled - 50.0 * (np.arange(len(one.time)) == 7)) for one in what.of(joint)
     ]
     axes = Figure().subplots()
-    draw_against(axes, replace(error_breakdown(what, joint), series=tuple(series)), "position")
+    draw(axes, against_chart(replace(error_breakdown(what, joint), series=tuple(series)), "position"))
     top = axes.get_ylim()[1]
     assert top < 1.0
     marks = [line for line in axes.get_lines() if line.get_marker() == 6]

@@ -15,9 +15,9 @@ from bench.document.identification import effects_table, errors_table, gains_tab
 from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Kind, Table
 from bench.document.terminal.tables import printed
+from bench.document.typeset import typeset
 from bench.identification.result import Quantity
 from bench.page.tables import on_page
-from bench.page.words import typeset
 from tests.report_kit import diagnosis
 from tests.shown import dataset_of, identification_of
 

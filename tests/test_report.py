@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.result import Remainder, Unexplained
+from bench.document.typeset import effect_name, share, typeset
 from bench.identification.problem import problem_of
 from bench.page.pages import diagnosis_page
 from bench.page.parts import Figure, PageTable, Section, Text
@@ -17,7 +18,6 @@ from bench.page.render import Workbench, render_page
 from bench.page.section_run import CommandRun
 from bench.page.thinned import extremes, rounded, thinned
 from bench.page.verdict import diagnosis_verdict
-from bench.page.words import effect_name, share, typeset
 from tests.report_kit import (
     AGAIN,
     DOUBTFUL,

@@ -11,7 +11,7 @@ import pytest
 from matplotlib import pyplot as plt
 
 from bench.cli import main
-from bench.document.figures.diagnosis_panels import moved, rungs
+from bench.document.figures.diagnosis_panels import moved
 from bench.document.figures.paper import (
     PICTURE_DPI,
     SCALE,
@@ -111,7 +111,7 @@ def test_ladder_and_gains_in_the_table_are_those_drawn(found):  # noqa: F811 - t
     (axes,) = paper_figure(figures["ladder"], 88.0).axes
     drawn = {bars.get_label(): [bar.get_width() for bar in bars] for bars in axes.containers}
     table = figures["ladder"].numbers[""]
-    assert drawn["fitted"] == table["error, fitted [%]"] == [one.fitted for one in rungs(found)]
+    assert drawn["fitted"] == table["error, fitted [%]"] == [100.0 * step.identify for step in found.ladder]
     assert drawn["not fitted"] == table["error, not fitted [%]"]
     (axes,) = paper_figure(figures["gains_before_after"], 88.0).axes
     table = figures["gains_before_after"].numbers[""]

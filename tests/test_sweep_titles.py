@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from bench.page.figures_sweep import metric_label
 from bench.studies.sweep import measure
+from bench.studies.sweep.charts import metric_axis
 from bench.studies.sweep.metrics import METRICS, Metric, is_relative, is_share, what_is_measured
 from bench.studies.sweep.titles import axis_title, axis_words, metric_title
 
@@ -31,7 +31,7 @@ def test_a_metric_of_the_answer_alone_has_one_place(monkeypatch):
     result = SimpleNamespace(drive_gains={"arm": None}, settings=settings, unknowns=7)
     found = measure.measure(None, None, result, ("accuracy",))
     assert (found["unknowns"], found["decimation"], found["position_cutoff"]) == (7, 4.0, 100.0)
-    assert metric_label("unknowns") == "Number of unknowns [1]"
+    assert metric_axis("unknowns").title == "Number of unknowns [1]"
     assert what_is_measured("unknowns") == "unknowns of the fit"
 
 

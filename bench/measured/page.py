@@ -1,10 +1,12 @@
 """The records as a page for a browser."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from bench.document.charts.chart import Axis, Chart, Panel, Role, Rule, Spans
+from bench.document.typeset import plural, share, typeset
 from bench.measured.known import WITHIN, MachineTable
 from bench.measured.run import MachineRun, Record
 from bench.measured.tables import (
@@ -17,6 +19,7 @@ from bench.measured.tables import (
     sources,
     value_rows,
 )
+from bench.page.chart_spec import chart_figure
 from bench.page.parts import (
     Cell,
     Commands,
@@ -30,13 +33,10 @@ from bench.page.parts import (
     Section,
     Tile,
 )
-from bench.page.parts import one_figure as figure_of
 from bench.page.section_run import versions_of
 from bench.page.sweep_page import footer, generator
-from bench.page.thinned import significant
-from bench.page.words import plural, share, typeset
 
-ROLES = ("before", "after", "noise")
+ROLES: tuple[Role, ...] = ("before", "after", "noise")
 LINE = 16  # px, of an interval
 RUN_KINDS: Mapping[str, Literal["words"]] = {"command": "words", "missing, as it says": "words"}
 
@@ -129,36 +129,28 @@ def _figure(record: Record) -> list[Figure]:
     )
     if not names:
         return []
-    rule = {"kind": "rule", "role": "noise", "name": "as known", "axis": "x", "at": 0.0, "dashed": True}
-    series: list[dict[str, Any]] = [rule]
-    for i, run in enumerate(runs):
-        series.append(_intervals(run, names, ROLES[i % len(ROLES)], (i + 0.5) / len(runs) - 0.5))
-    labels = [typeset(f"{quantity} of {place}") for quantity, place in names]
-    spec = {
-        "label": "Estimates beside what is known",
-        "height": 76 + (LINE * len(runs) + 8) * len(labels),
-        "x": {"label": "off from what is known [%]", "percent": True},
-        "panels": [{"y": {"scale": "band", "categories": labels}, "series": series}],
-    }
-    aid = f"Whiskers: {WITHIN:g} of the stated deviations. The reference's own uncertainty stands in the tables."
-    return [figure_of("Estimates beside what is known", aid, spec)]
+    series = tuple(
+        _intervals(run, names, ROLES[i % len(ROLES)], (i + 0.5) / len(runs) - 0.5)
+        for i, run in enumerate(runs)
+    )
+    labels = tuple(typeset(f"{quantity} of {place}") for quantity, place in names)
+    rule = Rule("as known", "noise", "x", 0.0, dashed=True)
+    chart = Chart(
+        "Estimates beside what is known",
+        Axis("off from what is known", "%"),
+        (Panel(Axis("", scale="band", categories=labels), (rule, *series)),),
+        f"Whiskers: {WITHIN:g} of the stated deviations. The reference's own uncertainty stands in the tables.",
+    )
+    return [chart_figure(chart, 76 + (LINE * len(runs) + 8) * len(labels))]
 
 
-def _intervals(run: MachineRun, names: Sequence[tuple[str, str]], role: str, shift: float) -> dict[str, Any]:
+def _intervals(run: MachineRun, names: Sequence[tuple[str, str]], role: Role, shift: float) -> Spans:
     found = {(quantity_name(known), known.place): known for known in run.rows}
     rows = [found.get(name) for name in names]
     centre = np.array([np.nan if known is None or known.off is None else known.off for known in rows])
     half = np.array([np.nan if known is None or known.claimed is None else known.claimed for known in rows])
-    return {
-        "kind": "intervals",
-        "role": role,
-        "name": typeset(run.command),
-        "shift": 0.7 * shift,
-        "y": list(range(len(names))),
-        "x": significant(centre),
-        "low": significant(centre - half),
-        "high": significant(centre + half),
-    }
+    at = np.arange(len(names))
+    return Spans(typeset(run.command), role, at, centre, centre - half, centre + half, 0.7 * shift)
 
 
 def _row(cells: Sequence[str]) -> PageRow:

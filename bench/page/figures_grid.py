@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from bench.document.charts.chart import Axis, Cells, Chart, Panel, is_wide
 from bench.effects.display_names import begun
-from bench.page.figures_sweep import WIDE, point_label, value_text
-from bench.page.parts import Chart, Choice, Figure, Variant
+from bench.page.chart_spec import spec_of
+from bench.page.parts import Choice, Figure, PageChart, Variant
+from bench.studies.sweep.charts import point_label, value_text
 from bench.studies.sweep.metrics import is_share
 from bench.studies.sweep.summary import Spread, Summary, SummaryLine
-from bench.studies.sweep.titles import axis_title, metric_title
+from bench.studies.sweep.titles import axis_parts, axis_title, metric_title
 
 MOST_VARIANTS = 60
 CELL, HEAD, FOOT = 30, 30, 60  # px: height of a cell, above and below all of them
@@ -63,9 +65,7 @@ def grid_figure(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> Fi
     for (m, metric), *rest in product(enumerate(metrics), *(enumerate(values) for values in choices)):
         key = [str(m)] if len(metrics) > 1 else []
         at = {axis: value for axis, (_, value) in zip(grid.others, rest, strict=True)}
-        variants["|".join([*key, *(str(i) for i, _ in rest)])] = Variant(
-            (Chart("", "", _spec(grid, metric, at)),)
-        )
+        variants["|".join([*key, *(str(i) for i, _ in rest)])] = Variant((_chart(grid, metric, at),))
     kind = "means" if all(map(is_share, metrics)) else "medians"
     aid = f"Each cell: {kind} over the seeds; the darker, the larger. A click on a cell shows its runs below."
     what = metric_title(metrics[0]) if len(metrics) == 1 else "metrics"
@@ -88,57 +88,53 @@ def _grid(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> _Grid | 
     return _Grid(across, str(down), others, values, lines)
 
 
-def _spec(grid: _Grid, metric: str, at: Mapping[str, Any]) -> dict[str, Any]:
+def _chart(grid: _Grid, metric: str, others: Mapping[str, Any]) -> PageChart:
     """The chart of one metric where the other axes have these values; single values stand for themselves."""
-    fixed = {axis: values[0] for axis, values in grid.values.items()} | dict(at)
+    fixed = {axis: values[0] for axis, values in grid.values.items()} | dict(others)
     columns, rows = _rising(grid.values[grid.across]), _rising(grid.values[grid.down])
-    cells: dict[str, list[Any]] = {"x": [], "y": [], "share": [], "texts": [], "pick": []}
-    shares = _shares(grid, metric)
+    shades = _shades(grid, metric)
+    places, middles, picks = [], [], []
     for (i, x), (k, y) in product(enumerate(columns), enumerate(rows)):
         here = {**fixed, grid.across: x, grid.down: y}
         found = grid.spread(metric, here)
-        middle = None if found is None else _middle(metric, found)
-        cells["x"].append(i)
-        cells["y"].append(k)
-        cells["share"].append(0.0 if middle is None else round(shares(middle), 3))
-        cells["texts"].append("–" if middle is None else value_text(metric, middle))
-        chosen = {axis: point_label(value) for axis, value in here.items() if len(grid.values[axis]) > 1}
-        cells["pick"].append(chosen)
-    return {
-        "label": f"{begun(metric_title(metric))} over {axis_title(grid.down)} and {axis_title(grid.across)}",
-        "height": HEAD + FOOT + CELL * len(rows),
-        "least": NAMES_WIDTH + CELL_WIDTH * len(columns),
-        "x": {
-            "label": axis_title(grid.across),
-            "scale": "band",
-            "categories": list(map(point_label, columns)),
-        },
-        "panels": [
-            {
-                "y": {
-                    "label": axis_title(grid.down),
-                    "scale": "band",
-                    "categories": list(map(point_label, rows)),
-                },
-                "series": [{"kind": "cells", "role": "before", **cells}],
-            }
-        ],
-        "legend": False,
-    }
+        places.append((i, k))
+        middles.append(None if found is None else _middle(metric, found))
+        picks.append({axis: point_label(value) for axis, value in here.items() if len(grid.values[axis]) > 1})
+    at = np.array(places)
+    cells = Cells(
+        "before",
+        at[:, 0],
+        at[:, 1],
+        np.array([0.0 if middle is None else shades(middle) for middle in middles]),
+        tuple("–" if middle is None else value_text(metric, middle) for middle in middles),
+        tuple(picks),
+    )
+    chart = Chart(
+        f"{begun(metric_title(metric))} over {axis_title(grid.down)} and {axis_title(grid.across)}",
+        _names(grid.across, columns),
+        (Panel(_names(grid.down, rows), (cells,)),),
+        legend="none",
+    )
+    height, least = HEAD + FOOT + CELL * len(rows), NAMES_WIDTH + CELL_WIDTH * len(columns)
+    return PageChart("", "", spec_of(chart, height, least=least))
+
+
+def _names(axis: str, values: Sequence[Any]) -> Axis:
+    return Axis(*axis_parts(axis), scale="band", categories=tuple(map(point_label, values)))
 
 
 def _middle(metric: str, found: Spread) -> float:
     return found.mean if is_share(metric) else found.median
 
 
-def _shares(grid: _Grid, metric: str) -> Any:
+def _shades(grid: _Grid, metric: str) -> Any:
     """From a value to its shade, 0 to 1, the same in all charts of the metric; logarithmic over a wide range."""
     every = [
         _middle(metric, line.spreads[metric]) for line in grid.lines.values() if line.spreads[metric].count
     ]
     known = [value for value in every if np.isfinite(value)]
     low, high = min(known, default=0.0), max(known, default=1.0)
-    if low > 0 and high / low >= WIDE:
+    if is_wide(np.array(known)):
         return lambda value: float(np.log(value / low) / np.log(high / low)) if np.isfinite(value) else 0.0
     return lambda value: (value - low) / (high - low) if high > low and np.isfinite(value) else 0.0
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bench.diagnosis.split import dataset_of
+from bench.document.charts.chart import Role
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
@@ -18,7 +19,7 @@ class ModelBeside:
     """A model beside the recordings. name: as in "error ... ", label: as a choice; role: its errors' colour."""
 
     name: str
-    role: str
+    role: Role
     what: Compared
     where: WhereItFails
     label: str = ""
@@ -36,7 +37,7 @@ class ModelBeside:
 
 def model_beside(
     name: str,
-    role: str,
+    role: Role,
     problem: Problem,
     model: Identification | Comparison,
     settings: FilterSettings,

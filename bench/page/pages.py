@@ -9,6 +9,7 @@ from bench.diagnosis.reason_words import judged_on
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
+from bench.document.typeset import plural, typeset
 from bench.files.atomic import finite
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
@@ -30,7 +31,6 @@ from bench.page.verdict import (
     identification_verdict,
     replay_tiles,
 )
-from bench.page.words import plural, typeset
 from bench.replay.replay import Replay
 from bench.replay.report import replay_sentences
 from bench.signals.settings import FilterSettings

@@ -90,7 +90,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Chart:
+class PageChart:
     """One chart of a figure; title and aid are empty where the figure's own say it."""
 
     title: str
@@ -102,7 +102,7 @@ class Chart:
 class Variant:
     """What a figure shows for one choice. notes: sentences above the charts."""
 
-    charts: tuple[Chart, ...]
+    charts: tuple[PageChart, ...]
     notes: tuple[str, ...] = ()
 
 
@@ -210,7 +210,7 @@ class Page:
 
 def one_figure(title: str, aid: str, spec: Spec) -> Figure:
     """A figure without choices."""
-    return Figure(title, aid, True, (), {"": Variant((Chart("", "", spec),))}, ("",))
+    return Figure(title, aid, True, (), {"": Variant((PageChart("", "", spec),))}, ("",))
 
 
 def row(*cells: str | Cell, kind: str = "") -> PageRow:

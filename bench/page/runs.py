@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from bench.document.typeset import typeset
 from bench.effects.display_names import begun
-from bench.page.figures_sweep import point_label
 from bench.page.parts import Items, Part, Runs, RunsColumn
 from bench.page.section_run import quoted
 from bench.page.thinned import significant
-from bench.page.words import typeset
+from bench.studies.sweep.charts import point_label
 from bench.studies.sweep.metrics import is_relative
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.table import column_names, read_table

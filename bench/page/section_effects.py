@@ -3,22 +3,20 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.reason_words import judged_on, reason_sentence
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason
 from bench.document import table as document
+from bench.document.charts.chart import Role
+from bench.document.charts.models import gains_chart
 from bench.document.diagnosis import gains_before_after, ranking_table
 from bench.document.identification import gains_table
-from bench.document.numbers import gain_change
+from bench.document.typeset import effect_name, typeset
 from bench.effects import Effect
-from bench.identification.result import Identification
-from bench.page.parts import Items, PageColumn, PageTable, Part, Section, one_figure, row
+from bench.identification.result import DriveGain, Identification
+from bench.page.chart_spec import chart_figure
+from bench.page.parts import Items, PageColumn, PageTable, Part, Section, row
 from bench.page.tables import on_page
-from bench.page.thinned import significant
-from bench.page.words import effect_name, typeset
 
 UNSUPPORTED = ("not supported", "absorbed")
 VERDICTS_AID = (
@@ -106,45 +104,15 @@ def gains_section(after: Identification, before: Identification | None) -> Secti
         )
         aid = "As the maker's sheet gives them; not identified."
         return Section("gains", "Drive gains", lead, (on_page(gains_table(after), "Nominal gains", aid),))
-    models: list[tuple[str, str, Identification]] = [("after", "completed model", after)]
-    if before is None:
-        models = [("after", "identified", after)]
-    else:
-        models.insert(0, ("before", "model as it is", before))
+    gains = after.drive_gains
+    models: list[tuple[Role, str, Mapping[str, DriveGain]]] = [("after", "identified", gains)]
+    if before is not None:
+        models = [("before", "model as it is", before.drive_gains), ("after", "completed model", gains)]
     lead = "What a motor really gives for its current, fitted together with the dynamic parameters."
     if before is not None:
         lead += " A model that lacks an effect bends the gains to make up for it."
     aid = "After ±: the standard error, under rel. std in percent. 95 % intervals are twice as wide."
     values = gains_table(after) if before is None else gains_before_after(before, after)
     table = on_page(values, "The same in numbers", aid)
-    return Section("gains", "Drive gains", lead, (_gains_figure(models), table))
-
-
-def _gains_figure(models: list[tuple[str, str, Identification]]) -> Part:
-    joints = list(models[-1][2].drive_gains)
-    series = []
-    for i, (role, name, model) in enumerate(models):
-        gains = list(model.drive_gains.values())
-        value = np.array([gain_change(gain) for gain in gains])
-        half = WITHIN_95 * np.array([gain.std / abs(gain.nominal) for gain in gains])
-        series.append(
-            {
-                "kind": "intervals",
-                "role": role,
-                "name": name,
-                "y": list(range(len(joints))),
-                "x": significant(value),
-                "low": significant(value - half),
-                "high": significant(value + half),
-                "shift": 0.0 if len(models) == 1 else 0.3 * (i - 0.5),
-            }
-        )
-    rule = {"kind": "rule", "role": "noise", "name": "nominal value", "axis": "x", "at": 0.0}
-    spec = {
-        "label": "Drive gains against their nominal values",
-        "height": 76 + (38 if len(models) > 1 else 28) * len(joints),
-        "x": {"label": "difference to the nominal gain [%]", "percent": True, "room": True},
-        "panels": [{"y": {"scale": "band", "categories": joints}, "series": [rule, *series]}],
-    }
-    aid = "Whiskers: 95 % intervals, where they are wider than a dot. A maker's sheet is often wrong by a tenth."
-    return one_figure("Drive gains against their nominal values", aid, spec)
+    figure = chart_figure(gains_chart(models), 76 + (38 if len(models) > 1 else 28) * len(gains))
+    return Section("gains", "Drive gains", lead, (figure, table))

@@ -5,26 +5,25 @@ from collections.abc import Callable, Sequence
 from bench.diagnosis.reason_words import judged_on
 from bench.diagnosis.result import Diagnosis
 from bench.document import identification as document
-from bench.document.diagnosis import ladder_table, step_labels
+from bench.document.charts.currents import Curve, currents_chart
+from bench.document.charts.models import ladder_chart
+from bench.document.diagnosis import ladder_table
 from bench.document.numbers import USES
+from bench.document.typeset import plural, share, typeset
 from bench.identification.result import CurrentSeries
-from bench.page.chart_motor import currents_spec
+from bench.page.chart_spec import chart_figure, rows_a_pair, spec_of
 from bench.page.model_errors import ModelBeside
 from bench.page.parts import (
-    Chart,
     Choice,
     Figure,
     Mechanism,
+    PageChart,
     PageTable,
     Section,
     Text,
     Variant,
-    one_figure,
 )
 from bench.page.tables import on_page
-from bench.page.thinned import significant
-from bench.page.words import plural, share, typeset
-from bench.residuals.motor import MotorSeries
 
 MOST_NUMBERS = 45_000  # of all curves of the currents together: about 0.4 MB
 MOST_POINTS, FEWEST_POINTS = 1200, 120  # of one curve
@@ -35,42 +34,9 @@ ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current
 
 def ladder_section(diagnosis: Diagnosis) -> Section:
     """The error after each added effect."""
-    steps = diagnosis.ladder
-    names = step_labels([step.effects for step in steps])
-    floor = diagnosis.unexplained.noise_floor
-    lines = []
-    for role, name, values in (
-        ("before", "fitted", [step.identify for step in steps]),
-        ("after", "not fitted", [step.validate for step in steps]),
-    ):
-        known = [float("nan") if value is None else value for value in values]
-        if any(value is not None for value in values):
-            lines.append(
-                {
-                    "kind": "line",
-                    "role": role,
-                    "name": name,
-                    "marker": True,
-                    "x": {"start": 0, "step": 1},
-                    "y": significant(known),
-                    "texts": [share(value) if name == "not fitted" else "" for value in values],
-                }
-            )
-    rule = {"kind": "rule", "role": "noise", "name": "noise of the currents", "axis": "y", "at": floor}
-    spec = {
-        "label": "Error after each added effect",
-        "height": 300,
-        "x": {"label": "", "scale": "band", "categories": names},
-        "panels": [
-            {
-                "y": {"label": "error of the current [%]", "scale": "log", "percent": True, "room": True},
-                "series": [rule, *lines],
-            }
-        ],
-    }
+    steps, floor = diagnosis.ladder, diagnosis.unexplained.noise_floor
     lead = f"How the error falls as effects are added, the one that helps most first; judged on {judged_on(diagnosis)}."
-    aid = "Down to the grey line: nothing is left but noise. Where only the fitted error falls, the model fits noise."
-    figure: Figure | Text = one_figure("Error after each added effect", aid, spec)
+    figure: Figure | Text = chart_figure(ladder_chart(diagnosis), 300)
     if len(steps) == 1:
         lead = f"No effect helps beyond chance; judged on {judged_on(diagnosis)}."
         only = steps[0].identify if steps[0].validate is None else steps[0].validate
@@ -124,10 +90,10 @@ def currents_section(
             if len(found) < len(models):
                 variants[f"{j}|{k}"] = Variant((), (f"{joint} hardly moves in {name}: nothing to show.",))
                 continue
-            label = f"Current of {joint} in {name}"
-            spec, width = currents_spec(found, last.what.units[joint], label, most)
-            widths.add(width)
-            variants[f"{j}|{k}"] = Variant((Chart("", "", spec),), (_facts(joint, found),))
+            chart = currents_chart(found, last.what.units[joint][0], f"Current of {joint} in {name}")
+            widths.add(rows_a_pair(chart, most))
+            spec = spec_of(chart, 150 + 115 * len(chart.panels), most=most)
+            variants[f"{j}|{k}"] = Variant((PageChart("", "", spec),), (_facts(joint, found),))
     worst = [_worst(last, joint, names) for joint in joints]
     first = worst[_loudest(last)] if worst else 0
     loads = {trace.recording: trace for trace in last.what.series}
@@ -155,7 +121,7 @@ def currents_section(
     return Section("currents", "Measured against modelled", lead, (figure, *robot), "Measured, modelled")
 
 
-def _facts(joint: str, curves: Sequence[tuple[str, str, MotorSeries]]) -> str:
+def _facts(joint: str, curves: Sequence[Curve]) -> str:
     """Errors of one motor in one recording in words."""
     errors = []
     for _, name, trace in curves:

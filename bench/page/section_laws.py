@@ -6,22 +6,23 @@ import numpy as np
 
 from bench.diagnosis.law_words import WHAT, law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Discovered, LooksAt
+from bench.document.charts.chart import Axis, Binned, Chart, Line, Panel, Series
+from bench.document.typeset import short, typeset
 from bench.identification.result import CurrentSeries, Identification
+from bench.page.chart_spec import spec_of
 from bench.page.parts import (
     Cell,
-    Chart,
     Choice,
     Figure,
+    PageChart,
     PageColumn,
     PageRow,
     PageTable,
     Section,
-    Spec,
     Text,
     Variant,
 )
-from bench.page.thinned import rounded
-from bench.page.words import short, typeset
+from bench.residuals.error_breakdown import Direction
 from bench.residuals.profile import Profile, binned, profile
 
 BINS = 24
@@ -75,7 +76,7 @@ def _row(*texts: str) -> PageRow:
     return PageRow(tuple(Cell(text) for text in texts))
 
 
-def _charts(law: Discovered, after: Identification) -> tuple[Chart, ...]:
+def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
     joints = list(after.joints)
     effort, angle = ("N·m", "rad") if after.drive_gains[law.place].unit.startswith("N*m") else ("N", "m")
     looks = dict.fromkeys(
@@ -99,7 +100,7 @@ def _chart(
     joints: Sequence[str],
     effort: str,
     angle: str,
-) -> Chart:
+) -> PageChart:
     """The law and the rest, both in torque, over one variable."""
     j = joints.index(found_law.place)
     at = joints.index(look.motor) if look.motor else j
@@ -110,40 +111,26 @@ def _chart(
             *(_rows(each, found_law.law, j, at, look.what, gain) for each in after.recordings), strict=True
         )
     )
-    series: list[Spec] = []
-    for role, way in (("forwards", forwards), ("backwards", ~forwards)):
+    series: list[Series] = []
+    directions: tuple[tuple[Direction, np.ndarray], ...] = (("forwards", forwards), ("backwards", ~forwards))
+    for role, way in directions:
         if way.any():
-            bins = profile(x[way], (law + left)[way], BINS)
-            series.append(_measured(role, bins))
+            rest = (law + left)[way]
+            bins = profile(x[way], rest, BINS)
             same = binned(x[way], law[way], bins.edges)
-            name = f"law, {role}"
-            line = {"kind": "line", "role": "modelled", "name": name, "x": rounded(bins.center)}
-            series.append({**line, "y": rounded(same.mean)})
+            series.append(_measured(role, bins, x[way], rest))
+            series.append(Line(f"law, {role}", "modelled", bins.center, same.mean))
     of = f" of {look.motor}" if look.motor else ""
     unit = {"time": "s", "load": "of the modelled current"}.get(look.what) or UNIT_OF[look.what].format(angle)
     title = f"Against the {WHAT[look.what]}{of}"
-    spec = {
-        "label": title,
-        "height": HEIGHT,
-        "x": {"label": f"{WHAT[look.what]}{of} [{unit}]"},
-        "panels": [{"y": {"label": f"at {found_law.place} [{effort}]"}, "series": series}],
-        "legend": False,
-    }
-    return Chart(title, "", spec)
+    panel = Panel(Axis(f"at {found_law.place}", effort), tuple(series))
+    chart = Chart(title, Axis(f"{WHAT[look.what]}{of}", unit), (panel,), legend="none")
+    return PageChart(title, "", spec_of(chart, HEIGHT))
 
 
-def _measured(role: str, bins: Profile) -> Spec:
-    extent = float(np.ptp(bins.mean[np.isfinite(bins.mean)])) or 1.0
-    return {
-        "kind": "bins",
-        "role": role,
-        "name": role,
-        "x": rounded(bins.center),
-        "mean": rounded(bins.mean, extent),
-        "spread": rounded(bins.spread, extent),
-        "low": rounded(bins.mean - bins.spread, extent),
-        "high": rounded(bins.mean + bins.spread, extent),
-    }
+def _measured(role: Direction, bins: Profile, x: np.ndarray, y: np.ndarray) -> Binned:
+    low, high = bins.mean - bins.spread, bins.mean + bins.spread
+    return Binned(role, role, x, y, bins.edges, bins.center, bins.mean, bins.spread, low, high, bins.count)
 
 
 def _rows(

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from bench.document.charts.chart import Axis, Chart, Panel, Rule, Spans
 from bench.document.identification import effects_table, parameters_table
 from bench.document.numbers import (
     POOR,
@@ -12,12 +13,12 @@ from bench.document.numbers import (
     is_poor,
     settings_lines,
 )
+from bench.document.typeset import effect_name, plural, share, short, typeset
 from bench.identification.finding import Unknown
 from bench.identification.result import CurrentSeries, Identification
-from bench.page.parts import Items, PageColumn, PageTable, Part, Section, one_figure, row
+from bench.page.chart_spec import chart_figure
+from bench.page.parts import Items, PageColumn, PageTable, Part, Section, row
 from bench.page.tables import on_page
-from bench.page.thinned import significant
-from bench.page.words import effect_name, plural, share, short, typeset
 
 ALIKE = 0.95  # correlation of two estimates from which on one can stand for the other
 MOST_PAIRS = 10
@@ -45,40 +46,16 @@ def parameters_section(after: Identification, before: Identification | None) -> 
 
 
 def _deviations_figure(result: Identification) -> Part:
-    deviations = [
-        parameter.relative_std if parameter.std else float("nan") for parameter in result.parameters
-    ]
-    points = {
-        "kind": "intervals",
-        "role": "after",
-        "y": list(range(len(deviations))),
-        "x": significant(np.array(deviations), 3),
-    }
-    rule = {
-        "kind": "rule",
-        "role": "before",
-        "name": f"{100 * POOR:.0f} %: says little",
-        "axis": "x",
-        "at": POOR,
-        "dashed": True,
-    }
-    spec = {
-        "label": "Relative standard errors",
-        "height": 66 + 18 * len(deviations),
-        "x": {
-            "label": "standard error in percent of the value, logarithmic",
-            "scale": "log",
-            "percent": True,
-        },
-        "panels": [
-            {
-                "y": {"scale": "band", "categories": [parameter.name for parameter in result.parameters]},
-                "series": [rule, points],
-            }
-        ],
-    }
+    found = result.parameters
+    deviations = np.array([parameter.relative_std if parameter.std else np.nan for parameter in found])
+    none, at = np.full(len(found), np.nan), np.arange(len(found))
+    points = Spans("relative standard error", "after", at, deviations, none, none)
+    rule = Rule(f"{100 * POOR:.0f} %: says little", "before", "x", POOR, dashed=True)
+    names = Axis("", scale="band", categories=tuple(parameter.name for parameter in found))
+    x = Axis("standard error relative to the value, logarithmic", "%", "log")
     aid = "The farther left, the better known."
-    return one_figure("How well each is determined", aid, spec)
+    chart = Chart("Relative standard errors", x, (Panel(names, (rule, points)),), aid)
+    return chart_figure(chart, 66 + 18 * len(found), name="How well each is determined")
 
 
 def conditioning_section(result: Identification) -> Section:

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 
+from bench.document.charts.motor import motor_charts
+from bench.document.typeset import effect_name, typeset
 from bench.effects import CATALOGUE
-from bench.page.chart_motor import error_charts
+from bench.page.chart_spec import beside
 from bench.page.model_errors import ModelBeside
 from bench.page.parts import Choice, Figure, PageColumn, PageTable, Section, Variant, row
-from bench.page.words import effect_name, typeset
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.words import MOST_LOOKS, whole_sentences
 
@@ -24,7 +25,7 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
         for j, joint in enumerate(joints):
             motor = by_joint[joint]
             notes = tuple(typeset(sentence) for sentence in whole_sentences(motor, LAWS))
-            charts = error_charts(error_breakdown(model.what, joint))
+            charts = tuple(map(beside, motor_charts(error_breakdown(model.what, joint)).values()))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             variants[key] = Variant(charts, notes)
     loud = [

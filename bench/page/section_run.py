@@ -9,9 +9,9 @@ from bench.dataset.dataset import Dataset
 from bench.diagnosis.reason_words import judged_on, left_words
 from bench.diagnosis.result import Diagnosis
 from bench.document.numbers import STD_FROM, USES, fit_rate
+from bench.document.typeset import effect_name, short, typeset
 from bench.identification.result import Identification
 from bench.page.parts import Commands, Items, PageColumn, PageTable, Part, Section, row
-from bench.page.words import effect_name, short, typeset
 from bench.signals.settings import FilterSettings
 from bench.studies.sweep.versions import Versions, versions
 

@@ -7,10 +7,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.document.typeset import plural, typeset
 from bench.effects.display_names import begun
 from bench.identification.wording import and_list
 from bench.page.figures_grid import grid_figure
-from bench.page.figures_sweep import metric_label, plot_figure, point_label, spread_figure, value_text
+from bench.page.figures_sweep import plot_figure, spread_figure
 from bench.page.parts import (
     Cell,
     Commands,
@@ -26,8 +27,8 @@ from bench.page.parts import (
 )
 from bench.page.runs import runs_part
 from bench.page.section_run import versions_of
-from bench.page.words import plural, typeset
 from bench.studies.sweep.axes import DrawnAxis
+from bench.studies.sweep.charts import metric_axis, point_label, value_text
 from bench.studies.sweep.metrics import is_relative, is_share, what_is_measured
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.results import default_plots, table_in
@@ -199,7 +200,7 @@ def _numbers_section(found: SweepResult) -> Section:
     failed = any(line.failed for line in summary.lines)
     columns += [PageColumn("runs", "right"), *([PageColumn("failed", "right")] if failed else [])]
     columns += [
-        PageColumn(begun(metric_title(metric)) if is_relative(metric) else metric_label(metric), "right")
+        PageColumn(begun(metric_title(metric)) if is_relative(metric) else metric_axis(metric).title, "right")
         for metric in summary.metrics
     ]
     rows = tuple(_line(summary, line, failed=failed) for line in summary.lines[:MOST_LINES])

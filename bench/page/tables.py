@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 from bench.document import table as document
 from bench.document.table import RIGHT
+from bench.document.typeset import typeset
 from bench.page.parts import Cell, Kind, PageColumn, PageRow, PageTable
-from bench.page.words import typeset
 
 KINDS: Mapping[str, Kind] = {
     "sentence": "words",

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError
+from bench.document.typeset import plural, typeset
 from bench.identification.wording import and_list
 from bench.page.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
 from bench.page.parts import Cell, Commands, Items, Page, PageColumn, PageTable, Part, Section, Tile, row
 from bench.page.section_run import quoted, versions_of
 from bench.page.sweep_page import footer, generator
 from bench.page.tables import on_page
-from bench.page.words import plural, typeset
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.table import column_names, read_table
 from bench.studies.trial.cases import DATASETS_A_SEED, KINDS

@@ -69,14 +69,14 @@ class ErrorBreakdown:
         return float(np.sqrt(np.average([trace.noise**2 for trace in self.series], weights=rows)))
 
     @property
-    def labels(self) -> Mapping[Variable, str]:
-        """Of the axes, by what the error is drawn against."""
+    def axes(self) -> Mapping[Variable, tuple[str, str]]:
+        """What the error is drawn against: the quantity in words, and its unit."""
         return {
-            "time": "time from the start of the recording [s]",
-            "position": f"position [{self.unit}]",
-            "velocity": f"velocity [{self.unit}/s]",
-            "acceleration": f"acceleration [{self.unit}/s²]",
-            "current": f"modelled current [{self.current}]",
+            "time": ("time from the start of the recording", "s"),
+            "position": ("position", self.unit),
+            "velocity": ("velocity", f"{self.unit}/s"),
+            "acceleration": ("acceleration", f"{self.unit}/s²"),
+            "current": ("modelled current", self.current),
         }
 
     def against(self, variable: Variable, bins: int) -> tuple[Branch, ...]:

@@ -19,14 +19,9 @@ from PIL import Image
 
 from bench.dataset.catalogue import built_in_robots, built_in_scenarios
 from bench.diagnosis.diagnose import diagnose
-from bench.document.figures.comparison_panels import (
-    draw_against,
-    draw_around_reversals,
-    draw_position_spectrum,
-    draw_time_spectrum,
-    small_title,
-)
+from bench.document.charts.motor import motor_charts
 from bench.document.figures.currents import STYLE
+from bench.document.figures.draw import draw
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.excitation.scenario import designer
 from bench.files.atomic import atomic_path, write_text_atomically
@@ -54,6 +49,7 @@ OUT = Path(__file__).resolve().parents[2] / "results" / "atlas"
 ROBOT, DURATION = "five_bar", 12.0
 NOISE, ENCODER_BITS, SEED = 0.005, 20, 1
 FOLLOWED: tuple[Variable, ...] = ("direction", "velocity", "position", "acceleration", "current", "time")
+SHOWN = ("velocity", "position", "acceleration", "current", "time", "reversals", "positions", "spectrum")
 COLOURS = 64
 MOST_SENTENCES = 3
 
@@ -135,28 +131,12 @@ def _gains_off(simulation: Simulation, result: Identification) -> dict[str, floa
 
 def _figure(what: Compared, joint: str) -> Figure:
     """Eight panels of the page that `bench compare` draws."""
-    errors = error_breakdown(what, joint)
-    current, unit = what.units[joint]
+    charts = motor_charts(error_breakdown(what, joint))
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(12.0, 5.2), dpi=100, layout="constrained")
         axes = figure.subplots(2, 4).ravel()
-        against: dict[Variable, str] = {
-            "velocity": f"velocity [{unit}/s]",
-            "position": f"position [{unit}]",
-            "acceleration": f"acceleration [{unit}/s²]",
-            "current": f"modelled current [{current}]",
-            "time": "time [s]",
-        }
-        for place, (variable, label) in zip(axes, against.items(), strict=False):
-            draw_against(place, errors, variable)
-            place.set(xlabel=label, ylabel=f"error [{current}]")
-        draw_around_reversals(axes[5], errors)
-        axes[5].set(xlabel="time from the nearest reversal [s]", ylabel=f"error [{current}]")
-        draw_position_spectrum(axes[6], errors.over_position)
-        axes[6].set(xlabel=f"cycles per {unit}", ylabel=f"amplitude of the error [{current}]")
-        draw_time_spectrum(axes[7], errors.spectrum)
-        small_title(axes[7], "grey: noise of the current")
-        axes[7].set(xlabel="frequency [Hz]", ylabel=f"density [{current}²/Hz]")
+        for place, name in zip(axes, SHOWN, strict=True):
+            draw(place, charts[name])
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper right", ncols=len(labels), frameon=False)
     return figure

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
-from bench.document.colours import ON_WHITE
-from bench.document.numbers import USES, current_unit, error_std, judged_error, percent
+from bench.document.charts.currents import fitted_currents_chart
+from bench.document.figures.draw import draw
+from bench.document.numbers import USES, current_unit, error_std, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, Identification, relative_error
 
@@ -50,15 +51,16 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
     chosen = _chosen(result, recordings)
     joints = list(result.joints)
     spread = error_std(result)
+    units = [current_unit(result.drive_gains[joint].unit) for joint in joints]
     with mpl.rc_context(STYLE):
         blocks = currents_page([trace.name for trace in chosen], joints)
         for series in chosen:
             block = blocks.of[series.name]
             block[0][0].set_title(_title(series))
             for j, (upper, lower) in enumerate(block):
-                _draw_currents(upper, series, j)
-                _draw_error(lower, series, j, float(spread[j]))
-        units = [current_unit(result.drive_gains[joint].unit) for joint in joints]
+                chart = fitted_currents_chart(series, j, float(spread[j]), units[j], series.name)
+                draw(upper, chart)
+                draw(lower, chart, panel=1)
         blocks.label(joints, units, [f"m{unit}" for unit in units])
     return blocks.figure
 
@@ -76,9 +78,11 @@ class Blocks:
             for (upper, lower), joint, unit, error_unit in zip(
                 block, joints, units, error_units, strict=True
             ):
-                if place % BESIDE == 0:
-                    upper.set_ylabel(f"{joint} [{unit}]")
-                    lower.set_ylabel(f"error [{error_unit}]")
+                first = place % BESIDE == 0
+                upper.set_ylabel(f"{joint} [{unit}]" if first else "")
+                lower.set_ylabel(f"error [{error_unit}]" if first else "")
+                upper.set_xlabel("")
+                lower.set_xlabel("")
                 upper.tick_params(labelbottom=False)
                 lower.tick_params(labelbottom=lower is block[-1][1])
             block[-1][1].set_xlabel("time [s]")
@@ -149,26 +153,3 @@ def _chosen(result: Identification, names: Sequence[str] | None) -> list[Current
 def _title(series: CurrentSeries) -> str:
     load = f", payload {series.payload}" if series.payload else ""
     return f"{series.name}, {USES[series.use]}{load}: error {percent(relative_error([series]))}"
-
-
-def _draw_currents(axes: Axes, series: CurrentSeries, motor: int) -> None:
-    time = series.time - series.time[0]
-    axes.plot(
-        time, series.measured[:, motor], color=ON_WHITE.measured, linewidth=3.2, alpha=0.45, label="measured"
-    )
-    axes.plot(time, series.modelled[:, motor], color=ON_WHITE.modelled, linewidth=1.1, label="modelled")
-    axes.margins(x=0.01)
-
-
-def _draw_error(axes: Axes, series: CurrentSeries, motor: int, spread: float) -> None:
-    time = series.time - series.time[0]
-    axes.axhspan(
-        -1e3 * spread,
-        1e3 * spread,
-        color=ON_WHITE.band,
-        alpha=0.35,
-        linewidth=0.0,
-        label="± one standard deviation of the fitted errors",
-    )
-    axes.plot(time, 1e3 * judged_error(series)[:, motor], color=ON_WHITE.error, linewidth=0.8, label="error")
-    axes.margins(x=0.01)

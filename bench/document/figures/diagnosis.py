@@ -9,9 +9,12 @@ from matplotlib.ticker import MaxNLocator
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
+from bench.document.charts.currents import before_after_chart
+from bench.document.charts.models import ladder_chart
 from bench.document.figures.comparison import errors_figure
 from bench.document.figures.currents import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
-from bench.document.figures.diagnosis_panels import draw_before_after, draw_ladder, draw_moved, moved, rungs
+from bench.document.figures.diagnosis_panels import draw_moved, moved
+from bench.document.figures.draw import draw
 from bench.document.numbers import current_unit, effect_name, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, relative_error
@@ -39,11 +42,11 @@ def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, dataset: Dataset
 
 def ladder_figure(diagnosis: Diagnosis) -> Figure:
     """Error of the current, fitted and not fitted, after each added effect, and the noise of the currents."""
-    steps = rungs(diagnosis)
+    chart = ladder_chart(diagnosis)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8.0, 0.62 * len(steps) + 1.5), dpi=DPI, layout="constrained")
+        figure = Figure(figsize=(8.0, 0.62 * len(diagnosis.ladder) + 1.5), dpi=DPI, layout="constrained")
         axes = figure.subplots()
-        draw_ladder(axes, steps, 100.0 * diagnosis.unexplained.noise_floor)
+        draw(axes, chart)
         axes.set_title(f"{diagnosis.robot}: error after each added effect")
         axes.legend(frameon=False, loc="lower right")
     return figure
@@ -65,9 +68,10 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
             row, column = divmod(place, columns)
             for j, (joint, gain) in enumerate(gains.items()):
                 panel = axes[row * len(gains) + j, column]
-                draw_before_after(panel, before.get(after.name), after, j)
-                panel.set_title(_said_errors(after.name, joint, before.get(after.name), after, j))
-                panel.set_ylabel(f"error [{current_unit(gain.unit)}]" if column == 0 else "")
+                title = _said_errors(after.name, joint, before.get(after.name), after, j)
+                chart = before_after_chart(before.get(after.name), after, j, current_unit(gain.unit), title)
+                draw(panel, chart)
+                panel.set(title=chart.title, xlabel="", ylabel=chart.y.title if column == 0 else "")
             axes[(row + 1) * len(gains) - 1, column].set_xlabel("time [s]")
         for panel in axes.flat:
             panel.set_visible(bool(panel.get_lines()))

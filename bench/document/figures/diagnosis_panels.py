@@ -1,4 +1,4 @@
-"""Panels on a diagnosis: the ladder, the ranking, gains and parameters before and after."""
+"""Panels on a diagnosis: the ranking, gains and parameters before and after."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,32 +9,19 @@ from matplotlib.ticker import SymmetricalLogLocator
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.document.diagnosis import step_labels
-from bench.document.figures.comparison_panels import NOISE, PLAIN, ZERO
-from bench.document.numbers import effect_name, is_poor, judged_error, percent, pretty_unit
-from bench.identification.result import CurrentSeries, Quantity
+from bench.document.figures.draw import COLOURS, PLAIN, ZERO
+from bench.document.numbers import effect_name, is_poor, pretty_unit
+from bench.identification.result import Quantity
 
-BEFORE, AFTER = "#D55E00", "#0072B2"  # after Okabe and Ito
-BEFORE_PALE = "#F0B58A"
 VERDICT_COLOURS = {
-    "missing": AFTER,
+    "missing": COLOURS["after"],
     "indistinguishable": "#E69F00",
     "resembles": "#F0E442",
     "not supported": "#B8BEC6",
     "absorbed": "#CC79A7",
 }
-BAR = 0.36
 EVEN_NATS, EVEN_PERCENT = 10.0, 10.0
 FAR = 5.0  # times the even part: what an even axis shows well
-
-
-@dataclass(frozen=True)
-class Rung:
-    """One step of the ladder; errors in percent of the current, None where there are none."""
-
-    label: str
-    fitted: float | None
-    not_fitted: float | None
 
 
 @dataclass(frozen=True)
@@ -50,16 +37,6 @@ class Moved:
     def label(self) -> str:
         """Its name with its unit."""
         return f"{self.name} [{pretty_unit(self.after.unit)}]"
-
-
-def rungs(diagnosis: Diagnosis) -> list[Rung]:
-    """The errors after each added effect."""
-    return [
-        Rung(label, _percents(step.identify), _percents(step.validate))
-        for label, step in zip(
-            step_labels([step.effects for step in diagnosis.ladder]), diagnosis.ladder, strict=True
-        )
-    ]
 
 
 def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
@@ -82,29 +59,6 @@ def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
         for parameter in diagnosis.after.parameters
         if parameter.name in before and not is_poor(parameter)
     ]
-
-
-def draw_ladder(axes: Axes, steps: Sequence[Rung], floor: float, scale: float = 1.0) -> None:
-    """A bar for each error from zero on, and the noise of the currents as a line. floor: percent."""
-    at = np.arange(len(steps))
-    for shift, label, colour, values in (
-        (-BAR / 2, "fitted", BEFORE_PALE, [rung.fitted for rung in steps]),
-        (BAR / 2, "not fitted", AFTER, [rung.not_fitted for rung in steps]),
-    ):
-        known = [(i, value) for i, value in zip(at, values, strict=True) if value is not None]
-        if not known:
-            continue
-        places, sizes = np.array([i for i, _ in known]), [value for _, value in known]
-        bars = axes.barh(places + shift, sizes, BAR, color=colour, label=label)
-        axes.bar_label(bars, [percent(size / 100.0) for size in sizes], padding=4 * scale, color="#3A424C")
-    axes.axvline(
-        floor, color=NOISE, linewidth=2.4 * scale, label=f"noise of the currents, {percent(floor / 100.0)}"
-    )
-    axes.set_yticks(at, [rung.label for rung in steps])
-    axes.set_ylim(len(steps) - 0.4, -0.6)
-    axes.set_xlim(0.0, 1.18 * max(value or 0.0 for rung in steps for value in (rung.fitted, rung.not_fitted)))
-    axes.set_xlabel("error of the current [%]")
-    axes.grid(visible=False, axis="y")
 
 
 def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0) -> None:
@@ -151,8 +105,8 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
     apart = 0.17 if all(row.nominal is None for row in rows) else 0.28
     factor = [100.0 / abs(row.after.value) if row.after.value else 0.0 for row in rows]
     for shift, colour, marker, label, values in (
-        (-apart, BEFORE, "s", "before", [row.before for row in rows]),
-        (apart, AFTER, "o", "after", [row.after for row in rows]),
+        (-apart, COLOURS["before"], "s", "before", [row.before for row in rows]),
+        (apart, COLOURS["after"], "o", "after", [row.after for row in rows]),
     ):
         axes.errorbar(
             [
@@ -189,29 +143,3 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
     axes.set_yticks(at, [row.label for row in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlabel(f"difference to the value after [%]{declared}")
-
-
-def draw_before_after(
-    axes: Axes, before: CurrentSeries | None, after: CurrentSeries, motor: int, scale: float = 1.0
-) -> None:
-    """Errors of one motor by the models without (broad and pale) and with what is missing, or of one model."""
-    if before is not None:
-        axes.plot(
-            before.time - before.time[0],
-            judged_error(before)[:, motor],
-            color=BEFORE_PALE,
-            linewidth=2.2 * scale,
-            label="the model as it is",
-        )
-    axes.plot(
-        after.time - after.time[0],
-        judged_error(after)[:, motor],
-        color=AFTER,
-        linewidth=0.8 * scale,
-        label="the model as it is: nothing is missing" if before is None else "with what is missing",
-    )
-    axes.margins(x=0.01)
-
-
-def _percents(share: float | None) -> float | None:
-    return None if share is None else 100.0 * share

@@ -1,6 +1,6 @@
 """Figures for papers on a model: gains against nominal values, and what a diagnosis found."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -8,21 +8,14 @@ from matplotlib.axes import Axes
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.diagnosis.result import Diagnosis
-from bench.document.figures.comparison_panels import ZERO
-from bench.document.figures.diagnosis_panels import (
-    AFTER,
-    Moved,
-    Rung,
-    draw_before_after,
-    draw_ladder,
-    draw_moved,
-    draw_ranking,
-    moved,
-    rungs,
-)
+from bench.document.charts.chart import Chart, Levels
+from bench.document.charts.currents import before_after_chart
+from bench.document.charts.models import gains_chart, ladder_chart
+from bench.document.figures.diagnosis_panels import Moved, draw_moved, draw_ranking, moved
+from bench.document.figures.draw import draw
 from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
-from bench.document.numbers import current_unit, judged_error, pretty_unit
-from bench.identification.result import CurrentSeries, DriveGain, Identification
+from bench.document.numbers import current_unit, judged_error
+from bench.identification.result import CurrentSeries, Identification
 
 FOOT = 18.0  # mm that an axis with its label takes
 BAR, MOVED, WITH_NOMINAL = 3.8, 4.2, 5.6  # mm for each bar, each parameter, each gain
@@ -43,7 +36,11 @@ def gain_figure(result: Identification) -> PaperFigure:
         "95 % interval [± %]": [100.0 * WITHIN_95 * gain.std / abs(gain.nominal) for gain in gains.values()],
     }
     height = FOOT + 6.0 * len(gains)
-    return PaperFigure("drive_gains", (Panel(partial(_draw_gains, gains), height),), {"": numbers})
+    return PaperFigure(
+        "drive_gains",
+        (Panel(partial(_draw, gains_chart([("after", "identified, 95 % interval", gains)])), height),),
+        {"": numbers},
+    )
 
 
 def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
@@ -64,39 +61,21 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
     return figures + [_before_after(diagnosis, before[trace.name], trace) for trace in judged]
 
 
-def _draw_gains(gains: Mapping[str, DriveGain], axes: Axes) -> None:
-    at = np.arange(len(gains))
-    axes.axvline(0.0, color=ZERO, linewidth=0.6, label="nominal")
-    axes.errorbar(
-        [100.0 * (gain.value / gain.nominal - 1.0) for gain in gains.values()],
-        at,
-        xerr=[100.0 * WITHIN_95 * gain.std / abs(gain.nominal) for gain in gains.values()],
-        fmt="o",
-        color=AFTER,
-        markersize=2.6,
-        capsize=1.6,
-        linewidth=0.8,
-        label="identified, 95 % interval",
-    )
-    axes.set_yticks(at, [f"{joint} [{pretty_unit(gain.unit)}]" for joint, gain in gains.items()])
-    axes.set_ylim(len(gains) - 0.5, -0.5)
-    axes.set_xlabel("drive gain against its nominal value [%]")
+def _draw(chart: Chart, axes: Axes) -> None:
+    draw(axes, chart, SCALE)
 
 
 def _ladder(diagnosis: Diagnosis) -> PaperFigure:
-    steps, floor = rungs(diagnosis), 100.0 * diagnosis.unexplained.noise_floor
-    numbers: Numbers = {
-        "model": [rung.label for rung in steps],
-        "error, fitted [%]": [rung.fitted for rung in steps],
-        "error, not fitted [%]": [rung.not_fitted for rung in steps],
-        "noise of the currents [%]": [floor] * len(steps),
-    }
-    panel = Panel(partial(_draw_ladder, steps, floor), FOOT + 2.2 * BAR * len(steps))
+    chart, floor = ladder_chart(diagnosis), 100.0 * diagnosis.unexplained.noise_floor
+    names = chart.x.categories
+    numbers: dict[str, list[float | str | None]] = {"model": list(names)}
+    levels = {series.name: 100.0 * series.values for series in chart.series if isinstance(series, Levels)}
+    for name in ("fitted", "not fitted"):
+        values = levels.get(name, np.full(len(names), np.nan))
+        numbers[f"error, {name} [%]"] = [value if np.isfinite(value) else None for value in values.tolist()]
+    numbers["noise of the currents [%]"] = [floor] * len(names)
+    panel = Panel(partial(_draw, chart), FOOT + 2.2 * BAR * len(names))
     return PaperFigure("ladder", (panel,), {"": numbers})
-
-
-def _draw_ladder(steps: Sequence[Rung], floor: float, axes: Axes) -> None:
-    draw_ladder(axes, steps, floor, SCALE)
 
 
 def _ranking(diagnosis: Diagnosis) -> PaperFigure:
@@ -149,20 +128,12 @@ def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSer
         numbers[f"error of {joint} before [{unit}]"] = judged_error(before)[:, j].tolist()
         numbers[f"error of {joint} after [{unit}]"] = judged_error(after)[:, j].tolist()
         last = j == len(gains) - 1
-        panels.append(Panel(partial(_draw_before_after, before, after, j, f"{joint} [{unit}]", last), ERRORS))
+        chart = before_after_chart(before, after, j, unit, after.name)
+        panels.append(Panel(partial(_draw_before_after, chart, f"{joint} [{unit}]", last), ERRORS))
     name = f"errors_before_after_{file_part(after.name)}"
     return PaperFigure(name, tuple(panels), {"": numbers}, stacked=True)
 
 
-def _draw_before_after(
-    before: CurrentSeries,
-    after: CurrentSeries,
-    motor: int,
-    label: str,
-    last: bool,
-    axes: Axes,
-) -> None:
-    draw_before_after(axes, before, after, motor, SCALE)
-    axes.set_ylabel(label)
-    if last:
-        axes.set_xlabel("time [s]")
+def _draw_before_after(chart: Chart, label: str, last: bool, axes: Axes) -> None:
+    draw(axes, chart, SCALE)
+    axes.set(ylabel=label, xlabel="time [s]" if last else "")

@@ -32,16 +32,17 @@ def metric_title(metric: str) -> str:
 
 def axis_title(axis: str) -> str:
     """An axis in words with its unit: a key of a scenario by what it is, or what stands behind its last dot."""
-    words, unit = _words_and_unit(axis)
+    words, unit = axis_parts(axis)
     return f"{words} [{unit}]" if unit else words
 
 
 def axis_words(axis: str) -> str:
     """The same in a sentence, without its unit."""
-    return _words_and_unit(axis)[0]
+    return axis_parts(axis)[0]
 
 
-def _words_and_unit(axis: str) -> tuple[str, str]:
+def axis_parts(axis: str) -> tuple[str, str]:
+    """An axis in words, and its unit."""
     if axis in METRICS and METRICS[axis].title:
         return METRICS[axis].title, ""
     if axis in AXIS_TITLES:

@@ -1,14 +1,11 @@
-"""Numbers and sentences as they are set on the page."""
+"""Numbers and sentences as they are set: true minus signs, powers of ten, names as names."""
 
 import math
 import re
-from collections.abc import Sequence
 
-from bench.document.numbers import GIVEN, is_poor, percent, value_and_std
 from bench.document.numbers import effect_name as spelled
+from bench.document.numbers import percent
 from bench.effects.display_names import named_after
-from bench.identification.result import Quantity
-from bench.page.parts import Cell
 
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -32,37 +29,11 @@ def short(value: float, digits: int = 4) -> str:
     return typeset(f"{value:.{digits}g}") if math.isfinite(value) else "–"
 
 
-def with_std(quantity: Quantity) -> str:
-    """A value with its standard deviation, to the digits that this supports; the value alone where it was given."""
-    return _pair(quantity.value, quantity.std)
-
-
-def relative_std(quantity: Quantity) -> Cell:
-    """The standard deviation in percent of the value, marked where the value says little."""
-    if quantity.std == 0.0:
-        return Cell("–")
-    return Cell(share(quantity.relative_std), "poor" if is_poor(quantity) else "")
-
-
 def effect_name(name: str) -> str:
     """An effect's name as it is said."""
     return typeset(spelled(name))
 
 
-def said_list(names: Sequence[str]) -> str:
-    """Names with commas; a dash where there are none."""
-    return ", ".join(names) if names else "–"
-
-
 def plural(count: int, noun: str) -> str:
     """As in "1 recording" and "3 recordings"."""
     return f"{count} {noun}" + ("" if count == 1 else "s")
-
-
-def _pair(value: float, half: float) -> str:
-    first, second = value_and_std(value, half)
-    if second == GIVEN:
-        return typeset(first)
-    if not math.isfinite(half):
-        return f"{typeset(first)}, not determined"
-    return f"{typeset(first)} ± {typeset(second)}"

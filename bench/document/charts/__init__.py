@@ -1,0 +1,1 @@
+"""Charts as values, made once from results, whatever draws them."""

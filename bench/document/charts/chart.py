@@ -1,0 +1,237 @@
+"""What a chart is: series over axes. `document.figures.draw` gives it to matplotlib, `page.chart_spec` to the page."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+Role = Literal[
+    "measured",
+    "modelled",
+    "error",
+    "before",
+    "after",
+    "noise",
+    "forwards",
+    "backwards",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+]
+"""What a series stands for, of which every renderer has a colour."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A quantity with its unit, as typeset; of unit "%" the values are shares. categories: names of 0, 1, ...
+
+    domain: where it starts and ends; include: values that it shows whatever the data; room: free at its ends.
+    """
+
+    label: str
+    unit: str = ""
+    scale: Literal["linear", "log", "band"] = "linear"
+    domain: tuple[float, float] | None = None
+    include: tuple[float, ...] = ()
+    categories: tuple[str, ...] = ()
+    room: bool = False
+
+    @property
+    def title(self) -> str:
+        """The quantity with its unit, as in "velocity [rad/s]"."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    @property
+    def percent(self) -> bool:
+        """Whether shares are told in percent."""
+        return self.unit == "%"
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """y over x, both (N,); NaN is a gap. markers: a dot for each value."""
+
+    name: str
+    role: Role
+    x: np.ndarray
+    y: np.ndarray
+    markers: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """A value for each category, (N,), NaN where there is none; texts: what is said of each."""
+
+    name: str
+    role: Role
+    values: np.ndarray
+    texts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Band:
+    """All that lies between two values of y."""
+
+    name: str
+    role: Role
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A straight line across, at a value of one axis; without a name it is not in the legend."""
+
+    name: str
+    role: Role
+    axis: Literal["x", "y"]
+    at: float
+    dashed: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Binned:
+    """Rows (x, y), (K,), and what they are in bins: centre, mean, spread, smallest, largest, count, (B,)."""
+
+    name: str
+    role: Role
+    x: np.ndarray
+    y: np.ndarray
+    edges: np.ndarray
+    center: np.ndarray
+    mean: np.ndarray
+    spread: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    count: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Whiskers:
+    """Middles over x with the ends of their intervals, (N,). joined: x is a quantity, not a category.
+
+    pick: for each, the values of the axes by which it can be chosen; empty where it cannot.
+    """
+
+    name: str
+    role: Role
+    x: np.ndarray
+    middle: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    joined: bool = True
+    pick: tuple[Mapping[str, str], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Spans:
+    """Values along x with the ends of their intervals, (N,), at the categories of y; low, high may be NaN."""
+
+    name: str
+    role: Role
+    y: np.ndarray
+    x: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    shift: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bars:
+    """A length along x for each category of y, (N,). thin: beside another one, for comparison."""
+
+    name: str
+    role: Role
+    x: np.ndarray
+    thin: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Single points (N,)."""
+
+    name: str
+    role: Role
+    x: np.ndarray
+    y: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Stems:
+    """Values y over x (N,), each joined to zero."""
+
+    name: str
+    role: Role
+    x: np.ndarray
+    y: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Histogram:
+    """y (B,) between edges (B+1,)."""
+
+    name: str
+    role: Role
+    edges: np.ndarray
+    y: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """A matrix over two axes of categories: column x, row y, shade 0 to 1, text, of each cell (N,); pick: see above."""
+
+    role: Role
+    x: np.ndarray
+    y: np.ndarray
+    shade: np.ndarray
+    texts: tuple[str, ...]
+    pick: tuple[Mapping[str, str], ...] = ()
+    name: str = ""
+
+
+Series = Line | Levels | Band | Rule | Binned | Whiskers | Spans | Bars | Points | Stems | Histogram | Cells
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Series over one axis y. weight: its share of the height."""
+
+    y: Axis
+    series: tuple[Series, ...]
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Panels below each other over one axis x. aid: how to read it; key: what colours mean, where no legend says it.
+
+    legend: of its own, one that charts beside each other share, or none.
+    """
+
+    title: str
+    x: Axis
+    panels: tuple[Panel, ...]
+    aid: str = ""
+    key: str = ""
+    legend: Literal["own", "shared", "none"] = "own"
+
+    @property
+    def y(self) -> Axis:
+        """Of the first panel."""
+        return self.panels[0].y
+
+    @property
+    def series(self) -> tuple[Series, ...]:
+        """Of all panels."""
+        return tuple(entry for panel in self.panels for entry in panel.series)
+
+
+def is_wide(values: np.ndarray, ratio: float = 20.0) -> bool:
+    """Whether values (N,) span so wide a range that they are drawn on a logarithmic axis."""
+    known = values[np.isfinite(values)]
+    return bool(len(known) > 1 and known.min() > 0 and known.max() / known.min() >= ratio)

@@ -1,0 +1,244 @@
+"""One motor's errors as charts: against all that they may depend on, their distribution, where they lie."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.document.charts.chart import (
+    Axis,
+    Band,
+    Bars,
+    Binned,
+    Chart,
+    Histogram,
+    Line,
+    Panel,
+    Rule,
+    Series,
+    Spans,
+    Stems,
+)
+from bench.residuals.error_breakdown import AROUND, Branch, ErrorBreakdown
+from bench.residuals.profile import Variable
+
+VARIABLES: tuple[Variable, ...] = ("velocity", "position", "acceleration", "current", "time")
+BINS = 24
+HISTOGRAM_BINS = 41
+REACH = 5.0  # standard deviations of the noise that the histogram covers at least
+NOISE_BAND = "± noise of the current"
+
+
+def motor_charts(errors: ErrorBreakdown) -> Mapping[str, Chart]:
+    """By name: the five VARIABLES, reversals, recordings, opposing, shares, spectrum, positions, autocorrelation,
+    histogram; all recordings together.
+    """
+    return {
+        **{variable: against_chart(errors, variable) for variable in VARIABLES},
+        "reversals": reversals_chart(errors),
+        "recordings": recordings_chart(errors),
+        "opposing": opposing_chart(errors),
+        "shares": shares_chart(errors),
+        "spectrum": spectrum_chart(errors),
+        "positions": positions_chart(errors),
+        "autocorrelation": autocorrelation_chart(errors),
+        "histogram": histogram_chart(errors),
+    }
+
+
+def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
+    """Errors against a variable in bins with equally many rows, apart for either direction of motion."""
+    label, unit = errors.axes[variable]
+    series: tuple[Series, ...] = (_noise_band(errors), *map(_binned, errors.against(variable, BINS)))
+    return Chart(
+        f"Against {'modelled current' if variable == 'current' else variable}",
+        Axis(label, unit),
+        (Panel(_error_axis(errors), series),),
+        aid="Level with the band: nothing depends on it.",
+        legend="shared",
+    )
+
+
+def reversals_chart(errors: ErrorBreakdown) -> Chart:
+    """Errors before and after a change of direction, apart for what the direction is afterwards."""
+    branches = errors.around_reversals
+    reach = AROUND / (errors.series[0].rate or 1.0)
+    series: tuple[Series, ...] = (
+        _noise_band(errors),
+        Rule("", "noise", "x", 0.0, dashed=True),
+        *map(_binned, branches),
+    )
+    aid = "A step or spike at zero is friction or play. Colour: the direction afterwards."
+    return Chart(
+        "Around reversals",
+        Axis("time from the nearest reversal", "s", include=(-reach, reach)),
+        (Panel(_error_axis(errors), series),),
+        aid=aid if branches else "The motor never reverses while it moves: nothing to show.",
+        key="colour: the direction afterwards" if branches else "it never reverses while it moves",
+        legend="shared",
+    )
+
+
+def recordings_chart(errors: ErrorBreakdown) -> Chart:
+    """Error of every recording beside the noise of its current, both relative to the current."""
+    found = errors.by_recording
+    stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in found]
+    names = tuple(
+        f"{stem}, {recording.payload}" if recording.payload else stem
+        for stem, recording in zip(stems, found, strict=True)
+    )
+    return Chart(
+        "By recording and payload",
+        Axis("error of the current", "%", include=(0.0,)),
+        (
+            _bars(
+                names,
+                ("error", np.array([recording.error for recording in found])),
+                ("noise of the current", np.array([recording.noise for recording in found])),
+            ),
+        ),
+        aid="A recording or payload that stands out is unlike the others.",
+        key="grey: noise of the current",
+    )
+
+
+def opposing_chart(errors: ErrorBreakdown) -> Chart:
+    """Mean error that opposes the motion, early and late and by payload, with its 95 % interval."""
+    known = errors.opposing
+    mean = np.array([opposing.mean for _, opposing in known])
+    half = WITHIN_95 * np.array([opposing.std for _, opposing in known])
+    at = np.arange(len(known))
+    points = Spans("mean with 95 % interval", "error", at, mean, mean - half, mean + half)
+    names = tuple(name for name, _ in known)
+    return Chart(
+        "Error that opposes the motion",
+        Axis("mean of error · direction", errors.current, room=True),
+        (Panel(Axis("", scale="band", categories=names), (Rule("", "noise", "x", 0.0), points)),),
+        aid="Right of zero: more friction than modelled. Thirds that differ: warming up.",
+    )
+
+
+def shares_chart(errors: ErrorBreakdown) -> Chart:
+    """Share of the squared error that lies in every part of the motion, beside its share of the time."""
+    found = errors.shares
+    return Chart(
+        "Where the squared error lies",
+        Axis("share", "%", include=(0.0,)),
+        (
+            _bars(
+                tuple(region.region for region in found),
+                ("of the squared error", np.array([region.error for region in found])),
+                ("of the time", np.array([region.time for region in found])),
+            ),
+        ),
+        aid="A bar far longer than the grey one: the error is concentrated there.",
+        key="grey: share of the time",
+    )
+
+
+def spectrum_chart(errors: ErrorBreakdown) -> Chart:
+    """Density of the error over frequency, and that of the current's noise."""
+    found = errors.spectrum
+    density = found.density[1:]
+    series: tuple[Series, ...] = (Line("error", "error", found.frequency[1:], density),)
+    domain = None
+    if found.noise > 0:
+        series = (Rule("noise of the current", "noise", "y", found.noise), *series)
+        domain = (found.noise / 30.0, 2.0 * float(max(density.max(), found.noise)))
+    return Chart(
+        "Spectrum over time",
+        Axis("frequency", "Hz"),
+        (Panel(Axis("density of the error", f"{errors.current}²/Hz", "log", domain), series),),
+        aid="Above the grey line: more than noise. A peak is a vibration or a ripple.",
+        key="grey: noise of the current",
+    )
+
+
+def positions_chart(errors: ErrorBreakdown) -> Chart:
+    """Amplitude of the sinusoid over position that suits the error best, by its wave number."""
+    found = errors.over_position
+    curve = Line("error", "error", np.asarray(found.cycles), np.asarray(found.amplitude))
+    return Chart(
+        "Spectrum over position",
+        Axis(f"cycles per {errors.unit}"),
+        (Panel(Axis("amplitude of the error", errors.current, include=(0.0,)), (curve,)),),
+        aid="A peak repeats with position: cogging, gears, geometry.",
+    )
+
+
+def autocorrelation_chart(errors: ErrorBreakdown) -> Chart:
+    """Autocorrelation of the error, and what chance gives."""
+    found = errors.autocorrelation
+    band = Band("95 % of what chance gives", "noise", -found.band, found.band)
+    stems = Stems("error", "error", np.asarray(found.lag), np.asarray(found.value))
+    return Chart(
+        "Autocorrelation",
+        Axis("lag", "s"),
+        (Panel(Axis("autocorrelation of the error", include=(-0.2, 1.0)), (band, stems)),),
+        aid="Outside the band: errors follow each other. The first few come from the fit's low-pass.",
+        key="grey: 95 % of what chance gives",
+    )
+
+
+def histogram_chart(errors: ErrorBreakdown) -> Chart:
+    """The distribution of the errors, as shares of the rows, and what the noise alone would give."""
+    count_all = len(errors.errors)
+    reach = max(float(np.abs(errors.errors).max()), REACH * errors.noise)
+    edges = np.linspace(-reach, reach, HISTOGRAM_BINS + 1)
+    share = np.histogram(errors.errors, edges)[0] / count_all
+    series: tuple[Series, ...] = (Histogram("error", "error", edges, share),)
+    if errors.noise > 0:
+        x = np.linspace(-reach, reach, 10 * HISTOGRAM_BINS)
+        alone = errors.noise_alone(x) * float(edges[1] - edges[0])
+        series = (*series, Line("noise of the current alone", "noise", x, alone))
+    domain = (0.7 / count_all, 1.5 * float(share.max()))
+    return Chart(
+        "Histogram",
+        Axis("error", errors.current),
+        (Panel(Axis("share of the rows", "%", "log", domain), series),),
+        aid="All errors, the largest included. Wider than the grey curve: more than noise.",
+    )
+
+
+def _error_axis(errors: ErrorBreakdown) -> Axis:
+    return Axis("error", errors.current)
+
+
+def _noise_band(errors: ErrorBreakdown) -> Band:
+    return Band(NOISE_BAND, "noise", -errors.noise, errors.noise)
+
+
+def _binned(branch: Branch) -> Binned:
+    bins = branch.bins
+    low, high = _extremes(branch)
+    return Binned(
+        branch.direction,
+        branch.direction,
+        branch.x,
+        branch.error,
+        bins.edges,
+        bins.center,
+        bins.mean,
+        bins.spread,
+        low,
+        high,
+        bins.count,
+    )
+
+
+def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest and largest error in every bin, as `binned` bins."""
+    values, errors, edges = branch.x, branch.error, branch.bins.edges
+    size = len(edges) - 1
+    inside = (values >= edges[0]) & (values <= edges[-1])
+    index = np.clip(np.searchsorted(edges, values[inside], side="right") - 1, 0, size - 1)
+    low, high = np.full(size, np.inf), np.full(size, -np.inf)
+    np.minimum.at(low, index, errors[inside])
+    np.maximum.at(high, index, errors[inside])
+    return np.where(np.isfinite(low), low, np.nan), np.where(np.isfinite(high), high, np.nan)
+
+
+def _bars(names: tuple[str, ...], thick: tuple[str, np.ndarray], thin: tuple[str, np.ndarray]) -> Panel:
+    """Two bars for each name, the second one thin; thick, thin: name and lengths of either."""
+    bars = (Bars(thick[0], "error", thick[1]), Bars(thin[0], "noise", thin[1], thin=True))
+    return Panel(Axis("", scale="band", categories=names), bars)

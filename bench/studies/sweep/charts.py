@@ -1,0 +1,148 @@
+"""Charts of a sweep: a metric against an axis, and how a metric spreads over all runs."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.document.charts.chart import Axis, Chart, Histogram, Panel, Role, Rule, Whiskers, is_wide
+from bench.document.typeset import share, short, typeset
+from bench.effects.display_names import begun
+from bench.identification.wording import and_list
+from bench.studies.sweep.metrics import is_relative, is_share, metric_of, what_is_measured
+from bench.studies.sweep.summary import Spread, SummaryPart, rank, summarise_in_parts
+from bench.studies.sweep.titles import axis_parts, axis_title, axis_words, metric_title
+
+ROLES: tuple[Role, ...] = ("one", "two", "three", "four", "five", "six", "seven")
+COVERAGE = 0.95
+STEP = 0.008  # between lines, of the axis
+STEP_OF_NAMES = 0.1  # the same, of the room of a name
+SLABS = 24
+
+Points = list[tuple[Any, Spread]]
+
+
+def value_text(metric: str, value: float) -> str:
+    """A metric's value as it is set: relative ones in percent."""
+    return share(value) if is_relative(metric) else short(value, 3)
+
+
+def point_label(value: Any) -> str:
+    """A value of an axis, as it is set."""
+    return short(value, 5) if isinstance(value, float) else str(value)
+
+
+def metric_axis(metric: str, **more: Any) -> Axis:
+    """The axis of a metric: what it is in words, and its unit."""
+    unit = "%" if is_relative(metric) else metric_of(metric).unit
+    return Axis(begun(metric_title(metric)), unit, **more)
+
+
+def plot_chart(
+    table: Path,
+    x: str,
+    y: str,
+    lines: str | None = None,
+    picked: Collection[str] = (),
+    *,
+    logarithmic: bool | None = None,
+) -> Chart:
+    """Median and middle 90 % of a metric against an axis, a line for each value of another one.
+
+    Of a share: the mean with its 95 % interval. picked: axes with several values, each tried with all of the
+    others: where x and lines are of them, a point can be chosen for its runs. logarithmic: the axis of y; by default
+    where its values span a wide range. Raises BenchError if the table has no such column.
+    """
+    pick = {x, *([lines] if lines else [])} <= set(picked)
+    found = _points(table, x, y, lines)
+    every = [point for points in found.values() for point in points]
+    values = list(dict.fromkeys(value for value, _ in every))
+    across, at = _across(x, values)
+    series = []
+    for i, (name, points) in enumerate(found.items()):
+        # lines stand side by side, or their whiskers would hide each other
+        beside = i - (len(found) - 1) / 2.0 if len(found) <= len(ROLES) else 0.0
+        place = _moved(np.array([at[value] for value, _ in points]), list(at.values()), beside, across)
+        own = {} if lines is None else {lines: point_label(name)}
+        series.append(
+            Whiskers(
+                f"{axis_words(lines)} {_short(name)}" if lines else "",
+                ROLES[i % len(ROLES)],
+                place,
+                np.array([spread.mean if is_share(y) else spread.median for _, spread in points]),
+                np.array([spread.low for _, spread in points]),
+                np.array([spread.high for _, spread in points]),
+                joined=across.scale != "band",
+                pick=tuple({x: point_label(value), **own} for value, _ in points) if pick else (),
+            )
+        )
+    marks = (Rule("95 %", "noise", "y", COVERAGE, dashed=True),) if is_share(y) else ()
+    by = f", by {axis_title(lines)}" if lines else ""
+    together = [axis_words(axis) for axis in picked if axis not in (x, lines)] if pick else []
+    pooled = f" All values together of {and_list(together)}." if together else ""
+    reading = (
+        "means; whiskers: 95 % intervals" if is_share(y) else "medians; whiskers: the middle 90 % of runs"
+    )
+    return Chart(
+        begun(f"{metric_title(y)} against {axis_title(x)}{by}"),
+        across,
+        (Panel(_up(y, every, logarithmic), (*marks, *series)),),
+        aid=f"{begun(what_is_measured(y))}. Dots: {reading}.{pooled}",
+    )
+
+
+def spread_chart(metric: str, values: Sequence[Any]) -> Chart:
+    """A histogram of a metric over all runs, and its median."""
+    known = np.array([np.nan if value is None else float(value) for value in values])
+    known = known[np.isfinite(known)]
+    counts, edges = np.histogram(known, bins=min(SLABS, max(5, len(known) // 4)))
+    bars = Histogram("runs", "after", edges, counts)
+    median = Rule("median", "modelled", "x", float(np.median(known)))
+    x, y = metric_axis(metric), Axis("runs", include=(0.0,))
+    return Chart(begun(metric_title(metric)), x, (Panel(y, (bars, median)),))
+
+
+def _points(table: Path, x: str, y: str, lines: str | None) -> dict[Any, Points]:
+    """By the value of `lines`: values of x with the spread of y; both rising where they are numbers."""
+    found: dict[Any, Points] = {}
+    for line in summarise_in_parts(table, [x, *([lines] if lines else [])], [y]).lines:
+        at, *names = line.values
+        if at is not None and line.spreads[y].count:
+            value = at.middle if isinstance(at, SummaryPart) else at
+            found.setdefault(names[0] if names else None, []).append((value, line.spreads[y]))
+    return {name: found[name] for name in sorted(found, key=rank)}
+
+
+def _across(x: str, values: Sequence[Any]) -> tuple[Axis, dict[Any, float]]:
+    """The axis along which a metric is drawn, and where each value lies on it."""
+    words, unit = axis_parts(x)
+    if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        names = tuple(str(value).replace("_", " ") for value in values)
+        axis = Axis(words, unit, "band", categories=names)
+        return axis, {value: float(i) for i, value in enumerate(values)}
+    at = {value: float(value) for value in values}
+    wide = is_wide(np.array(list(at.values())))
+    return Axis(words, unit, "log") if wide else Axis(words, unit, room=True), at
+
+
+def _moved(x: np.ndarray, every: Sequence[float], beside: float, across: Axis) -> np.ndarray:
+    """Places along an axis, moved a little for lines that stand beside each other."""
+    if across.scale == "band":
+        return x + beside * STEP_OF_NAMES
+    low, high = min(every), max(every)
+    moved = x * (high / low) ** (STEP * beside) if across.scale == "log" else x + STEP * beside * (high - low)
+    return np.asarray(moved)
+
+
+def _up(y: str, every: Points, logarithmic: bool | None) -> Axis:
+    ends = np.array([end for _, spread in every for end in (spread.low, spread.high)])
+    include = (float(ends.min()), float(ends.max())) if len(ends) and np.isfinite(ends).all() else ()
+    wide = is_wide(np.array([spread.median for _, spread in every])) if logarithmic is None else logarithmic
+    return metric_axis(y, scale="log" if wide and not is_share(y) else "linear", include=include)
+
+
+def _short(name: Any) -> str:
+    return typeset(f"{name:g}" if isinstance(name, int | float) else str(name))
