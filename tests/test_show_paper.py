@@ -16,7 +16,7 @@ from bench.document.figures.paper import (
     PICTURE_DPI,
     SCALE,
     WIDTHS,
-    Panel,
+    PaperPanel,
     PaperFigure,
     csv_of,
     file_part,
@@ -190,7 +190,7 @@ def test_parts_of_recordings_have_files_of_their_own():
 
 def test_the_csv_reads_back_to_the_last_digit(tmp_path):
     numbers = {"a [m]": [0.1 + 0.2, float("nan"), -1e-300], "name, odd": ["x,y", None, "z"]}
-    write_paper_figures(tmp_path, [PaperFigure("one", (Panel(lambda axes: None, 30.0),), {"": numbers})])
+    write_paper_figures(tmp_path, [PaperFigure("one", (PaperPanel(lambda axes: None, 30.0),), {"": numbers})])
     with (tmp_path / "one.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     assert header == ["a [m]", "name, odd"]

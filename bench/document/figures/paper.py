@@ -53,7 +53,7 @@ Numbers = Mapping[str, Sequence[float | str | None]]
 
 
 @dataclass(frozen=True)
-class Panel:
+class PaperPanel:
     """One pair of axes. height: mm."""
 
     draw: Callable[[Axes], None]
@@ -69,7 +69,7 @@ class PaperFigure:
     """
 
     name: str
-    panels: tuple[Panel, ...]
+    panels: tuple[PaperPanel, ...]
     numbers: Mapping[str, Numbers]
     stacked: bool = False
 

@@ -11,7 +11,7 @@ from bench.document.charts.chart import Band, Binned, Chart, Histogram, Line, Ru
 from bench.document.charts.currents import currents_chart
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.draw import draw, points_of
-from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
+from bench.document.figures.paper import SCALE, Numbers, PaperPanel, PaperFigure, file_part
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries
 
@@ -60,8 +60,8 @@ def _currents(what: Compared, recording: str) -> PaperFigure:
     for trace in series:
         unit = what.units[trace.joint][0]
         chart = currents_chart([("error", "", trace)], unit, recording)
-        panels.append(Panel(partial(_draw_current, chart, f"{trace.joint} [{unit}]"), CURRENT))
-        panels.append(Panel(partial(_draw_error, chart, trace is series[-1]), ERROR))
+        panels.append(PaperPanel(partial(_draw_current, chart, f"{trace.joint} [{unit}]"), CURRENT))
+        panels.append(PaperPanel(partial(_draw_error, chart, trace is series[-1]), ERROR))
         numbers.append(_current_numbers(trace, unit))
     name = f"currents_{file_part(recording)}"
     return PaperFigure(name, tuple(panels), {"": _joined(numbers)}, stacked=True)
@@ -89,8 +89,8 @@ def _draw_error(chart: Chart, last: bool, axes: Axes) -> None:
     axes.set_xlabel("time [s]" if last else "")
 
 
-def _panels(charts: Mapping[str, Chart], height: float) -> tuple[Panel, ...]:
-    return tuple(Panel(partial(_draw_motor, chart, joint), height) for joint, chart in charts.items())
+def _panels(charts: Mapping[str, Chart], height: float) -> tuple[PaperPanel, ...]:
+    return tuple(PaperPanel(partial(_draw_motor, chart, joint), height) for joint, chart in charts.items())
 
 
 def _draw_motor(chart: Chart, joint: str, axes: Axes) -> None:

@@ -13,7 +13,7 @@ from bench.document.charts.currents import before_after_chart
 from bench.document.charts.models import gains_chart, ladder_chart
 from bench.document.figures.diagnosis_panels import Moved, draw_moved, draw_ranking, moved
 from bench.document.figures.draw import draw
-from bench.document.figures.paper import SCALE, Numbers, Panel, PaperFigure, file_part
+from bench.document.figures.paper import SCALE, Numbers, PaperPanel, PaperFigure, file_part
 from bench.document.numbers import current_unit, judged_error
 from bench.identification.result import CurrentSeries, Identification
 
@@ -38,7 +38,7 @@ def gain_figure(result: Identification) -> PaperFigure:
     height = FOOT + 6.0 * len(gains)
     return PaperFigure(
         "drive_gains",
-        (Panel(partial(_draw, gains_chart([("after", "identified, 95 % interval", gains)])), height),),
+        (PaperPanel(partial(_draw, gains_chart([("after", "identified, 95 % interval", gains)])), height),),
         {"": numbers},
     )
 
@@ -74,7 +74,7 @@ def _ladder(diagnosis: Diagnosis) -> PaperFigure:
         values = levels.get(name, np.full(len(names), np.nan))
         numbers[f"error, {name} [%]"] = [value if np.isfinite(value) else None for value in values.tolist()]
     numbers["noise of the currents [%]"] = [floor] * len(names)
-    panel = Panel(partial(_draw, chart), FOOT + 2.2 * BAR * len(names))
+    panel = PaperPanel(partial(_draw, chart), FOOT + 2.2 * BAR * len(names))
     return PaperFigure("ladder", (panel,), {"": numbers})
 
 
@@ -90,7 +90,7 @@ def _ranking(diagnosis: Diagnosis) -> PaperFigure:
         "alternatives": [" ".join(verdict.alternatives) for verdict in ranking],
     }
     rows = min(SHOWN, sum(verdict.verdict != "absorbed" for verdict in ranking))
-    panel = Panel(partial(_draw_ranking, diagnosis), FOOT + BAR * rows)
+    panel = PaperPanel(partial(_draw_ranking, diagnosis), FOOT + BAR * rows)
     return PaperFigure("ranking", (panel,), {"": numbers})
 
 
@@ -110,7 +110,7 @@ def _moved(name: str, rows: Sequence[Moved]) -> PaperFigure:
     nominal = any(row.nominal is not None for row in rows)
     if nominal:
         numbers["nominal"] = [row.nominal for row in rows]
-    panel = Panel(partial(_draw_moved, rows), FOOT + (WITH_NOMINAL if nominal else MOVED) * len(rows))
+    panel = PaperPanel(partial(_draw_moved, rows), FOOT + (WITH_NOMINAL if nominal else MOVED) * len(rows))
     return PaperFigure(name, (panel,), {"": numbers})
 
 
@@ -129,7 +129,7 @@ def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSer
         numbers[f"error of {joint} after [{unit}]"] = judged_error(after)[:, j].tolist()
         last = j == len(gains) - 1
         chart = before_after_chart(before, after, j, unit, after.name)
-        panels.append(Panel(partial(_draw_before_after, chart, f"{joint} [{unit}]", last), ERRORS))
+        panels.append(PaperPanel(partial(_draw_before_after, chart, f"{joint} [{unit}]", last), ERRORS))
     name = f"errors_before_after_{file_part(after.name)}"
     return PaperFigure(name, tuple(panels), {"": numbers}, stacked=True)
 
