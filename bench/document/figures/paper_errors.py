@@ -11,7 +11,7 @@ from bench.document.charts.chart import Band, Binned, Chart, Histogram, Line, Ru
 from bench.document.charts.currents import currents_chart
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.draw import draw, points_of
-from bench.document.figures.paper import SCALE, Numbers, PaperPanel, PaperFigure, file_part
+from bench.document.figures.paper import SCALE, Numbers, PaperFigure, PaperPanel, file_part
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries
 

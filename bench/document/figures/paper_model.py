@@ -13,7 +13,7 @@ from bench.document.charts.currents import before_after_chart
 from bench.document.charts.models import gains_chart, ladder_chart
 from bench.document.figures.diagnosis_panels import Moved, draw_moved, draw_ranking, moved
 from bench.document.figures.draw import draw
-from bench.document.figures.paper import SCALE, Numbers, PaperPanel, PaperFigure, file_part
+from bench.document.figures.paper import SCALE, Numbers, PaperFigure, PaperPanel, file_part
 from bench.document.numbers import current_unit, judged_error
 from bench.identification.result import CurrentSeries, Identification
 
