@@ -9,8 +9,9 @@ from rich.console import Console
 from bench.studies.trial.command import show
 from bench.studies.trial.figures import write_figures
 from bench.studies.trial.markdown import parts, trial_markdown
+from bench.studies.trial.name_list import cell_of, names_in
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import Share, Target, TargetFigure
+from bench.studies.trial.target import Kept, Share, Target, TargetFigure
 from tests.trial_rows import trial_row, trial_rows
 
 
@@ -69,31 +70,36 @@ def test_a_row_of_names_and_numbers_keeps_to_one_line(nothing: TrialSummary) -> 
 
 
 @pytest.mark.parametrize(
-    ("count", "of", "least", "most", "verdict"),
+    ("count", "of", "least", "most", "kept"),
     [
-        (0, 10, None, 0.02, "too few cases to say"),
-        (0, 200, None, 0.02, "yes"),
-        (1, 10, None, 0.02, "too few cases to say"),
-        (3, 10, None, 0.02, "no"),
-        (10, 10, 0.95, None, "too few cases to say"),
-        (96, 100, 0.95, None, "yes"),
-        (94, 100, 0.95, None, "too few cases to say"),
-        (80, 100, 0.95, None, "no"),
-        (9, 10, 0.88, 0.99, "too few cases to say"),
-        (190, 200, 0.88, 0.99, "yes"),
-        (150, 200, 0.88, 0.99, "no"),
-        (5, 5, None, None, ""),
-        (0, 0, 0.95, None, ""),
+        (0, 10, None, 0.02, Kept.TOO_FEW),
+        (0, 200, None, 0.02, Kept.YES),
+        (1, 10, None, 0.02, Kept.TOO_FEW),
+        (3, 10, None, 0.02, Kept.NO),
+        (10, 10, 0.95, None, Kept.TOO_FEW),
+        (96, 100, 0.95, None, Kept.YES),
+        (94, 100, 0.95, None, Kept.TOO_FEW),
+        (80, 100, 0.95, None, Kept.NO),
+        (9, 10, 0.88, 0.99, Kept.TOO_FEW),
+        (190, 200, 0.88, 0.99, Kept.YES),
+        (150, 200, 0.88, 0.99, Kept.NO),
+        (5, 5, None, None, None),
+        (0, 0, 0.95, None, None),
     ],
 )
 def test_a_verdict_needs_enough_cases(
-    count: int, of: int, least: float | None, most: float | None, verdict: str
+    count: int, of: int, least: float | None, most: float | None, kept: Kept | None
 ) -> None:
     share = Share(count, of)
-    assert Target(TargetFigure.ALARM, share.value, least, most, share).verdict == verdict
+    assert Target(TargetFigure.ALARM, share.value, least, most, share).kept is kept
 
 
 def test_a_median_is_held_against_its_limit_as_it_is() -> None:
-    assert Target(TargetFigure.FLOOR_MEDIAN, 1.2, None, 1.15).verdict == "no"
-    assert Target(TargetFigure.FLOOR_MEDIAN, 1.1, None, 1.15).verdict == "yes"
-    assert Target(TargetFigure.FLOOR_MEDIAN, float("nan"), None, 1.15).verdict == ""
+    assert Target(TargetFigure.FLOOR_MEDIAN, 1.2, None, 1.15).kept is Kept.NO
+    assert Target(TargetFigure.FLOOR_MEDIAN, 1.1, None, 1.15).kept is Kept.YES
+    assert Target(TargetFigure.FLOOR_MEDIAN, float("nan"), None, 1.15).kept is None
+
+
+@pytest.mark.parametrize("names", [(), ("backlash",), ("backlash", "viscous_friction")])
+def test_names_in_a_cell_are_read_as_they_were_written(names: tuple[str, ...]) -> None:
+    assert names_in(cell_of(names)) == names

@@ -41,11 +41,6 @@ def pretty_unit(unit: str) -> str:
     return raised.replace("*", "·")
 
 
-def current_unit(gain_unit: str) -> str:
-    """The drive's unit, A or V, out of the unit of a gain."""
-    return gain_unit.rsplit("/", maxsplit=1)[-1]
-
-
 def value_and_std(value: float, std: float) -> tuple[str, str]:
     """A value to the digits that its standard deviation supports, and the deviation to two digits."""
     if not (math.isfinite(value) and math.isfinite(std)):
@@ -80,10 +75,15 @@ def percent(share: float | None, *, signed: bool = False) -> str:
 
 def quantity_text(quantity: Quantity) -> str:
     """A value with its deviation, or that it was given, or that other parameters take it up."""
-    if math.isinf(quantity.std):
+    pair = quantity_parts(quantity)
+    if pair is None:
         return ABSORBED
-    value, std = value_and_std(quantity.value, quantity.std)
-    return f"{value} {std}" if std == GIVEN else f"{value} ± {std}"
+    return " ".join(pair) if pair[1] == GIVEN else " ± ".join(pair)
+
+
+def quantity_parts(quantity: Quantity) -> tuple[str, str] | None:
+    """A value, and its deviation or that it was given; None where other parameters take it up."""
+    return None if math.isinf(quantity.std) else value_and_std(quantity.value, quantity.std)
 
 
 def change_between(before: float, after: float) -> str:

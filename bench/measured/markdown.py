@@ -5,20 +5,28 @@ from collections.abc import Mapping, Sequence
 from bench.document.markdown.tables import rows_in_markdown
 from bench.measured.known import MachineTable
 from bench.measured.run import Record
-from bench.measured.tables import EXPLANATION, NO, RUN_HEADS, VALUE_HEADS, run_rows, sources, value_rows
+from bench.measured.tables import (
+    EXPLANATION,
+    RUN_HEADS,
+    VALUE_HEADS,
+    MeasuredCell,
+    run_rows,
+    sources,
+    value_rows,
+)
 
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:
     """All machines: first what the commands gave, then each with its values beside what is known."""
     rows = [
-        (kept.name, _unbroken(command), *cells)
+        (kept.name, _unbroken(command.text), *_weighted(cells))
         for kept in records
         for command, *cells in run_rows(kept, machines[kept.name])
     ]
     blocks = [
         "# On measured logs",
         EXPLANATION,
-        rows_in_markdown(("machine", *RUN_HEADS), map(_weighted, rows)),
+        rows_in_markdown(("machine", *RUN_HEADS), rows),
     ]
     for record in records:
         machine = machines[record.name]
@@ -43,5 +51,5 @@ def _unbroken(command: str) -> str:
     return " ".join(f"`{part}`" for part in (first, *(f"--{option}" for option in options)))
 
 
-def _weighted(row: Sequence[str]) -> list[str]:
-    return [f"**{cell}**" if cell.split(" ")[-1] == NO else cell for cell in row]
+def _weighted(row: Sequence[MeasuredCell]) -> list[str]:
+    return [f"**{cell.text}**" if cell.wrong else cell.text for cell in row]

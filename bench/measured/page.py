@@ -11,9 +11,9 @@ from bench.measured.known import WITHIN, MachineTable
 from bench.measured.run import MachineRun, Record
 from bench.measured.tables import (
     EXPLANATION,
-    NO,
     RUN_HEADS,
     VALUE_HEADS,
+    MeasuredCell,
     quantity_name,
     run_rows,
     sources,
@@ -153,8 +153,8 @@ def _intervals(run: MachineRun, names: Sequence[tuple[str, str]], role: Role, sh
     return Spans(typeset(run.command), role, at, centre, centre - half, centre + half, 0.7 * shift)
 
 
-def _row(cells: Sequence[str]) -> PageRow:
-    return PageRow(tuple(Cell(typeset(text), "poor" if text.split(" ")[-1] == NO else "") for text in cells))
+def _row(cells: Sequence[MeasuredCell]) -> PageRow:
+    return PageRow(tuple(Cell(typeset(cell.text), "poor" if cell.wrong else "") for cell in cells))
 
 
 def _again_section(records: Sequence[Record], again: str) -> Section:

@@ -1,6 +1,7 @@
 """Records as rows of cells, the same for the page of text and the page for a browser."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from bench.document.numbers import percent, pretty_unit, value_and_std
 from bench.effects.display_names import spoken
@@ -29,13 +30,30 @@ EXPLANATION = (
 )
 
 
-def run_rows(record: Record, table: MachineTable) -> Iterator[tuple[str, ...]]:
+@dataclass(frozen=True)
+class MeasuredCell:
+    """A text in a table of records. right: whether what it tells of is as it should be; None: it does not say."""
+
+    text: str
+    right: bool | None = None
+
+    @property
+    def wrong(self) -> bool:
+        """Whether it is surely not as it should be."""
+        return self.right is False
+
+
+Cells = tuple[MeasuredCell, ...]
+
+
+def run_rows(record: Record, table: MachineTable) -> Iterator[Cells]:
     """A row for every command: its errors, how many values are right, what it costs, what it names."""
     for run in record.runs:
         if run.failed:
-            yield (f"bench {run.command}", *[NONE] * 5, f"{run.seconds:.3g} s", f"failed: {run.failed}")
+            none = [NONE] * 5
+            yield _cells(f"bench {run.command}", *none, f"{run.seconds:.3g} s", f"failed: {run.failed}")
             continue
-        yield (
+        yield _cells(
             f"bench {run.command}",
             percent(run.error_identify),
             percent(run.error_validate),
@@ -47,12 +65,16 @@ def run_rows(record: Record, table: MachineTable) -> Iterator[tuple[str, ...]]:
         )
 
 
-def error_goal(run: MachineRun, table: MachineTable) -> str:
+def _cells(*entries: str | MeasuredCell) -> Cells:
+    return tuple(MeasuredCell(entry) if isinstance(entry, str) else entry for entry in entries)
+
+
+def error_goal(run: MachineRun, table: MachineTable) -> MeasuredCell:
     """The goal of the fitted error, and whether it is reached."""
     if table.error_goal is None or run.error_identify is None:
-        return NONE
+        return MeasuredCell(NONE)
     reached = run.error_identify <= table.error_goal
-    return f"{percent(table.error_goal)} {YES if reached else NO}"
+    return MeasuredCell(f"{percent(table.error_goal)} {YES if reached else NO}", reached)
 
 
 def counted(answers: Sequence[bool | None]) -> str:
@@ -79,13 +101,13 @@ def named(effects: NamedEffects) -> str:
     return f"{spoken(effects.effect)}{places}{instead}{verdict}"
 
 
-def value_rows(run: MachineRun) -> Iterator[tuple[str, ...]]:
+def value_rows(run: MachineRun) -> Iterator[Cells]:
     """A row for every gain and everything that is known."""
     for against in run.rows:
         known = NONE if against.known is None else f"{against.known:g}"
         if against.known is not None and against.uncertainty:
             known += f" ± {percent(against.uncertainty)}"
-        yield (
+        yield _cells(
             quantity_name(against),
             against.place,
             estimate(against),
@@ -115,9 +137,9 @@ def estimate(known: AgainstKnown) -> str:
     return " ± ".join(value_and_std(known.value, known.std))
 
 
-def answer(right: bool | None) -> str:
+def answer(right: bool | None) -> MeasuredCell:
     """Yes, no, or nothing to say."""
-    return NONE if right is None else YES if right else NO
+    return MeasuredCell(NONE if right is None else YES if right else NO, right)
 
 
 def sources(machine: MachineTable) -> list[str]:

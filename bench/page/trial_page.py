@@ -20,6 +20,7 @@ from bench.studies.sweep.table import column_names, read_table
 from bench.studies.trial.cases import DATASETS_A_SEED, KINDS
 from bench.studies.trial.markdown import (
     COUNTED,
+    KEPT_WORDS,
     MAIN,
     WORDS,
     absorbed_table,
@@ -31,7 +32,7 @@ from bench.studies.trial.markdown import (
     target_cells,
 )
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import NO, TOO_FEW, YES, Share, Target, TargetFigure
+from bench.studies.trial.target import Kept, Share, Target, TargetFigure
 
 NEEDED = (
     "status",
@@ -44,6 +45,7 @@ NEEDED = (
     "intervals",
 )
 SUFFIX = ".parquet"
+NOT_KEPT = {Kept.NO: "not kept", Kept.TOO_FEW: KEPT_WORDS[Kept.TOO_FEW]}
 FEW = 20  # cases, below which a share says little
 
 
@@ -176,13 +178,13 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
         for target in summary.targets
         if target.reached is not None and (target.least, target.most) != (None, None)
     ]
-    kept = sum(target.verdict == YES for target in judged)
+    kept = sum(target.kept is Kept.YES for target in judged)
     if not judged:
         third = "No case counts, so nothing is said: longer recordings or more seeds help."
         return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
     third = f"Of {plural(len(judged), 'figure')} with a limit, {kept} surely keep it"
-    for verdict, words in ((NO, "not kept"), (TOO_FEW, "too few cases to say")):
-        names = [WORDS[target.figure] for target in judged if target.verdict == verdict]
+    for answer, words in NOT_KEPT.items():
+        names = [WORDS[target.figure] for target in judged if target.kept is answer]
         third += f"; {words}: {and_list(names)}" if names else ""
     third += "."
     return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
@@ -231,9 +233,9 @@ def _targets_section(summary: TrialSummary) -> Section:
 
 
 def _kept(target: Target) -> Cell:
-    if target.verdict == YES:
+    if target.kept is Kept.YES:
         return Cell("kept", "badge missing")
-    return Cell("not kept" if target.verdict == NO else target.verdict, "badge indistinguishable")
+    return Cell(NOT_KEPT[target.kept] if target.kept else "", "badge indistinguishable")
 
 
 def _confusion_section(summary: TrialSummary) -> Section:

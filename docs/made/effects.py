@@ -17,6 +17,7 @@ from bench.effects.display_names import begun, spoken
 from bench.effects.effect import EffectParameter, ShapeParameter
 from bench.identification.wording import in_percent
 from bench.residuals.look_alikes import QUESTION
+from bench.studies.trial.name_list import names_in
 from bench.studies.trial.summary import LARGE, NOTHING, SOMETHING
 
 RESULTS = Path(__file__).resolve().parents[2] / "results"
@@ -132,8 +133,8 @@ def confused(effect: Effect, trials: Mapping[str, Sequence[Numbers]]) -> str:
 
 def first_named(row: Numbers) -> str:
     """The effect named first; nothing, or something unexplained, where none was."""
-    named = row["missing"].split(" + ")[0]
-    return named or (SOMETHING if row["unexplained"] else NOTHING)
+    named = names_in(row["missing"])
+    return named[0] if named else (SOMETHING if row["unexplained"] else NOTHING)
 
 
 def listed_beside(row: Numbers, name: str) -> list[str]:
@@ -245,7 +246,7 @@ def outside_table(trials: Mapping[str, Sequence[Numbers]]) -> str:
         for name in sorted({row["hidden"] for row in large}):
             of = [row for row in large if row["hidden"] == name]
             told = sum(bool(row["unexplained"]) for row in of)
-            wrong = Counter(one for row in of for one in row["wrong"].split(" + ") if one)
+            wrong = Counter(name for row in of for name in names_in(row["wrong"]))
             rows.append((spoken(name), robot, f"{told} of {len(of)}", counted(wrong) or "–"))
     table = rows_in_markdown(("hidden", "robot", "said to be unexplained", "named wrongly for sure"), rows)
     searched = any("laws" in row for all_rows in trials.values() for row in all_rows)

@@ -1,6 +1,5 @@
 """A table in a terminal: columns give way where it is narrow, instead of being cut to pieces."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -9,8 +8,9 @@ import rich.table
 from rich import box
 from rich.cells import cell_len
 
-from bench.document.numbers import GIVEN, rounded_terms
+from bench.document.numbers import GIVEN, quantity_parts, rounded_terms
 from bench.document.table import RIGHT, Column, Table
+from bench.identification.result import Quantity
 
 GAPS = (2, 1)  # blanks between columns: the wider where there is room
 WIDTH = 100  # columns of a table that is asked for by itself
@@ -18,7 +18,6 @@ NARROWEST_TERMS = 14  # columns below which a grouping says nothing
 BAR = 30  # columns of the longest bar
 LEAST_BAR = 8
 EIGHTHS = " ▏▎▍▌▋▊▉"
-_PARTS = re.compile(r"(\S+)( ± |   )(\S+)")  # a value, and its deviation or that it was given
 POOR_STYLE = "yellow"
 STYLES = {"": "", "strong": "bold", "weak": "dim", "poor": POOR_STYLE}
 
@@ -109,7 +108,7 @@ def _rich(fit: Fit, table: Table) -> rich.table.Table:
 def _strip(column: Column) -> Strip:
     texts = column.texts
     if column.kind == "quantity":
-        texts = _aligned(texts)
+        texts = _aligned(column)
     if column.kind == "deviation":
         texts = [f"{'! ' if poor else ''}{text}" for text, poor in zip(texts, column.poor, strict=True)]
     return Strip(
@@ -121,15 +120,14 @@ def _strip(column: Column) -> Strip:
     )
 
 
-def _aligned(texts: Sequence[str]) -> list[str]:
+def _aligned(column: Column) -> list[str]:
     """Values with their deviations that stand under each other at the sign between; what is absorbed as it is."""
-    pairs = [text.replace(f" {GIVEN}", f"   {GIVEN}") for text in texts]
-    apart = [_PARTS.fullmatch(pair) for pair in pairs]
-    first = max((len(match[1]) for match in apart if match), default=0)
-    second = max((len(match[3]) for match in apart if match), default=0)
+    pairs = [quantity_parts(cell) if isinstance(cell, Quantity) else None for cell in column.cells]
+    first = max((len(pair[0]) for pair in pairs if pair), default=0)
+    second = max((len(pair[1]) for pair in pairs if pair), default=0)
     return [
-        f"{match[1]:>{first}}{match[2]}{match[3]:<{second}}" if match else text
-        for text, match in zip(texts, apart, strict=True)
+        f"{pair[0]:>{first}}{'   ' if pair[1] == GIVEN else ' ± '}{pair[1]:<{second}}" if pair else text
+        for text, pair in zip(column.texts, pairs, strict=True)
     ]
 
 

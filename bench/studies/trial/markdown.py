@@ -9,7 +9,7 @@ from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.effects.display_names import spoken
 from bench.studies.trial.summary import FLOOR_FACTOR, GAIN_FACTOR, LARGE, NOTHING, Miss, TrialSummary
-from bench.studies.trial.target import NO, Share, Target, TargetFigure
+from bench.studies.trial.target import Kept, Share, Target, TargetFigure
 
 COUNTED = (
     f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
@@ -39,6 +39,7 @@ WORDS = {
     TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
     TargetFigure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
 }
+KEPT_WORDS = {None: "", Kept.YES: "yes", Kept.NO: "no", Kept.TOO_FEW: "too few cases to say"}
 MAIN = frozenset(
     {
         TargetFigure.ONE_FIRST,
@@ -88,7 +89,7 @@ def targets_table(summary: TrialSummary) -> Table:
         Column(head, cell, "sentence" if head in FOLDED else "text")
         for head, cell in zip(heads, cells, strict=True)
     )
-    return Table(columns, tuple("strong" if target.verdict == NO else "" for target in tried))
+    return Table(columns, tuple("strong" if target.kept is Kept.NO else "" for target in tried))
 
 
 def confusion_table(summary: TrialSummary) -> Table:
@@ -193,7 +194,7 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
             )
     name = WORDS[target.figure] if target.figure in MAIN else f"– {WORDS[target.figure]}"
     if target.share is None:
-        return name, shown, " and ".join(bounds), target.verdict, "", ""
+        return name, shown, " and ".join(bounds), KEPT_WORDS[target.kept], "", ""
     if not target.share.of:
         return name, "", " and ".join(bounds), "", "0", ""
     low, high = target.share.interval
@@ -201,7 +202,7 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
         name,
         shown,
         " and ".join(bounds),
-        target.verdict,
+        KEPT_WORDS[target.kept],
         str(target.share.of),
         f"{100.0 * low:.1f} % to {100.0 * high:.1f} %",
     )

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_scenarios
+from bench.dataset.joint_units import units_of_gain
 from bench.dataset.robot import Robot, load_robot
 from bench.effects import CATALOGUE, places_in
 from bench.model.geometry import read_geometry
@@ -122,7 +123,7 @@ def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
 def _plain_content(robot: Robot) -> dict[str, Any]:
     """Movements about the home pose for a robot without a scenario."""
     model = robot.mjcf_model()
-    slides = [a.gain_unit.startswith("N/") for a in robot.actuators]
+    slides = [not units_of_gain(a.gain_unit).rotates for a in robot.actuators]
     if any(slides):
         raise BenchError(
             f"trial: robot {robot.name!r} has slide joints: give its movements with --scenario FILE"

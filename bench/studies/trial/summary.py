@@ -14,6 +14,7 @@ import numpy as np
 from bench.basics.chi_squared import WITHIN_95
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.compatible import COMPANIONS, optional
+from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import Share, Target, TargetFigure
 
 LARGE = 3.0
@@ -100,10 +101,10 @@ def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
 
 def first_named(row: Row) -> str:
     """The effect that a diagnosis names first, companions of the hidden one aside."""
-    drawn = row["hidden"].split(" + ")
+    drawn = names_in(row["hidden"])
     beside = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
     beside -= set(drawn)
-    names = [name for name in row["missing"].split(" + ") if name and name not in beside]
+    names = [name for name in names_in(row["missing"]) if name not in beside]
     return names[0] if names else SOMETHING if row["unexplained"] else NOTHING
 
 

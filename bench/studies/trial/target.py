@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum, auto
+from enum import Enum, StrEnum, auto
 
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
 
-YES, NO, TOO_FEW = "yes", "no", "too few cases to say"
+
+class Kept(Enum):
+    """Whether what must be reached is surely reached; `bench.studies.trial.markdown` has the words."""
+
+    YES = auto()
+    NO = auto()
+    TOO_FEW = auto()
 
 
 class TargetFigure(StrEnum):
@@ -81,19 +87,19 @@ class Target:
         )
 
     @property
-    def verdict(self) -> str:
-        """YES or NO where the cases are enough to say so, TOO_FEW, or nothing without a bound or any case."""
+    def kept(self) -> Kept | None:
+        """Whether it is where the cases are enough to say so; None without a bound or any case."""
         if self.reached is None or (self.least is None and self.most is None):
-            return ""
+            return None
         if self.share is None:
-            return YES if self.reached else NO
+            return Kept.YES if self.reached else Kept.NO
         low, high = self.share.interval
         if not self.reached:
             outside = (self.least is not None and high < self.least) or (
                 self.most is not None and low > self.most
             )
-            return NO if outside else TOO_FEW
-        return YES if self._enough(self.share) else TOO_FEW
+            return Kept.NO if outside else Kept.TOO_FEW
+        return Kept.YES if self._enough(self.share) else Kept.TOO_FEW
 
     def _enough(self, share: Share) -> bool:
         """Whether so many cases can show that the bound is kept: if all were as they should be."""

@@ -13,6 +13,7 @@ from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.files.atomic import atomic_path, write_text_atomically
 from bench.studies.sweep.journal import Row
+from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import Share
 
 FLOOR = 1.5  # times the noise floor
@@ -23,8 +24,8 @@ LARGE = 3.0  # times the noise floor: what a law must make of an error in a mode
 def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     """Shares of the cases that count, and what they must reach; nothing: cases with nothing hidden."""
     done = [row for row in rows if row["status"] == "ok" and row["least_own_error_over_floor"] >= LARGE]
-    alone = [row for row in done if " + " not in row["hidden"]]
-    beside = [row for row in done if " + " in row["hidden"]]
+    alone = [row for row in done if len(names_in(row["hidden"])) == 1]
+    beside = [row for row in done if len(names_in(row["hidden"])) > 1]
     figures: list[tuple[str, Sequence[Row], Callable[[Row], bool], str]] = [
         (f"one law alone: error not fitted at most {FLOOR:g} × the noise floor", alone, _at_floor, "80 %"),
         ("its torque within 10 % (RMS) of the truth's on recordings not fitted", alone, _near, "75 %"),
@@ -61,7 +62,7 @@ def cases_table(rows: Sequence[Row]) -> Table:
     return Table(
         (
             Column("hidden law", [_numbers(row) for row in rows], "sentence"),
-            Column("beside", [", ".join(row["hidden"].split(" + ")[1:]) or "–" for row in rows], "sentence"),
+            Column("beside", [", ".join(names_in(row["hidden"])[1:]) or "–" for row in rows], "sentence"),
             Column("found", [_formula(row.get("law.found")) for row in rows], "sentence"),
             Column("named", [row.get("missing") or "–" for row in rows], "sentence"),
             Column("error over floor, before", before, "number", 0, ".3g"),

@@ -29,6 +29,7 @@ from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
 from bench.studies.trial.judge import judged, named_from
 from bench.studies.trial.law_judged import law_columns
+from bench.studies.trial.name_list import cell_of
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import Entry, hidden_places, realised, reference_scenario
 from bench.studies.trial.setup import Setup
@@ -145,8 +146,8 @@ def _case_columns(setup: Setup, case: Case, number: int) -> Row:
         "scenario": setup.name,
         "seed": case.seed,
         "kind": case.kind,
-        "hidden": " + ".join(case.effects),
-        "joints": " + ".join(",".join(hide.joints) or "machine" for hide in case.hides),
+        "hidden": cell_of(case.effects),
+        "joints": cell_of(",".join(hide.joints) or "machine" for hide in case.hides),
         "shares": json.dumps([hide.share for hide in case.hides]),
         "current_noise_ratio": case.noise,
         "encoder_bits": case.encoder_bits,
@@ -217,13 +218,13 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
         by_name[name].verdict == "absorbed" for name in case.effects if name in by_name
     )
     return {
-        "missing": " + ".join(diagnosis.missing),
+        "missing": cell_of(diagnosis.missing),
         "verdicts": json.dumps(verdicts),
         "first": judgement.first,
         "first_undecided": judgement.first_undecided,
         "exact": judgement.exact,
         "exact_undecided": judgement.exact_undecided,
-        "wrong": " + ".join(judgement.wrong),
+        "wrong": cell_of(judgement.wrong),
         "absorbed": absorbed and case.kind not in UNNAMED,
         "unexplained": diagnosis.unexplained.significant,
         "depends_on": ", ".join(diagnosis.unexplained.depends_on),
