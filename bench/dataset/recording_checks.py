@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench.dataset.joint_facts import JointFacts
+from bench.dataset.joint_units import joint_units
 from bench.files.recording_fault import Remedy
 
 Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated"]
@@ -129,7 +130,7 @@ def limits(channel: Channel) -> Fault | None:
     if not outside.size:
         return None
     row = int(outside[0])
-    unit = "rad" if joint.kind == "hinge" else "m"
+    unit = joint_units(joint.kind == "hinge").position
     return Fault(
         "limits",
         row,

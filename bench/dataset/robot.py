@@ -11,6 +11,7 @@ from pydantic import Field, field_validator, model_validator
 
 from bench.basics.errors import BenchError, meant
 from bench.dataset.catalogue import built_in_robots
+from bench.dataset.joint_units import HINGE, SLIDE, units_of_gain
 from bench.dataset.robot_mjcf import Transmission, robot_model, robot_spec
 from bench.dataset.robot_redundancy import independent_motors
 from bench.files.toml_input import UserTable, one_line, read_toml
@@ -193,7 +194,7 @@ def compiler_message(path: Path, text: str) -> str:
 
 def _transmissions(actuators: Sequence[Actuator]) -> tuple[Transmission, ...]:
     return tuple(
-        Transmission(actuator.joint, actuator.drives, actuator.gain_unit.startswith("N/"))
+        Transmission(actuator.joint, actuator.drives, not units_of_gain(actuator.gain_unit).rotates)
         for actuator in actuators
         if actuator.drives != "joint"
     )
@@ -216,7 +217,7 @@ def _checked(
     except BenchError as error:
         raise BenchError(f"{description}: actuators: {error}") from None
 
-    units = {int(mujoco.mjtJoint.mjJNT_HINGE): "N*m", int(mujoco.mjtJoint.mjJNT_SLIDE): "N"}
+    units = {int(mujoco.mjtJoint.mjJNT_HINGE): HINGE.effort, int(mujoco.mjtJoint.mjJNT_SLIDE): SLIDE.effort}
     checked: list[Actuator] = []
     seen: dict[str, int] = {}
     for i, actuator in enumerate(actuators):
@@ -239,7 +240,7 @@ def _checked(
         unit = TORQUE_LOGS[units[kind]] if actuator.gain_unit == "1" else actuator.gain_unit
         checked.append(replace(actuator, gain_unit=unit))
         if unit.split("/")[0] != units[kind]:
-            noun = "slide" if units[kind] == "N" else "hinge"
+            noun = "slide" if units[kind] == SLIDE.effort else "hinge"
             allowed = f'"{units[kind]}/A" or "{units[kind]}/V", or "1" for a log of torques'
             raise BenchError(
                 f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"

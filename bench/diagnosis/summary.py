@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.dataset.joint_units import units_of_gain
 from bench.diagnosis.differs_words import from_run_to_run
 from bench.diagnosis.law_words import law_sentences
 from bench.diagnosis.motions import telling_motions
@@ -231,7 +232,7 @@ def motor_torques(result: Identification) -> dict[str, float]:
 
 def effort_unit(result: Identification, joint: str) -> str:
     """N·m or N, of one motor."""
-    return result.drive_gains[joint].unit.partition("/")[0].replace("*", "·")
+    return units_of_gain(result.drive_gains[joint].unit).spelled_effort
 
 
 def where(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:

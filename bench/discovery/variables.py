@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from bench.dataset.joint_units import joint_units
 from bench.discovery.units import Unit
 
 Kind = Literal["position", "velocity", "acceleration", "load", "time", "tool_speed"]
@@ -63,7 +64,8 @@ class Variable:
         rotates = place.rotates[(place.index + self.ahead) % len(place.motors)]
         if rotates == place.rotates[place.index]:
             return own
-        plain = {"{effort}": "N*m" if rotates else "N", "{angle}": "rad" if rotates else "m"}
+        units = joint_units(rotates)
+        plain = {"{effort}": units.effort, "{angle}": units.position}
         return {plain.get(symbol, symbol): exponent for symbol, exponent in own.items()}
 
 

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.dataset.joint_units import joint_units
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals, RobotSignals
 
@@ -25,8 +26,9 @@ def unit_at(unit: str, rotates: bool, drive: str = "A") -> str:
 
     drive: the unit of the current, for `{drive}`.
     """
-    effort, angle, turn = ("N*m", "rad", "turn") if rotates else ("N", "m", "m")
-    return unit.format(effort=effort, angle=angle, turn=turn, drive=drive).replace("(N)", "N")
+    at = joint_units(rotates)
+    plain = unit.format(effort=at.effort, angle=at.position, turn=at.turn, drive=drive)
+    return plain.replace("(N)", "N")
 
 
 @dataclass(frozen=True)

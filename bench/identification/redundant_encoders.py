@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.dataset.joint_units import joint_units
 from bench.dataset.recording import position_column
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
@@ -53,7 +54,7 @@ def _contradiction(joint: Joint, measured: Measured) -> Finding | None:
         Code.CLOSURE_CONTRADICTED,
         (joint.name, recording.name),
         numbers={"difference": size, "mean": float(difference.mean()), "travel": travel},
-        unit="m" if joint.kind == "slide" else "rad",
+        unit=joint_units(joint.kind != "slide").position,
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.dataset.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
 from bench.identification.by_recording import without_own_values
@@ -189,9 +190,7 @@ def _effects(
     prepared: Prepared, solution: Solution, std: np.ndarray, kept: np.ndarray, shape_at: int
 ) -> dict[str, dict[str, dict[str, Quantity]]]:
     rotates = {joint.name: joint.kind != "slide" for joint in prepared.model.geometry.joints}
-    drives = {
-        actuator.joint: actuator.gain_unit.partition("/")[2] for actuator in prepared.dataset.robot.actuators
-    }
+    drives = {actuator.joint: drive_unit(actuator.gain_unit) for actuator in prepared.dataset.robot.actuators}
     found: dict[str, dict[str, dict[str, Quantity]]] = {}
     at = prepared.layout.size - prepared.layout.effects
     for instance in prepared.effects:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bench.dataset.joint_units import drive_unit
 from bench.identification.finding import Code, Finding
 from bench.identification.result import CurrentSeries, Identification
 
@@ -26,7 +27,7 @@ def unlike_units(result: Identification) -> list[Finding]:
     if np.abs(high - low - THOUSAND).max() > NEAR:
         return []
     times = float(10.0 ** (high - low).mean())
-    unit = next(iter(result.drive_gains.values())).unit.partition("/")[2]
+    unit = drive_unit(next(iter(result.drive_gains.values())).unit)
     return [
         Finding(Code.UNITS_UNLIKE, (order[at - 1], *sorted(order[at:])), numbers={"times": times}, unit=unit)
     ]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import pi
 
 from bench.basics.errors import BenchError
+from bench.dataset.joint_units import drive_unit, units_of_gain
 from bench.dataset.robot import Actuator, Robot
 
 TURN = 2.0 * pi
@@ -80,7 +81,7 @@ def measured_by(column: str, robot: Robot) -> str | None:
         return None
     if kind == "current":
         return _of_current(actuator)
-    turns = actuator.gain_unit.startswith("N*m")
+    turns = units_of_gain(actuator.gain_unit).rotates
     if kind == "position":
         return "angle" if turns else "length"
     if kind == "velocity":
@@ -89,7 +90,7 @@ def measured_by(column: str, robot: Robot) -> str | None:
 
 
 def _of_current(actuator: Actuator) -> str:
-    return _OF_CURRENT[actuator.gain_unit.partition("/")[2]]
+    return _OF_CURRENT[drive_unit(actuator.gain_unit)]
 
 
 def factor_of(where: str, unit: str, column: str, robot: Robot) -> float | None:

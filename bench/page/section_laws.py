@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.dataset.joint_units import JointUnits, units_of_gain
 from bench.diagnosis.law_words import WHAT, law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Discovered, LooksAt
 from bench.document.charts.chart import Axis, Binned, Chart, Line, Panel, Series
@@ -78,7 +79,7 @@ def _row(*texts: str) -> PageRow:
 
 def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
     joints = list(after.joints)
-    effort, angle = ("N·m", "rad") if after.drive_gains[law.place].unit.startswith("N*m") else ("N", "m")
+    units = units_of_gain(after.drive_gains[law.place].unit)
     looks = dict.fromkeys(
         LooksAt(look.what, look.motor, "size")
         for term in law.terms
@@ -86,10 +87,7 @@ def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
         if look.role != "direction"
     )
     usable = [look for look in looks if look.what in (*SERIES, "time", "load")]
-    charts = [
-        _chart(law, after, look, joints, effort, angle)
-        for look in usable or [LooksAt("velocity", "", "size")]
-    ]
+    charts = [_chart(law, after, look, joints, units) for look in usable or [LooksAt("velocity", "", "size")]]
     return tuple(charts[:PANES])
 
 
@@ -98,8 +96,7 @@ def _chart(
     after: Identification,
     look: LooksAt,
     joints: Sequence[str],
-    effort: str,
-    angle: str,
+    units: JointUnits,
 ) -> PageChart:
     """The law and the rest, both in torque, over one variable."""
     j = joints.index(found_law.place)
@@ -121,9 +118,11 @@ def _chart(
             series.append(_measured(role, bins, x[way], rest))
             series.append(Line(f"law, {role}", "modelled", bins.center, same.mean))
     of = f" of {look.motor}" if look.motor else ""
-    unit = {"time": "s", "load": "of the modelled current"}.get(look.what) or UNIT_OF[look.what].format(angle)
+    unit = {"time": "s", "load": "of the modelled current"}.get(look.what) or UNIT_OF[look.what].format(
+        units.position
+    )
     title = f"Against the {WHAT[look.what]}{of}"
-    panel = Panel(Axis(f"at {found_law.place}", effort), tuple(series))
+    panel = Panel(Axis(f"at {found_law.place}", units.spelled_effort), tuple(series))
     chart = Chart(title, Axis(f"{WHAT[look.what]}{of}", unit), (panel,), legend="none")
     return PageChart(title, "", spec_of(chart, HEIGHT))
 

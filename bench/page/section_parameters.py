@@ -4,11 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from bench.dataset.joint_units import drive_unit, units_of_gain
 from bench.document.charts.chart import Axis, Chart, Panel, Rule, Spans
 from bench.document.identification import effects_table, parameters_table
 from bench.document.numbers import (
     POOR,
-    current_unit,
     flat_effects,
     is_poor,
     settings_lines,
@@ -109,14 +109,14 @@ def _motion_table(result: Identification) -> PageTable:
             np.concatenate([getattr(trace, name)[:, j] for trace in fitted])
             for name in ("position", "velocity", "acceleration", "measured", "moving")
         )
-        unit = "rad" if gain.unit.startswith("N*m") else "m"
+        unit = units_of_gain(gain.unit).position
         rows.append(
             row(
                 joint,
                 f"{_at(position.min(), position)} to {_at(position.max(), position)} {unit}",
                 f"{short(_rms(velocity), 3)} and {short(np.abs(velocity).max(), 3)} {unit}/s",
                 f"{short(_rms(acceleration), 3)} {unit}/s²",
-                f"{short(_rms(measured), 3)} {current_unit(gain.unit)}",
+                f"{short(_rms(measured), 3)} {drive_unit(gain.unit)}",
                 str(sum(_reversals(trace, j) for trace in fitted)),
                 share(float(moving.mean())),
             )

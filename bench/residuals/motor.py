@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.dataset.joint_units import drive_unit, units_of_gain
 from bench.dataset.recording import Recording
 from bench.dataset.robot import Robot
 from bench.identification.result import CurrentSeries
@@ -95,8 +96,8 @@ def compared(
     logged = {recording.name: recording for recording in recordings}
     units = {}
     for actuator in robot.actuators:
-        effort, _, current = actuator.gain_unit.partition("/")
-        units[actuator.joint] = (current, "rad" if effort == "N*m" else "m")
+        unit = actuator.gain_unit
+        units[actuator.joint] = (drive_unit(unit), units_of_gain(unit).position)
     found = []
     for trace in series:
         noise, band = (

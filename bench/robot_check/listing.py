@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from bench.dataset.joint_units import joint_units
 from bench.dataset.robot import Robot
 from bench.model.geometry import Geometry
 from bench.model.supported import label_of
@@ -68,7 +69,7 @@ def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:
         if joint.home is None or joint.lower is None or joint.upper is None:
             continue
         if not joint.lower - SLACK <= joint.home <= joint.upper + SLACK:
-            unit = "rad" if joint.kind == "hinge" else "m"
+            unit = joint_units(joint.kind == "hinge").position
             return Check(
                 name,
                 "failed",

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
+from bench.dataset.joint_units import units_of_gain
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot, load_robot
 from bench.files.toml_input import UserTable, first_mistake
@@ -248,5 +249,5 @@ def _joint_faults(settings: ScenarioTable, robot: Robot) -> Iterator[str]:
                 if joint not in value:
                     yield f"{prefix}.{key}: joint {joint!r} is missing"
     for actuator in robot.motors:
-        if settings.sensors.encoder_bits and actuator.gain_unit.startswith("N/"):
+        if settings.sensors.encoder_bits and not units_of_gain(actuator.gain_unit).rotates:
             yield f"sensors.encoder_bits: {actuator.joint!r} is a slide joint: give encoder_resolution in m"

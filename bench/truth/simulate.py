@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
+from bench.dataset.joint_units import HINGE, SLIDE, units_of_gain
 from bench.dataset.robot import Robot
 from bench.scenario.scenario import Scenario, per_joint, resolve_trajectories
 from bench.scenario.tables import RecordingTable
@@ -23,7 +24,7 @@ from bench.truth.sensors import Log, sense
 Array = NDArray[np.float64]
 
 LARGEST_GAP = 1e-4  # m: a loop that opens farther is no loop
-LARGEST_TRACKING_ERROR = {"N*m": 0.3, "N": 0.1}  # rad, m
+LARGEST_TRACKING_ERROR = {HINGE: 0.3, SLIDE: 0.1}  # rad, m
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +140,7 @@ def _recorded(
 def _tracking_fault(scenario: Scenario, motion: TrueMotion, position: Array) -> str | None:
     robot, limit = scenario.robot, scenario.settings.controller.tracking_limit
     if limit is None:
-        largest = np.array([LARGEST_TRACKING_ERROR[a.gain_unit.split("/")[0]] for a in robot.motors])
+        largest = np.array([LARGEST_TRACKING_ERROR[units_of_gain(a.gain_unit)] for a in robot.motors])
     else:
         largest = per_joint(limit, robot.driven)
     excess = np.abs(motion.reference - position) - largest

@@ -15,9 +15,10 @@ import rerun.blueprint as rrb
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
+from bench.dataset.joint_units import drive_unit, joint_units
 from bench.dataset.recording import Recording
 from bench.document.markdown.identification import parameters_markdown, summary_markdown
-from bench.document.numbers import USES, Truth, current_unit, error_std, judged_error, percent
+from bench.document.numbers import USES, Truth, error_std, judged_error, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
@@ -225,9 +226,9 @@ def _motors(result: Identification, geometry: Geometry) -> list[Motor]:
         Motor(
             name=joint,
             entity=rr.escape_entity_path_part(joint),
-            current_unit=current_unit(result.drive_gains[joint].unit),
-            position_unit="m" if kinds[joint] == "slide" else "rad",
-            effort_unit="N" if kinds[joint] == "slide" else "N·m",
+            current_unit=drive_unit(result.drive_gains[joint].unit),
+            position_unit=joint_units(kinds[joint] != "slide").position,
+            effort_unit=joint_units(kinds[joint] != "slide").spelled_effort,
             gain=result.drive_gains[joint].value,
         )
         for joint in result.joints

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bench.basics.threads import on_one_thread
+from bench.dataset.joint_units import drive_unit
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import Diagnosis
 from bench.effects import EffectInstance
@@ -189,7 +190,7 @@ def _place(model: FoundModel, system: PageSystem, i: int, instance: EffectInstan
         for geometry_joint in model.plain.model.geometry.joints
     }
     turning = rotates.get(instance.joint, True)
-    drive = robot.actuators[joint].gain_unit.partition("/")[2] if joint >= 0 else "A"
+    drive = drive_unit(robot.actuators[joint].gain_unit) if joint >= 0 else "A"
     shape = effect.shape_values()
     return {
         "place": instance.joint,

@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
+from bench.dataset.joint_units import drive_unit
 from bench.document.charts.currents import fitted_currents_chart
 from bench.document.figures.draw import draw
-from bench.document.numbers import USES, current_unit, error_std, percent
+from bench.document.numbers import USES, error_std, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, Identification, relative_error
 
@@ -51,7 +52,7 @@ def current_figure(result: Identification, recordings: Sequence[str] | None = No
     chosen = _chosen(result, recordings)
     joints = list(result.joints)
     spread = error_std(result)
-    units = [current_unit(result.drive_gains[joint].unit) for joint in joints]
+    units = [drive_unit(result.drive_gains[joint].unit) for joint in joints]
     with mpl.rc_context(STYLE):
         blocks = currents_page([trace.name for trace in chosen], joints)
         for series in chosen:

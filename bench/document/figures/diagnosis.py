@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.dataset.dataset import Dataset
+from bench.dataset.joint_units import drive_unit
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.document.charts.currents import before_after_chart
@@ -15,7 +16,7 @@ from bench.document.figures.comparison import errors_figure
 from bench.document.figures.currents import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
 from bench.document.figures.diagnosis_panels import draw_moved, moved
 from bench.document.figures.draw import draw
-from bench.document.numbers import current_unit, effect_name, percent
+from bench.document.numbers import effect_name, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, relative_error
 from bench.identification.wording import and_list
@@ -69,7 +70,7 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
             for j, (joint, gain) in enumerate(gains.items()):
                 panel = axes[row * len(gains) + j, column]
                 title = _said_errors(after.name, joint, before.get(after.name), after, j)
-                chart = before_after_chart(before.get(after.name), after, j, current_unit(gain.unit), title)
+                chart = before_after_chart(before.get(after.name), after, j, drive_unit(gain.unit), title)
                 draw(panel, chart)
                 panel.set(title=chart.title, xlabel="", ylabel=chart.y.title if column == 0 else "")
             axes[(row + 1) * len(gains) - 1, column].set_xlabel("time [s]")

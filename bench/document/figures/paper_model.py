@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from bench.basics.chi_squared import WITHIN_95
+from bench.dataset.joint_units import drive_unit
 from bench.diagnosis.result import Diagnosis
 from bench.document.charts.chart import Chart, Levels
 from bench.document.charts.currents import before_after_chart
@@ -14,7 +15,7 @@ from bench.document.charts.models import gains_chart, ladder_chart
 from bench.document.figures.diagnosis_panels import Moved, draw_moved, draw_ranking, moved
 from bench.document.figures.draw import draw
 from bench.document.figures.paper import SCALE, Numbers, PaperFigure, PaperPanel, file_part
-from bench.document.numbers import current_unit, judged_error
+from bench.document.numbers import judged_error
 from bench.identification.result import CurrentSeries, Identification
 
 FOOT = 18.0  # mm that an axis with its label takes
@@ -124,7 +125,7 @@ def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSer
     numbers: dict[str, list[float | str | None]] = {"time [s]": time.tolist()}
     panels = []
     for j, (joint, gain) in enumerate(gains.items()):
-        unit = current_unit(gain.unit)
+        unit = drive_unit(gain.unit)
         numbers[f"error of {joint} before [{unit}]"] = judged_error(before)[:, j].tolist()
         numbers[f"error of {joint} after [{unit}]"] = judged_error(after)[:, j].tolist()
         last = j == len(gains) - 1

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
+from bench.dataset.joint_units import units_of_gain
 from bench.document.figures.currents import DPI, STYLE
 from bench.document.numbers import effect_name
 from bench.excitation.discrimination.files import trajectory_table
@@ -30,7 +31,7 @@ def discrimination_figure(found: Discrimination) -> Figure:
         figure = Figure(figsize=(11.5, 2.1 * len(joints) + 1.0), dpi=DPI, layout="constrained")
         axes = figure.subplots(len(joints), 3, sharex=True, squeeze=False)
         for j, (joint, unit) in enumerate(found.joints.items()):
-            length = "rad" if unit.startswith("N*m") else "m"
+            length = units_of_gain(unit).position
             recorded = found.recorded[joint]
             for column, (kind, low, high) in enumerate(
                 (("position", recorded.low, recorded.high), ("velocity", -recorded.speed, recorded.speed))

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from bench.dataset.joint_units import units_of_gain
 from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.effects.display_names import begun, spoken
@@ -47,7 +48,7 @@ def next_step(found: Discrimination, dataset: str | Path, folder: str | Path) ->
 
 def length_unit(found: Discrimination, joint: str) -> str:
     """The unit of a motor's position: rad or m."""
-    return "rad" if found.joints[joint].startswith("N*m") else "m"
+    return units_of_gain(found.joints[joint]).position
 
 
 def _answer(found: Discrimination) -> list[str]:

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bench.dataset.joint_units import drive_unit, units_of_gain
 from bench.document.figures.currents import DPI, STYLE
 from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.plan import ExperimentPlan
@@ -32,8 +33,8 @@ def plan_figure(plan: ExperimentPlan) -> Figure:
                 for column, values in enumerate((position, velocity, current)):
                     axes[j, column].plot(time, values[:, j], color=colour, linewidth=1.1, label=name)
         for j, actuator in enumerate(robot.actuators):
-            length = "rad" if actuator.gain_unit.startswith("N*m") else "m"
-            drive = actuator.gain_unit.partition("/")[2] or "N·m"
+            length = units_of_gain(actuator.gain_unit).position
+            drive = drive_unit(actuator.gain_unit) or "N·m"
             _limits(axes[j, 0], (room.joint.low[j], room.joint.high[j]))
             _limits(axes[j, 1], (-room.velocity[j], room.velocity[j]))
             largest = room.torque[j] / plan.nominal.gains[j]
