@@ -1,5 +1,6 @@
 """What the README shows is run."""
 
+import json
 import re
 import statistics
 
@@ -7,6 +8,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from bench.cli import main
+from bench.identification.wording import in_percent
+from bench.studies.readme_commands import FILE, commands_of
 from bench.studies.trial.summary import summarised
 from bench.studies.trial.target import TargetFigure
 
@@ -86,3 +89,23 @@ def test_figures_of_the_readme_are_those_of_the_results(project_root):
         table = pq.read_table(project_root / "results" / "montecarlo" / f"{seeds}_seeds.parquet").to_pylist()
         errors = [one["gain_error"] for one in table if one["scenario"] == robot]
         assert cell == f"{100 * statistics.median(errors):.3f} %"
+
+
+def test_what_the_readme_says_of_five_commands_is_what_they_gave(project_root):
+    text = (project_root / "README.md").read_text(encoding="utf-8")
+    kept = json.loads((project_root / "results" / "excite" / FILE).read_text(encoding="utf-8"))
+    assert tuple(kept["commands"]) == commands_of(text)
+    assert [command.split()[1] for command in kept["commands"]] == [
+        "excite",
+        "simulate",
+        "identify",
+        "export",
+        "replay",
+    ]
+    quoted = {name: in_percent(share) for name, share in kept["off"].items()}
+    assert f"(here {quoted['twin']} of the current off, the model itself {quoted['model']})" in " ".join(
+        text.split()
+    )
+    for gain in kept["gains"].values():
+        assert gain["found"] == pytest.approx(gain["expected"], rel=0.2)
+    assert kept["better"] > 3.0

@@ -22,7 +22,7 @@ from bench.identification.filtered import Measured
 from bench.identification.model_file import Comparison, applied
 from bench.identification.observation import all_currents
 from bench.identification.problem import Problem
-from bench.identification.result import CurrentSeries, error_summary
+from bench.identification.result import CurrentSeries, error_summary, relative_error
 from bench.identification.summary import modelled_series
 from bench.model.configuration import configuration_rates
 from bench.model.geometry import Geometry, to_mujoco
@@ -94,6 +94,10 @@ def replay_json(result: Replay) -> dict[str, Any]:
         "model": result.twin.model,
         "error": asdict(result.twin.error),
         "error_of_model": asdict(result.model.error),
+        "of_all_recordings": {
+            "twin": relative_error(result.twin.recordings),
+            "model": relative_error(result.model.recordings),
+        },
         "left_out": list(result.left_out),
         "opened": result.opened,
         "recordings": [

@@ -21,11 +21,12 @@ from bench.excitation.experiment.plan import (
 )
 from bench.excitation.experiment.planned_log import PlannedRows, row_evidence
 from bench.excitation.experiment.request import ExperimentTable
-from bench.excitation.experiment.room import room_of
+from bench.excitation.experiment.room import Room, room_of
 from bench.excitation.experiment.search import largest_of
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, prepare
 from bench.identification.problem import Problem
+from bench.model.geometry import Geometry
 from bench.signals.decimation import decimated_indices
 from bench.signals.settings import signal_bands
 
@@ -50,7 +51,7 @@ def plan_after(
     check_linear(prepared.effects)
     nominal = _measured_machine(prepared, table)
     known = _known(prepared, nominal)
-    room = room_of(nominal.model.geometry, _with_recorded(table, prepared))
+    room = _room(nominal.model.geometry, table, prepared)
     shape = shape_of(room, table)
     loads = dict.fromkeys(observation.payload_name for observation in prepared.fitted)
     begun: list[Started] = []
@@ -82,7 +83,7 @@ def _measured_machine(prepared: Prepared, table: ExperimentTable) -> Nominal:
         effects=prepared.effects,
         gains_fitted=found.gains_fitted,
         noise=_noise(prepared, table),
-        source="the model that the recordings give",
+        source="the model and the gains that the recordings give",
     )
 
 
@@ -96,8 +97,11 @@ def _noise(prepared: Prepared, table: ExperimentTable) -> Noise:
         [recording.current for recording in recordings],
         rate,
     )
-    current = np.sqrt(bands.current_noise * rate / 2.0) if told.current is None else told.current
-    return Noise(current if np.all(current > 0.0) else None, told.ratio, told.encoder, rate)
+    if told.current is not None:
+        return replace(told, rate=rate)
+    current = np.sqrt(bands.current_noise * rate / 2.0)
+    heard = bool(np.all(current > 0.0))
+    return Noise(current if heard else None, told.ratio, told.encoder, rate, recorded=heard)
 
 
 def _known(prepared: Prepared, nominal: Nominal) -> tuple[Evidence, ...]:
@@ -118,8 +122,8 @@ def _known(prepared: Prepared, nominal: Nominal) -> tuple[Evidence, ...]:
     )
 
 
-def _with_recorded(table: ExperimentTable, prepared: Prepared) -> ExperimentTable:
-    """The table with the largest recorded speeds and accelerations where it has none."""
+def _room(geometry: Geometry, table: ExperimentTable, prepared: Prepared) -> Room:
+    """The room of the table, with the largest recorded speeds and accelerations where it has none."""
     joints = prepared.dataset.robot.joints
     changes = {}
     for key in ("velocity", "acceleration"):
@@ -128,4 +132,6 @@ def _with_recorded(table: ExperimentTable, prepared: Prepared) -> ExperimentTabl
                 [np.abs(getattr(measurement, key)).max(axis=0) for measurement in prepared.measured], axis=0
             )
             changes[key] = dict(zip(joints, largest.tolist(), strict=True))
-    return table.model_copy(update=changes)
+    told = f"{' and '.join(changes)}: the largest of each joint in the recordings"
+    room = room_of(geometry, table.model_copy(update=changes))
+    return replace(room, assumed=(told,) if changes else ())

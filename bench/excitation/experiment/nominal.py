@@ -26,13 +26,15 @@ SMALLEST = 0.05  # of the largest base parameter of its unit: against which a sm
 @dataclass(frozen=True)
 class Noise:
     """What the log is expected to be like. current (n,): standard deviation, drive unit, or None for `ratio` times the
-    RMS current of each recording; encoder (n,): its steps, rad or m; rate: samples a second.
+    RMS current of each recording; encoder (n,): its steps, rad or m; rate: samples a second; recorded: whether the
+    currents' is read off recordings.
     """
 
     current: np.ndarray | None
     ratio: float
     encoder: np.ndarray
     rate: float
+    recorded: bool = False
 
     def deviation(self, current: np.ndarray) -> np.ndarray:
         """Standard deviation (n,) of a recording's currents (N, n)."""

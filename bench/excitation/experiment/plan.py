@@ -29,6 +29,7 @@ from bench.excitation.experiment.search import (
     Search,
     Shape,
     Tried,
+    check_standing,
     proven,
     random_candidates,
     random_values,
@@ -121,7 +122,7 @@ def nominal_machine(
         effects=effects,
         gains_fitted=payload is not None,
         noise=noise_of(robot, table),
-        source=prior.source,
+        source=f"{prior.source} and nominal gains",
     )
 
 
@@ -226,6 +227,7 @@ def started(
     measure = relative_errors if aim.criterion == "worst" else volume
     targets = targets_of(nominal, aim.wanted)
     first = Search(nominal, room, shape, loads, known, lambda _: np.zeros(1))
+    check_standing(first)
     progress.phase("trying motions at random", 2 * RANDOM)
     starts = random_candidates(first, RANDOM, aim.seed, progress=progress)
     sparse = random_candidates(first, RANDOM, aim.seed, few=True, progress=progress)

@@ -16,7 +16,7 @@ from bench.excitation.experiment.room import (
     keeps_joints,
     robot_motion,
 )
-from bench.model.motion import Motion
+from bench.model.motion import Motion, motion_of
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
 RANDOM = 50  # motions at random; the best few of them are improved
@@ -104,6 +104,26 @@ class Search:
                 return found
             trajectory = scaled(trajectory, SHRINK)
         return None
+
+
+def check_standing(search: Search) -> None:
+    """Raise BenchError naming the motor whose torque is too small to hold the robot at home."""
+    nominal, room = replace(search.nominal, effects=()), search.room
+    rest = np.zeros((1, len(room.home)))
+    at_home = motion_of(nominal.model.geometry, np.zeros(1), room.home[None], rest, rest)
+    for load in search.loads:
+        current = np.abs(seen(nominal, at_home, load).current[0])
+        allowed = room.torque / nominal.gains
+        for actuator, needed, most in zip(
+            nominal.model.geometry.robot.actuators, current, allowed, strict=True
+        ):
+            if needed > most:
+                unit = actuator.gain_unit.partition("/")[2]
+                carrying = "" if load is None else " with the payload"
+                raise BenchError(
+                    f"current or torque of {actuator.joint}: {most:.3g} {unit} leave no room, "
+                    f"standing at home{carrying} takes {needed:.3g} already"
+                )
 
 
 def largest_of(errors: Errors, fit: Equations) -> float:

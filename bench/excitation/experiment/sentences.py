@@ -1,6 +1,7 @@
 """A plan in sentences."""
 
-from bench.excitation.experiment.forecast import Enough, Expected, Forecast
+from bench.excitation.experiment.forecast import LONGEST, Enough, Expected, Forecast
+from bench.excitation.experiment.nominal import FRICTION_SHARE
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.search import RANDOM
 from bench.identification.wording import in_percent
@@ -31,6 +32,7 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
             f"{'unloaded' if carried is None else f'carrying {carried}'}, {in_percent(plan.value, 2)} is "
             "to be expected."
         )
+    lines.append(_sizes(plan, told))
     lines += told.notes
     if told.enough is not None:
         lines += enough(told.enough)
@@ -40,7 +42,7 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
         )
     lines.append(
         f"Ranges, speeds and accelerations are kept at all times, between the rows of the table too. "
-        f"{_looked_at(plan)} Currents are expected by {plan.nominal.source} and nominal gains; {_noise(plan)}. "
+        f"{_looked_at(plan)} Currents are expected by {plan.nominal.source}; {_noise(plan)}. "
         "What the model lacks, such as friction, adds to the errors and to the currents."
     )
     return [line for line in lines if line]
@@ -65,7 +67,7 @@ def _noise(plan: ExperimentPlan) -> str:
     current = (
         f"the noise of each current is taken as {in_percent(noise.ratio, 2)} of its RMS"
         if noise.current is None
-        else "the noise of the currents is as given, or as recorded"
+        else f"the noise of the currents is as {'recorded' if noise.recorded else 'given'}"
     )
     steps = "encoders without steps" if not noise.encoder.any() else "encoders with the given steps"
     return f"{current}, {steps}, {noise.rate:g} samples a second"
@@ -88,7 +90,19 @@ def _parameters(plan: ExperimentPlan, told: Forecast) -> str:
     if not known:
         return ""
     listed = ", ".join(named(parameter) for parameter in known[:MOST_NAMED])
+    if len(parameters) <= MOST_NAMED:
+        return f"Standard {'errors' if len(parameters) > 1 else 'error'} to be expected: {listed}."
     return f"Of {len(parameters)} parameters the least certain: {listed}."
+
+
+def _sizes(plan: ExperimentPlan, told: Forecast) -> str:
+    """What the relative standard errors of effects are relative to."""
+    if all(told.unknowns[i].kind != "effect" for i in plan.targets):
+        return ""
+    return (
+        "The size of an effect's parameter, which nobody knows before, is taken as what makes "
+        f"{in_percent(FRICTION_SHARE, 2)} of a motor's RMS torque."
+    )
 
 
 def named(expected: Expected) -> str:
@@ -111,7 +125,9 @@ def enough(found: Enough) -> list[str]:
                 "more than once."
             )
         else:
-            lines.append(f"With this payload no time of sense is enough for gains within {goal}.")
+            lines.append(
+                f"With this payload even {LONGEST:g} times the recording time is not enough for gains within {goal}."
+            )
     if found.mass is not None:
         lines.append(f"At this time a payload of {found.mass:.2g} kg is enough for gains within {goal}.")
     else:
