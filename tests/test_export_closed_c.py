@@ -15,7 +15,7 @@ from tests.mechanisms import movement, robot_named
 from tests.test_export_files import with_effects
 
 FULL_SCALE = 1e-12
-OPEN, SINGULAR, TOO_FAR = 1, 2, 3
+OPEN, SINGULAR, TOO_FAR, NOT_FINITE = 1, 2, 3, 4
 ALL_THERE_IS = (
     "ball",
     "belted",
@@ -120,6 +120,15 @@ def test_what_cannot_be_reached_is_told_and_leaves_all_as_it_was(five_bar, tmp_p
     assert np.isnan(found).all()
     assert np.array_equal(fast.state, before)
     assert fast(home_of(five_bar), still, still)[0] == 0
+
+
+def test_velocities_that_are_no_numbers_make_no_currents(five_bar, tmp_path):
+    fast, still = closed(five_bar, tmp_path), np.zeros(2)
+    before = fast.state.copy()
+    code, found = fast(home_of(five_bar), np.array([np.nan, 0.0]), still)
+    assert code == NOT_FINITE
+    assert np.isnan(found).all()
+    assert np.array_equal(fast.state, before)
 
 
 def test_bounds_of_arrays_are_kept(tmp_path):

@@ -3,6 +3,7 @@
 import shutil
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -12,6 +13,9 @@ from bench.dataset.robot import load_robot
 from bench.export.c_code import c_text
 from bench.export.c_laws import LAWS
 from bench.export.feedforward import PASSIVE, Feedforward, chosen_effects
+from bench.export.identified import declaring
+from bench.export.mjcf import write_mjcf
+from bench.export.physical import physical_set
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import problem_of
 from bench.model.model import build_model
@@ -99,6 +103,27 @@ def test_c_is_python_to_rounding(tmp_path):
     for q, v, a in states(40, 2):
         wanted = slow(q, v, a)
         assert fast(q, v, a) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
+def test_with_a_payload_it_is_what_mujoco_needs_to_move_the_exported_bodies(tmp_path):
+    physical = physical_set(declaring(identified("two_link"), simulated("two_link").payloads))
+    (payload,) = simulated("two_link").payloads
+    write_mjcf(tmp_path / "arm.xml", physical, payload)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml"))
+    data, loaded = mujoco.MjData(model), Feedforward(physical.model, payload)
+    fast = compiled(c_text(physical.model, payload)[0], "two_link", tmp_path)
+    for q, v, a in states(10, 2):
+        data.qpos[:], data.qvel[:], data.qacc[:] = q, v, a
+        mujoco.mj_inverse(model, data)
+        wanted = data.qfrc_inverse / physical.model.gains
+        assert loaded(q, v, a) == pytest.approx(wanted, rel=1e-5, abs=1e-6)
+        assert fast(q, v, a) == pytest.approx(loaded(q, v, a), rel=1e-12, abs=1e-12)
+        assert np.abs(Feedforward(physical.model)(q, v, a) - wanted).max() > 0.01
+
+
+def test_a_payload_that_the_model_does_not_know_is_refused():
+    with pytest.raises(BenchError, match="knows payload 'crate' in full"):
+        Feedforward(identified("two_link"), "crate")
 
 
 def test_c_of_a_skewed_robot_with_slides_and_zeros_elsewhere(tmp_path):

@@ -19,7 +19,7 @@ FORMATS = ("mjcf", "urdf", "csv", "yaml", "c")
 @click.option(
     "--robot", metavar="ROBOT", help="Name or folder. [default: that of the dataset behind the model]"
 )
-@click.option("--payload", metavar="NAME", help="Fix this payload at the tool (mjcf).")
+@click.option("--payload", metavar="NAME", help="Carried at the tool (mjcf, c).  [default: none]")
 @click.option(
     "--cad/--no-cad",
     default=True,
@@ -59,13 +59,13 @@ def export(
     from bench.export.tables import write_csv, write_yaml
     from bench.export.urdf import write_urdf
 
-    if payload is not None and form != "mjcf":
-        raise click.UsageError("--payload goes with --to mjcf")
+    if payload is not None and form not in ("mjcf", "c"):
+        raise click.UsageError("--payload goes with --to mjcf and --to c")
     identified = load_identified(model, robot, effect_files)
     step = after_export(model, form, output, effect_files)
     told: list[str] = []
     if form == "c":
-        lines, written = list(write_c(output, identified)), [output]
+        lines, written = list(write_c(output, identified, payload)), [output]
     else:
         physical = physical_set(identified, use_cad=cad)
         if physical.contradiction is not None and not nearest:

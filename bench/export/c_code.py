@@ -13,6 +13,7 @@ from bench.effects.laws.gain_saturation import SOLVING
 from bench.export.c_closures import closure_tables, passive_order
 from bench.export.c_laws import LAWS, PASSIVE_LAWS, motor_lines, passive_lines
 from bench.export.c_tables import table
+from bench.export.carried import carried
 from bench.export.feedforward import chosen_effects
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.files.atomic import write_text_atomically
@@ -27,11 +28,12 @@ def c_name(robot: str) -> str:
     return name if not name[0].isdigit() else f"_{name}"
 
 
-def c_text(model: IdentifiedModel) -> tuple[str, tuple[str, ...]]:
-    """The source, and what of the model is not in it.
+def c_text(model: IdentifiedModel, payload: str | None = None) -> tuple[str, tuple[str, ...]]:
+    """The source, and what of the model is not in it. payload: name of the one that the robot carries.
 
     The bodies' tables hold base parameters at the places of the standard parameters that they are named after, all
-    others zero: the same torques with fewer numbers.
+    others zero but those of the payload: the same torques with fewer numbers. Raises BenchError for a payload of which
+    the model does not know enough.
     """
     geometry = model.model.geometry
     chosen = chosen_effects(model)
@@ -45,9 +47,10 @@ def c_text(model: IdentifiedModel) -> tuple[str, tuple[str, ...]]:
         "name": c_name(geometry.robot.name),
         "robot": _comment(geometry.robot.name),
         "currents": _comment(units),
+        "load": "with no payload" if payload is None else f"with payload {_comment(payload)}",
         "left_out": "".join(f"\n * Not in it: {_comment(line)}." for line in left_out),
         **(closure_tables(geometry) if geometry.closed else {}),
-        **_body_tables(model),
+        **_body_tables(model, payload),
     }
     names |= _effect_lines(model, known)
     parts = ["rigid_bodies", *(("closure_equations", "closing") if geometry.closed else ())]
@@ -57,9 +60,9 @@ def c_text(model: IdentifiedModel) -> tuple[str, tuple[str, ...]]:
     return _filled("closed" if geometry.closed else "tree", names), left_out
 
 
-def write_c(path: Path, model: IdentifiedModel) -> tuple[str, ...]:
+def write_c(path: Path, model: IdentifiedModel, payload: str | None = None) -> tuple[str, ...]:
     """Write it, whole or not at all; returns what of the model is not in it."""
-    text, left_out = c_text(model)
+    text, left_out = c_text(model, payload)
     write_text_atomically(path, text)
     return left_out
 
@@ -68,11 +71,11 @@ def _filled(part: str, names: dict[str, str]) -> str:
     return Template((TEMPLATES / f"{part}.c.in").read_text(encoding="utf-8")).substitute(names)
 
 
-def _body_tables(model: IdentifiedModel) -> dict[str, str]:
+def _body_tables(model: IdentifiedModel, payload: str | None) -> dict[str, str]:
     geometry = model.model.geometry
     joints, motors = geometry.joints, len(geometry.active)
     parameters = np.zeros(10 * len(joints) + motors)
-    parameters[model.model.base.columns] = model.base
+    np.add.at(parameters, *carried(model, payload))
     return {
         "joints": str(len(joints)),
         "nq": str(geometry.nq),

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.effects import ActuatorEffect, JointSignals
+from bench.export.carried import carried
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion, motion_of, rates_at
@@ -47,12 +48,14 @@ def chosen_effects(model: IdentifiedModel) -> Chosen:
 class Feedforward:
     """Currents for a desired motion of the driven joints, in the units and order of the robot's actuators.
 
-    Loops are closed from the pose of the call before, or from home. left_out: effects that need more than the instant
+    Loops are closed from the pose of the call before, or from home. payload: name of the one that the robot carries,
+    none by default; BenchError where the model does not know it. left_out: effects that need more than the instant
     (a delay, a spring in a drive, warming up), whose part of the current is missing.
     """
 
-    def __init__(self, model: IdentifiedModel) -> None:
+    def __init__(self, model: IdentifiedModel, payload: str | None = None) -> None:
         self.joints = model.robot.joints
+        self._columns, self._values = carried(model, payload)
         self._model, self._effects = model, chosen_effects(model)
         self.left_out = self._effects.left_out
         self._before: Motion | None = None
@@ -62,12 +65,12 @@ class Feedforward:
         asked = [np.asarray(values, dtype=float) for values in (position, velocity, acceleration)]
         if any(values.shape != (len(self.joints),) for values in asked):
             raise BenchError(f"{len(self.joints)} values each are needed: {', '.join(self.joints)}")
-        geometry, base = self._model.model.geometry, self._model.model.base
+        geometry = self._model.model.geometry
         motion = motion_of(geometry, np.zeros(1), *(values[None] for values in asked), near=self._before)
         if geometry.closed:  # once more from there: the Jacobian of the closed pose itself, to rounding
             motion = rates_at(geometry, motion.time, motion.q, asked[1][None], asked[2][None])
         self._before = motion
-        torque = (projected_regressor(geometry, motion, base.columns) @ self._model.base)[0]
+        torque = (projected_regressor(geometry, motion, self._columns) @ self._values)[0]
         for effect in self._effects.in_passive:
             torque += _passive(geometry, motion, effect)
         for fitted_effect in self._effects.at_motors:

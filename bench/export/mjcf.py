@@ -12,6 +12,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.robot_mjcf import INERTIA, MASS, ROTOR
+from bench.export.carried import unknown_payload
 from bench.export.mjcf_actuators import DrivenJoint, set_motors
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
@@ -223,10 +224,7 @@ def _add_payload(
         columns = payload_columns(model.declared[payload])
         parameters = columns.known if not len(columns.unknown) else None
     if parameters is None:
-        known = ", ".join({*physical.payloads, *model.declared}) or "none"
-        raise BenchError(
-            f"{model.path}: neither the model nor its dataset knows payload {payload!r} in full ({known})"
-        )
+        raise unknown_payload(model, payload)
     body = site.parent.add_body(name=PAYLOAD + payload, pos=site.pos, quat=site.quat)
     _set_inertia(body, parameters, Placement(np.eye(3), np.zeros(3)), exact)
 

@@ -1,7 +1,7 @@
-"""The README's five commands in one go, in an empty folder: `python -m bench.studies.readme_commands -o results/excite`.
+"""The README's five commands in an empty folder: `python -m bench.studies.readme_commands -o results/excite`.
 
-A motion is planned for a Delta, a simulated machine makes it, its model is identified, exported, and simulated along what
-was recorded. What the README quotes of that is held to what they gave.
+A motion is planned for a Delta, a simulated machine makes it, its model is identified, exported, and simulated along
+what was recorded. What the README quotes of that is held to what they gave.
 """
 
 import json
@@ -38,8 +38,8 @@ def commands_of(text: str) -> tuple[str, ...]:
 def run(commands: Sequence[str], folder: Path) -> dict[str, Any]:
     """Run the commands in a folder, each as a process of its own, and tell what they gave.
 
-    Relative errors: of the gains, expected and found; of the currents, of twin and model. Raises BenchError for one that
-    fails.
+    Relative errors: of the gains, expected and found; of the currents, of twin and model. Raises BenchError for one
+    that fails.
     """
     environment = {**os.environ, "PYTHONPATH": str(README.parent)}
     for command in commands:
