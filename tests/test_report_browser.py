@@ -1,9 +1,14 @@
 """The report in a real browser: nothing asked for, nothing wrong, keyboard, colours, phone, paper."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from playwright.sync_api import expect
 
 from bench.page.browser import blank, scrolled
-from tests.report_kit import diagnosed_page, identified_page, write
+from tests.report_kit import dataset, diagnosed_page, identified_page, write
+from tests.shown import identification_of
 
 PHONE = 390
 PAPER = (688, 1017)  # px, of A4 within its margins
@@ -109,6 +114,20 @@ def test_a_link_lands_on_its_section(look, report):
         page.goto("about:blank")
         page.goto(f"{report.resolve().as_uri()}#{name}")
         assert landed(page, name) <= 2, name
+
+
+def test_effects_that_leave_such_errors_lead_to_their_laws(look, tmp_path):
+    series = tuple(
+        replace(one, modelled=one.measured + 0.05 * np.sign(one.velocity))
+        for one in identification_of(dataset()).recordings
+    )
+    page = look(write(tmp_path / "alike.html", identified_page(recordings=series)))
+    page.locator("nav.contents a[href='#where']").click()
+    page.locator("#where .notes a").first.click()
+    laws = page.locator("#laws-alike table")
+    expect(laws).to_be_in_viewport()
+    expect(laws).to_contain_text("Fc sign(q̇)")
+    expect(laws.locator("tr", has_text="τ = Fc sign(q̇)").first).to_contain_text("question 1")
 
 
 def test_values_under_the_pointer_have_units_and_stand_once(look):

@@ -35,13 +35,17 @@ class PageRow:
 
 @dataclass(frozen=True)
 class PageTable:
-    """title names what is in it; aid: one line on how to read it; folded: shown when it is asked for."""
+    """title names what is in it; aid: one line on how to read it; folded: shown when it is asked for.
+
+    id: by which a link finds it.
+    """
 
     title: str
     aid: str
     columns: tuple[PageColumn, ...]
     rows: tuple[PageRow, ...]
     folded: bool = False
+    id: str = ""
     type: Literal["table"] = "table"
 
 
@@ -99,11 +103,20 @@ class PageChart:
 
 
 @dataclass(frozen=True)
+class Linked:
+    """A sentence with a link behind it to a part of the page, by the part's id; "" where there is none."""
+
+    text: str
+    link: str
+    to: str
+
+
+@dataclass(frozen=True)
 class Variant:
     """What a figure shows for one choice. notes: sentences above the charts."""
 
     charts: tuple[PageChart, ...]
-    notes: tuple[str, ...] = ()
+    notes: tuple[str | Linked, ...] = ()
 
 
 @dataclass(frozen=True)

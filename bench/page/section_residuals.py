@@ -7,27 +7,32 @@ from bench.document.typeset import effect_name, typeset
 from bench.effects import CATALOGUE
 from bench.page.chart_spec import beside
 from bench.page.model_errors import ModelBeside
-from bench.page.parts import Choice, Figure, PageColumn, PageTable, Section, Variant, row
+from bench.page.parts import Choice, Figure, Linked, PageColumn, PageTable, Section, Variant, row
 from bench.residuals.error_breakdown import error_breakdown
-from bench.residuals.words import MOST_LOOKS, whole_sentences
+from bench.residuals.words import MOST_LOOKS, whole_alike, whole_sentences
 
 ON_PAPER = 6  # motors that are printed
-LAWS = "their laws stand below"
+LAWS = "laws-alike"  # the id of the table with them
 
 
 def where_section(models: Sequence[ModelBeside]) -> Section:
     """Words and charts for every motor and every model, at first of the last one that leaves more than noise."""
     joints = models[-1].joints
     options = tuple(beside.label for beside in models)
+    laws = _laws(models)
     variants = {}
     for m, model in enumerate(models):
         by_joint = {motor_errors.joint: motor_errors for motor_errors in model.where.motors}
         for j, joint in enumerate(joints):
             motor = by_joint[joint]
-            notes = tuple(typeset(sentence) for sentence in whole_sentences(motor, LAWS))
+            found = (typeset(sentence) for sentence in whole_sentences(motor))
+            alike = (
+                Linked(typeset(sentence), "Laws, and what shows them", LAWS if laws else "")
+                for sentence in whole_alike(motor)
+            )
             charts = tuple(map(beside, motor_charts(error_breakdown(model.what, joint)).values()))
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
-            variants[key] = Variant(charts, notes)
+            variants[key] = Variant(charts, (*found, *alike))
     loud = [
         m
         for m, model in enumerate(models)
@@ -52,25 +57,28 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
         tuple(f"{j}{paper}" for j in range(len(joints)))[:ON_PAPER],
     )
     lead = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
-    return Section("where", "Where it fails", lead, (figure, *_laws(models)))
+    return Section("where", "Where it fails", lead, (figure, *laws))
 
 
 def _laws(models: Sequence[ModelBeside]) -> tuple[PageTable, ...]:
     """The effects that leave errors like those found, each once, with what they are and how they show."""
-    named = (
-        name
-        for model in models
-        for motor in model.where.motors
-        for rival in motor.alike[:MOST_LOOKS]
-        for name in rival.effects
-    )
+    alike = (rival for model in models for motor in model.where.motors for rival in motor.alike[:MOST_LOOKS])
+    questions: dict[str, int] = {}
+    for rival in alike:
+        for name in rival.effects:
+            questions.setdefault(name, rival.question)
     rows = tuple(
-        row(effect_name(name), typeset(CATALOGUE[name].law), CATALOGUE[name].shown_by)
-        for name in dict.fromkeys(named)
+        row(effect_name(name), typeset(CATALOGUE[name].law), CATALOGUE[name].shown_by, f"question {question}")
+        for name, question in questions.items()
         if name in CATALOGUE
     )
     if not rows:
         return ()
-    columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("shown by", "words"))
+    columns = (
+        PageColumn("effect", "keep"),
+        PageColumn("law", "words"),
+        PageColumn("shown by", "words"),
+        PageColumn("atlas of effects", "keep"),
+    )
     aid = "Candidates, the plainest first, from the key of the handbook's atlas; bench diagnose decides between them."
-    return (PageTable("Effects that would leave such errors", aid, columns, rows, folded=True),)
+    return (PageTable("Effects that would leave such errors", aid, columns, rows, folded=True, id=LAWS),)

@@ -24,15 +24,19 @@ def where_sentences(where: WhereItFails) -> list[str]:
     return [line for motor in where.motors for line in (level_sentence(motor), *finding_sentences(motor))]
 
 
-def whole_sentences(motor: MotorErrors, laws: str = "") -> list[str]:
-    """The same of one motor with a capital letter, but for a joint that begins it under its own name, and a full stop.
+def whole_sentences(motor: MotorErrors) -> list[str]:
+    """How large one motor's error is and what it follows, as sentences with a capital letter and a full stop."""
+    return [_whole(motor.joint, line) for line in (level_sentence(motor), *_followed(motor))]
 
-    laws: where those of effects stand.
-    """
-    lines = (level_sentence(motor), *finding_sentences(motor, laws))
-    if motor_words(motor.joint) == motor.joint:
-        return [f"{line}." for line in lines]
-    return [f"{line[0].upper()}{line[1:]}." for line in lines]
+
+def whole_alike(motor: MotorErrors) -> list[str]:
+    """The effects that leave such errors, likewise, without where they are told."""
+    return [_whole(motor.joint, _alike(motor.joint, rival)) for rival in motor.alike[:MOST_LOOKS]]
+
+
+def _whole(joint: str, line: str) -> str:
+    """A joint that begins a sentence keeps its own name."""
+    return f"{line}." if motor_words(joint) == joint else f"{line[0].upper()}{line[1:]}."
 
 
 def level_sentence(motor: MotorErrors) -> str:
@@ -51,26 +55,32 @@ def motor_words(joint: str) -> str:
     return joint if joint.lower().startswith(("motor", "actuator", "joint")) else f"motor {joint}"
 
 
-def finding_sentences(motor: MotorErrors, laws: str = "") -> list[str]:
-    """All that was found of one motor's error, the strongest of each kind first. laws: where those of effects stand."""
+def finding_sentences(motor: MotorErrors) -> list[str]:
+    """All that was found of one motor's error, the strongest of each kind first."""
+    return [*_followed(motor), *(alike_words(motor.joint, rival) for rival in motor.alike[:MOST_LOOKS])]
+
+
+def _followed(motor: MotorErrors) -> list[str]:
     units = motor.units
     return [
         *(concentration_words(concentration) for concentration in motor.concentrations),
         *(dependence_words(dependence, units) for dependence in motor.dependences),
         *(line_words(line, units) for line in motor.lines),
         *(change_words(change, units[0]) for change in motor.changes),
-        *(alike_words(motor.joint, rival, laws) for rival in motor.alike[:MOST_LOOKS]),
     ]
 
 
-def alike_words(joint: str, rival: LookAlike, laws: str = "") -> str:
+def alike_words(joint: str, rival: LookAlike) -> str:
     """As in "motor left: Coulomb friction or Stribeck friction leaves such an error (atlas of effects, question 1)"."""
+    return f"{_alike(joint, rival)} (atlas of effects, question {rival.question})"
+
+
+def _alike(joint: str, rival: LookAlike) -> str:
     names = [spoken(name) for name in rival.effects[:MOST_NAMES]]
     more = len(rival.effects) - len(names)
     names += [f"{more} more"] if more else []
     listed = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-    where = laws or f"atlas of effects, question {rival.question}"
-    return f"{motor_words(joint)}: {listed} would leave such an error ({where})"
+    return f"{motor_words(joint)}: {listed} would leave such an error"
 
 
 def concentration_words(concentration: Concentration) -> str:

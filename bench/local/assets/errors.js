@@ -51,10 +51,10 @@ const Errors = (() => {
       return holder.replaceChildren(links(run)); // made in a shell, without --json
     }
     const joints = Object.keys(found.where);
-    const sentences = joints.flatMap((joint) => [
-      found.where[joint].text,
-      ...[...found.where[joint].follows, ...(found.where[joint].looks_like || [])].map((one) => one.text),
-    ]);
+    const sentences = joints.flatMap((joint) => {
+      const {text, follows, looks_like: alike = []} = found.where[joint];
+      return [[text], ...follows.map((one) => [one.text]), ...alike.map((one) => [one.text, " ", laws(run)])];
+    });
     const rows = joints.map((joint) => [joint, percent(found.where[joint].error), percent(found.where[joint].noise)]);
     const models = before
       ? [
@@ -64,7 +64,7 @@ const Errors = (() => {
       : [{path: run.model, name: "", role: "error"}];
     const figure = el("div", {class: "part"});
     holder.replaceChildren(
-      el("ul", {class: "said"}, ...sentences.map((text) => el("li", {}, text))),
+      el("ul", {class: "said"}, ...sentences.map((said) => el("li", {}, ...said))),
       el("div", {class: "part"}, Dom.table(["motor", "error", "noise of the current"], rows, ["", "right", "right"])),
       Gains.part(...gains),
       figure,
@@ -97,6 +97,12 @@ const Errors = (() => {
     } catch (error) {
       holder.replaceChildren(el("p", {class: "fault"}, error.message));
     }
+  }
+
+  /* The report has the laws of the effects that leave such errors. */
+  function laws(run) {
+    const href = `show/${Server.address(run.path)}/report.html#laws-alike`;
+    return el("a", {href, target: "_blank", rel: "noopener"}, "Laws, and what shows them");
   }
 
   function links(run) {

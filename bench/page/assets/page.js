@@ -48,7 +48,12 @@
     holder.replaceChildren();
     if (variant.notes.length) {
       const list = element("ul", "notes", holder);
-      for (const note of variant.notes) element("li", "", list, note);
+      for (const note of variant.notes) {
+        const item = element("li", "", list, note.text || note);
+        if (!note.to) continue;
+        item.append(" ");
+        element("a", "", item, note.link).href = `#${note.to}`;
+      }
     }
     const shared = variant.charts.find((one) => one.spec.shared);
     if (shared) Charts.legend({...shared.spec, legend: true}, holder);
@@ -115,10 +120,23 @@
     const settle = () => {
       for (const [holder, state] of states) if (!state.shown && holder.offsetWidth) state.show();
     };
-    document.addEventListener("click", (event) => event.target.closest('a[href^="#"]') && settle(), true);
-    if (location.hash) {
+    const aim = (hash) => {
       settle();
-      const target = document.getElementById(location.hash.slice(1));
+      const target = document.getElementById(hash.slice(1));
+      const folded = target && target.querySelector(":scope > details");
+      if (folded) folded.open = true;
+      return target;
+    };
+    document.addEventListener(
+      "click",
+      (event) => {
+        const link = event.target.closest('a[href^="#"]');
+        if (link) aim(link.hash);
+      },
+      true,
+    );
+    if (location.hash) {
+      const target = aim(location.hash);
       if (target) target.scrollIntoView({behavior: "instant"});
     }
     const closed = [];
