@@ -14,7 +14,8 @@ from bench.identification.problem import Problem, problem_of
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 from bench.workbench import room
-from bench.workbench.found_model import found_models
+from bench.workbench.decorrelated import set_apart
+from bench.workbench.found_model import found_model
 from bench.workbench.page_data import page_data, with_command
 from bench.workbench.page_files import script, style
 from bench.workbench.proposals import instances_of
@@ -90,7 +91,7 @@ def test_the_page_finds_what_identify_finds(dataset, solver, requests):
 @pytest.mark.parametrize("requests", CURVED, ids="+".join)
 def test_shapes_and_what_follows_the_model_stay_as_found(dataset, diagnosis, carried, solver, requests):
     """The same from rows in place of products: effects in the shape that the page names, about the found model."""
-    model, _ = found_models(problem_of(dataset), diagnosis)
+    model = found_model(problem_of(dataset), diagnosis)
     keys = solver.keys(requests)
     instances = [
         one
@@ -130,8 +131,7 @@ def test_deviations_are_those_of_the_models_that_were_fitted(diagnosis, carried)
 
 
 def test_effects_that_there_is_no_room_for_are_named(dataset, diagnosis, monkeypatch):
-    monkeypatch.setattr(room, "MOST_BYTES", 0)
-    monkeypatch.setattr(room, "MOST_SHORT_BYTES", 2000)
+    monkeypatch.setattr(room, "MOST_BYTES", 4000)
     data = page_data(problem_of(dataset), diagnosis)
     without = [one["name"] for one in data["effects"] if one["no_room"]]
     kept = [one["name"] for one in data["effects"] if one["places"]]
@@ -187,6 +187,22 @@ def test_effects_of_the_user_are_carried_too(dataset, tmp_path):
     expected = identify(prepare(Problem(dataset, catalogue, ("coulomb_friction", "fan_torque"))))
     found = solver.fit(solver.keys(("coulomb_friction", "fan_torque")))
     assert found.judged == pytest.approx(expected.error.validate, rel=5e-5)
+
+
+def test_columns_set_apart_are_the_same_model():
+    random = np.random.default_rng(7)
+    before = random.normal(size=(60, 2, 7)) * np.array([1.0, 1e3, 1e-3, 5.0, 1.0, 1.0, 1.0])
+    before[:, :, 5] = before[:, :, 0] + 0.02 * before[:, :, 5]  # near to the model's own
+    columns, reference = before.copy(), np.ones(7)
+    basis = set_apart(columns, reference, before.copy(), 4)
+    for coordinates in (reference, random.normal(size=7)):
+        parameters = np.append(basis @ coordinates, coordinates[4:])
+        np.testing.assert_allclose(before @ parameters, columns @ coordinates, atol=1e-9)
+    np.testing.assert_allclose(basis @ reference, np.ones(4), rtol=1e-9)
+    rows = columns.reshape(-1, 7)
+    np.testing.assert_allclose(rows[:, :4].T @ rows[:, :4], np.eye(4), atol=1e-9)
+    assert np.abs(rows[:, :4].T @ rows[:, 5]).max() < 1e-9
+    np.testing.assert_array_equal(columns[:, :, [4, 6]], before[:, :, [4, 6]])
 
 
 def test_the_script_is_plain_and_asks_for_nothing():

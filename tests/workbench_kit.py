@@ -6,9 +6,13 @@ from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.page.parts import Page, Section
+from bench.page.render import Workbench, render_page
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
+from bench.workbench.page_data import with_command
+from bench.workbench.page_files import script, style
 
 FRICTION = (
     {"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},
@@ -24,6 +28,14 @@ RECORDINGS = (
     ("free_check", "validate", 3, False),
     ("held_check", "validate", 4, True),
 )
+
+
+def write_page(path, data, model=None):
+    """A page with nothing but the workbench."""
+    page = Page("A page", (), (), (), (Section("ranking", "Ranking", "", ()),), "")
+    tool = Workbench(with_command(data, "bench identify 'my data'", model), script(), style())
+    path.write_text(render_page(page, tool), encoding="utf-8")
+    return path
 
 
 def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recordings=RECORDINGS):

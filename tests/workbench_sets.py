@@ -15,7 +15,7 @@ from bench.diagnosis.normal_equations import (
 )
 from bench.identification.solution import Solution
 
-REWEIGHTINGS = 8
+REWEIGHTINGS = 20
 
 
 def numbers(text, kind="<f4"):
@@ -72,15 +72,8 @@ class Carried:
         """Triangular factor of [columns, modelled, error] in its places among all (c, C + 2)."""
         size = len(motor["columns"]) + 2
         factor = np.zeros((size, size))
-        given = motor[use]["triangle"]
-        if isinstance(given, str):
-            factor[np.triu_indices(size)] = numbers(given)
-        elif given is not None:
-            inner = np.zeros((size - 2, size - 2))
-            inner[np.triu_indices(size - 2, 1)] = numbers(given["counts"], "<i2")
-            factor[:-2, :-2] = inner * numbers(given["steps"])[:, None] + np.diag(numbers(given["diagonal"]))
-            factor[:, -2:] = numbers(given["answers"]).reshape(-1, 2)
-            factor *= numbers(given["sizes"])
+        if motor[use]["triangle"]:
+            factor[np.triu_indices(size)] = numbers(motor[use]["triangle"])
         every = np.zeros((size, self.count + 2))
         every[:, [*motor["columns"], self.count, self.count + 1]] = factor
         return every

@@ -1,11 +1,10 @@
 """The model that a diagnosis found, made ready again: the one about which the workbench's columns are taken."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import with_held_out_parts
 from bench.effects import EffectInstance, places_in, select_effects
@@ -19,7 +18,6 @@ from bench.identification.result import Identification
 from bench.identification.solution import Solution
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import ROBOT
-from bench.signals.settings import FilterSettings, choose_settings
 
 
 @dataclass(frozen=True)
@@ -49,43 +47,12 @@ class FoundModel:
         return Nearby(self.found.model, self.found.measured)
 
 
-def found_models(problem: Problem, diagnosis: Diagnosis) -> tuple[FoundModel, FoundModel | None]:
-    """Prepare the equations of a diagnosis of a problem again, with the filters that it used.
-
-    Where the user kept no recording to judge on, the diagnosis fitted a part of each. Then a second model is fitted
-    to all rows, with the filters that `bench identify` takes.
+def found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
+    """Prepare the equations of a diagnosis of a problem again: its filters, and its parts to judge on where the user
+    kept no recording for that.
     """
-    dataset = problem.dataset
-    parts, _ = with_held_out_parts(dataset)
-    settings = diagnosis.before.settings
-    found = _found_model(replace(problem, dataset=parts, filters=settings), diagnosis)
-    if parts is dataset:
-        return found, None
-    whole = replace(problem, filters=_of_all(dataset, parts, settings))
-    return found, _found_model(whole, diagnosis)
-
-
-def _of_all(dataset: Dataset, parts: Dataset, settings: FilterSettings) -> FilterSettings:
-    """Filters chosen for whole recordings; what was set by hand for the fitted parts stays."""
-    chosen = _chosen(parts)
-    given = {
-        field.name: getattr(settings, field.name)
-        for field in fields(settings)
-        if getattr(settings, field.name) != getattr(chosen, field.name)
-    }
-    return replace(_chosen(dataset), **given)
-
-
-def _chosen(dataset: Dataset) -> FilterSettings:
-    fitted = [recording for recording in dataset.recordings if recording.use == "identify"]
-    return choose_settings(
-        [recording.position for recording in fitted],
-        [recording.current for recording in fitted],
-        fitted[0].rate,
-    )
-
-
-def _found_model(problem: Problem, diagnosis: Diagnosis) -> FoundModel:
+    dataset, _ = with_held_out_parts(problem.dataset)
+    problem = replace(problem, dataset=dataset, filters=diagnosis.before.settings)
     before, after, catalogue = diagnosis.before, diagnosis.after, problem.catalogue
     plain = prepare(replace(problem, effects=()))
     places = places_in(plain.model.geometry, problem.dataset.weighed)

@@ -1,6 +1,6 @@
 """What the workbench's page carries: equations of the fitted and of the judged recordings, and a thinned sample."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,10 @@ from bench.effects.effect import Effect
 from bench.files.atomic import finite
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
-from bench.workbench.encode import doubles, floats, short_triangle, triangle
-from bench.workbench.found_model import FoundModel, found_models
+from bench.workbench.encode import doubles, floats, triangle
+from bench.workbench.found_model import FoundModel, found_model
 from bench.workbench.proposals import instances_of
-from bench.workbench.room import PageRoom, room_for
+from bench.workbench.room import carried_columns, without_room
 from bench.workbench.sample import thinned
 from bench.workbench.system import PageSystem, build
 
@@ -30,23 +30,39 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
     """Everything with which the page solves for any choice of effects in the shapes found, ready for JSON.
 
     diagnosis: of this problem; its filters are used. Arrays are base64 of little-endian numbers; `triangle` holds
-    the upper triangle of the factor R of [columns, modelled, error], row after row, or see `short_triangle`. basis:
-    how the model's parameters follow from the coordinates by the columns. whole: the same of all rows, fitted as
-    `bench identify` does it, where a part of every recording is kept apart to judge on; None where recordings are.
-    The rest then only judges.
+    the upper triangle of the factor R of [columns, modelled, error], row after row. basis: how the model's parameters
+    follow from the coordinates by the columns. held_out: the share of every recording that is kept apart to judge on,
+    zero where recordings are.
     """
     known = problem.catalogue
-    model, whole = found_models(problem, diagnosis)
+    model = found_model(problem, diagnosis)
     nearby = model.nearby()
     instances = instances_of(model, _usable(model, diagnosis, known), nearby)
-    systems = [build(model, instances, nearby)]
-    if whole is not None:
-        systems.append(build(whole, instances, whole.nearby()))
-    room = room_for(systems, _ranks(model, diagnosis))
-    judging = _carried(model, systems[0], diagnosis, known, room, drawn=whole is None)
-    if whole is None:
-        return judging | {"whole": None}
-    return judging | {"whole": _carried(whole, systems[1], diagnosis, known, room)}
+    system = build(model, instances, nearby)
+    without = without_room(system, _ranks(model, diagnosis))
+    robot = model.plain.dataset.robot
+    kept = carried_columns(system, without)
+    listed = {instance.effect.name for instance in system.effects}
+    listed |= {verdict.effect for verdict in diagnosis.ranking if verdict.effect in known}
+    return {
+        "version": VERSION,
+        "robot": robot.name,
+        "held_out": diagnosis.held_out,
+        "fits_gains": model.fit_gains,
+        "noise_floor": diagnosis.unexplained.noise_floor,
+        "motors": [_motor(model, system, kept, j) for j in range(len(robot.actuators))],
+        "rows": int(system.fitted.sum()),
+        "own": system.starts[0],
+        "columns": system.columns.shape[2],
+        "parameters": _parameters(model, diagnosis),
+        "reference": doubles(system.reference),
+        "basis": _basis(system.basis),
+        "effects": [_effect(model, system, diagnosis, without, name) for name in known if name in listed],
+        "found": [[instance.effect.name, instance.joint] for instance in model.effects],
+        "started": [list(pair) for pair in model.started],
+        "deviations": _deviations(model, diagnosis),
+        "recordings": thinned(model, system, kept),
+    }
 
 
 def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -72,43 +88,7 @@ def _ranks(model: FoundModel, diagnosis: Diagnosis) -> dict[str, int]:
     return ranks | {instance.effect.name: -1 for instance in model.effects}
 
 
-def _carried(
-    model: FoundModel,
-    system: PageSystem,
-    diagnosis: Diagnosis,
-    known: Mapping[str, Effect],
-    room: PageRoom,
-    *,
-    drawn: bool = True,
-) -> dict[str, Any]:
-    """One model's equations, and, where its curves are drawn, a sample of the recordings."""
-    robot = model.plain.dataset.robot
-    kept = room.kept(system)
-    listed = {instance.effect.name for instance in system.effects}
-    listed |= {verdict.effect for verdict in diagnosis.ranking if verdict.effect in known}
-    return {
-        "version": VERSION,
-        "robot": robot.name,
-        "held_out": diagnosis.held_out,
-        "fits_gains": model.fit_gains,
-        "noise_floor": diagnosis.unexplained.noise_floor,
-        "motors": [_motor(model, system, kept, room, j) for j in range(len(robot.actuators))],
-        "rows": int(system.fitted.sum()),
-        "own": system.starts[0],
-        "columns": system.columns.shape[2],
-        "short": room.short,
-        "parameters": _parameters(model, diagnosis),
-        "reference": doubles(system.reference),
-        "basis": _basis(system.basis),
-        "effects": [_effect(model, system, diagnosis, room, name) for name in known if name in listed],
-        "found": [[instance.effect.name, instance.joint] for instance in model.effects],
-        "started": [list(pair) for pair in model.started],
-        "deviations": _deviations(model, diagnosis),
-        "recordings": thinned(model, system, kept, short=room.short) if drawn else [],
-    }
-
-
-def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, room: PageRoom, j: int) -> dict[str, Any]:
+def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, j: int) -> dict[str, Any]:
     actuator = model.plain.dataset.robot.actuators[j]
     columns = np.flatnonzero(kept[j])
     rows = np.column_stack((system.columns[:, j, columns], system.modelled[:, j], system.error[:, j]))
@@ -121,12 +101,12 @@ def _motor(model: FoundModel, system: PageSystem, kept: np.ndarray, room: PageRo
         "columns": columns.tolist(),
     }
     for use, chosen in (("fitted", system.fitted), ("judged", ~system.fitted)):
-        packed = None
+        packed = ""
         if chosen.any():
             factor = np.zeros((rows.shape[1], rows.shape[1]))
             upper = np.linalg.qr(rows[chosen], mode="r")
             factor[: len(upper)] = upper
-            packed = short_triangle(factor) if room.short else triangle(factor)
+            packed = triangle(factor)
         found[use] = {"triangle": packed, "squares": float((measured[chosen] ** 2).sum())}
     return found
 
@@ -163,7 +143,7 @@ def _deviations(model: FoundModel, diagnosis: Diagnosis) -> list[dict[str, Any]]
 
 
 def _effect(
-    model: FoundModel, system: PageSystem, diagnosis: Diagnosis, room: PageRoom, name: str
+    model: FoundModel, system: PageSystem, diagnosis: Diagnosis, without: Collection[str], name: str
 ) -> dict[str, Any]:
     ranks = [effect_verdict.effect for effect_verdict in diagnosis.ranking]
     verdict = diagnosis.ranking[ranks.index(name)] if name in ranks else None
@@ -173,10 +153,8 @@ def _effect(
         "rank": ranks.index(name) if name in ranks else -1,
         "verdict": None if verdict is None else verdict.verdict,
         "why": "" if verdict is None else reason_sentence(verdict),
-        "no_room": name in room.without,
-        "places": []
-        if name in room.without
-        else [_place(model, system, i, instance) for i, instance in places],
+        "no_room": name in without,
+        "places": [] if name in without else [_place(model, system, i, instance) for i, instance in places],
     }
 
 

@@ -8,7 +8,6 @@ SCRIPTS = (
     "numbers.js",
     "equations.js",
     "fit.js",
-    "models.js",
     "choice.js",
     "curves.js",
     "effects_list.js",

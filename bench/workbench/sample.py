@@ -8,20 +8,18 @@ from bench.workbench.encode import floats, quantised
 from bench.workbench.found_model import FoundModel
 from bench.workbench.system import PageSystem
 
-BYTES, FEW_BYTES = 560_000, 300_000  # of all quantised columns together, in two bytes or in one
+BYTES = 560_000  # of all quantised columns together, at two bytes each
 FEWEST, MOST = 60, 500  # rows of a recording
 
 
-def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray, *, short: bool) -> list[dict[str, Any]]:
+def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray) -> list[dict[str, Any]]:
     """Every recording at evenly spaced rows of the fit, with the columns that are kept for each motor (n, C).
 
-    short: in one byte each instead of two. Of the measured current each stretch around such a row also has its
-    smallest and largest value.
+    Of the measured current each stretch around such a row also has its smallest and largest value.
     """
     used = [np.flatnonzero(entry) for entry in kept]
     lengths = [len(observation.time) for observation in model.plain.observations]
-    size, most = (1, FEW_BYTES) if short else (2, BYTES)
-    wanted = most / (size * sum(len(values) for values in used) * len(lengths))
+    wanted = BYTES / (2 * sum(len(values) for values in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
     found, start = [], 0
     for observation in model.plain.observations:
@@ -34,7 +32,7 @@ def thinned(model: FoundModel, system: PageSystem, kept: np.ndarray, *, short: b
             motors.append(
                 {
                     "columns": columns.tolist(),
-                    **quantised(system.columns[rows][:, j, columns], f"<i{size}"),
+                    **quantised(system.columns[rows][:, j, columns]),
                     "modelled": floats(np.where(moving, modelled, np.nan)),
                     "measured": floats(measured[rows - start]),
                     "low": floats(np.minimum.reduceat(measured, edges)[: len(rows)]),

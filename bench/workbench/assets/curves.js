@@ -12,7 +12,7 @@ const WorkbenchCurves = (() => {
         const one = data.recordings[recording].motors[motor];
         decoded.set(key, {
           columns: one.columns,
-          counts: counts(one.counts, one.bytes),
+          counts: counts(one.counts),
           steps: floats(one.steps),
           modelled: floats(one.modelled),
           measured: floats(one.measured),

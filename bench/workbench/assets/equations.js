@@ -1,18 +1,19 @@
 "use strict";
 /*
-The normal equations of the page's data, for any effects: a second writing of bench/identification (weighted least squares, then
-the current's error), on inner products in place of rows.
+The normal equations of the page's data, for any effects: least squares of the current's error on inner products in place
+of rows, as bench/diagnosis solves a set.
 
 The torque of a model is columns d + known + g0 modelled: `modelled` is the current of the found model, g0 its gains, d
 how the model's own parameters differ from it, or an effect's values; `known` takes all found effects out. A motor's current
 error is then error + (1 - g0/g) modelled - (columns d + known)/g, which loses no digits near the found model.
 */
 const WorkbenchEquations = (() => {
-  const {doubles, triangleOf, gramOf, product, times, factorised, solved} = WorkbenchNumbers; // of symmetric matrices, `factorised` reads the lower half
-  const REWEIGHTINGS = 3;
+  const {doubles, floats, gramOf, product, times, factorised, solved} = WorkbenchNumbers;
+  const MOST_REWEIGHTINGS = 60;
+  const SETTLED = 1e-6; // of a motor's weight: what another weighting changes
   const MOST_STEPS = 50;
-  const CONVERGED = {exact: 1e-13, short: 1e-10}; // of the cost: what a further step would gain
-  const DEPENDENT = {exact: 4e-10, short: 1e-7}; // of a column's square: what others must leave of it
+  const CONVERGED = 1e-11; // of the cost: what a step gains
+  const DEPENDENT = 4e-10; // of a column's square: what others must leave of it
   const TINY = 1e-300;
 
   /* A motor's inner products of [the page's columns that it has, known, modelled, error]; place: of a column there. */
@@ -23,7 +24,7 @@ const WorkbenchEquations = (() => {
     for (let i = 0; i < 3; i++) place[data.columns + i] = count + i;
     const known = new Float64Array(count + 2);
     motor.columns.forEach((column, i) => (known[i] = column < data.own ? 0 : -reference[column]));
-    const gram = (use) => withKnown(gramOf(triangleOf(motor[use].triangle, count + 2), count + 2), count + 2, known);
+    const gram = (use) => withKnown(gramOf(floats(motor[use].triangle), count + 2), count + 2, known);
     return {place, size: count + 3, fitted: gram("fitted"), judged: gram("judged")};
   }
 
@@ -40,14 +41,12 @@ const WorkbenchEquations = (() => {
   }
 
   function create(data) {
-    const n = data.motors.length;
     const {own} = data;
     const reference = doubles(data.reference);
     const motors = data.motors.map((motor) => motorOf(data, motor, reference));
-    const fitGains = data.fits_gains;
-    const digits = data.short ? "short" : "exact"; // numbers of 16 bits tell no finer
     const foundGains = data.motors.map((motor) => motor.gain);
-    const nominal = data.motors.map((motor) => motor.nominal);
+    const free = data.fits_gains ? motors.length : 0; // unknown gains; they stand behind the model's own parameters
+    const placeOf = (column) => (column < own ? column : column + free);
     const squares = {
       fitted: data.motors.map((motor) => motor.fitted.squares),
       judged: data.motors.map((motor) => motor.judged.squares),
@@ -73,211 +72,97 @@ const WorkbenchEquations = (() => {
       for (const {start, stop} of terms) for (let i = start; i < stop; i++) index.push(i);
       const p = index.length;
       for (let i = 0; i < 3; i++) index.push(data.columns + i);
-      const start = new Float64Array(p);
-      start.set(reference.subarray(0, own));
-      return {index, p, K: p + 3, start, fitted: gramsOf("fitted", index)};
+      return {index, p, K: p + 3, fitted: gramsOf("fitted", index)};
     }
 
-    /* A current error as a combination of [columns, known, modelled, error]. */
-    function errorVector(K, d, gain, j) {
-      const x = new Float64Array(K);
-      for (let i = 0; i < d.length; i++) x[i] = -d[i] / gain;
-      x[K - 3] = -1 / gain;
-      x[K - 2] = 1 - foundGains[j] / gain;
-      x[K - 1] = 1;
-      return x;
-    }
-
-    /* Each motor's error x'x as a combination x of the columns, and its inner products with all of them. */
-    function left(grams, K, d, gains) {
-      return grams.map((gram, j) => {
-        const x = errorVector(K, d, gains[j], j);
+    /* A model (d, gains), and of each motor its error as a combination x of [columns, known, modelled, error]. */
+    function modelOf(grams, K, d, gains) {
+      const left = grams.map((gram, j) => {
+        const x = new Float64Array(K);
+        for (let i = 0; i < d.length; i++) x[i] = -d[i] / gains[j];
+        x[K - 3] = -1 / gains[j];
+        x[K - 2] = 1 - foundGains[j] / gains[j];
+        x[K - 1] = 1;
         const cross = times(gram, K, x);
-        let square = 0;
-        for (let i = 0; i < K; i++) square += x[i] * cross[i];
+        const square = cross.reduce((sum, value, i) => sum + x[i] * value, 0);
         return {x, cross, square: Math.max(square, 0)};
       });
+      return {d, gains, left, errors: left.map((motor) => motor.square)};
     }
 
-    const errors = (grams, K, d, gains) => left(grams, K, d, gains).map((one) => one.square);
-
-    function torqueErrors(grams, K, d, gains) {
-      return grams.map((gram, j) => {
-        const x = new Float64Array(K);
-        for (let i = 0; i < d.length; i++) x[i] = -d[i];
-        x[K - 3] = -1;
-        x[K - 2] = gains[j] - foundGains[j];
-        x[K - 1] = gains[j];
-        return Math.max(product(gram, K, x, x), 0);
-      });
-    }
-
-    /* Which columns are told apart from those before them; the payload's torque counts where the gains are unknown. */
-    function keptColumns(system) {
-      const {p, K} = system;
-      const order = [];
-      for (let i = 0; i < own; i++) order.push(i);
-      if (p === own) return order;
-      const size = p + 1;
-      const gram = new Float64Array(size * size);
-      system.fitted.forEach((one, j) => {
-        const kappa = new Float64Array(K);
-        for (let i = 0; i < p; i++) kappa[i] = -system.start[i];
-        kappa[K - 3] = 1;
-        kappa[K - 2] = foundGains[j];
-        const cross = times(one, K, kappa);
-        const at = (i) => (i < own ? i : i + 1); // the payload stands after the model's own columns
-        for (let a = 0; a < p; a++) for (let b = 0; b <= a; b++) gram[at(a) * size + at(b)] += one[a * K + b];
+    /* Gauss and Newton's equations about a model: unknowns are the model's own parameters, gains, effects' values. */
+    function linearised({K, p, fitted: grams}, {gains, left}, weights, dropped) {
+      const size = p + free;
+      const normal = new Float64Array(size * size);
+      const right = new Float64Array(size);
+      const add = (i, k, value) => (normal[Math.max(i, k) * size + Math.min(i, k)] += value);
+      grams.forEach((gram, j) => {
+        const {x, cross} = left[j];
+        const w = (weights[j] / gains[j]) ** 2;
         for (let a = 0; a < p; a++) {
-          gram[at(a) * size + own] += cross[a];
-          gram[own * size + at(a)] += cross[a];
+          for (let b = 0; b <= a; b++) add(placeOf(a), placeOf(b), w * gram[a * K + b]);
+          right[placeOf(a)] += w * gains[j] * cross[a];
         }
-        gram[own * size + own] += product(one, K, kappa, kappa);
-      });
-      if (!fitGains) {
-        for (let i = 0; i < size; i++) gram[own * size + i] = gram[i * size + own] = 0;
-      }
-      let largest = 0;
-      for (let i = 0; i < own; i++) largest = Math.max(largest, gram[i * size + i]);
-      for (let i = own + 1; i < size; i++) {
-        if (gram[i * size + i] > 1e-18 * largest) continue;
-        for (let k = 0; k < size; k++) gram[i * size + k] = gram[k * size + i] = 0;
-      }
-      const {passed} = factorised(gram, size, DEPENDENT[digits]);
-      for (let i = own + 1; i < size; i++) if (!passed[i]) order.push(i - 1);
-      return order;
-    }
-
-    function taken(gram, K, index) {
-      const size = index.length;
-      const found = new Float64Array(size * size);
-      for (let a = 0; a < size; a++) for (let b = 0; b < size; b++) found[a * size + b] = gram[index[a] * K + index[b]];
-      return found;
-    }
-
-    /* The system without the columns that depend on others; index: of the columns that stay. */
-    function keptOnly({p, K: whole, fitted}, kept) {
-      const index = [...kept, p, p + 1, p + 2];
-      const K = index.length;
-      return {K, grams: K === whole ? fitted : fitted.map((gram) => taken(gram, whole, index))};
-    }
-
-    /* Least squares of the torque's error with given weights. */
-    function linear(grams, K, weights) {
-      const k = K - 3;
-      const size = k + (fitGains ? n : 0);
-      const normal = new Float64Array(size * size);
-      const right = new Float64Array(size);
-      grams.forEach((gram, j) => {
-        const w = weights[j] ** 2;
-        const [modelled, error] = fitGains ? [0, foundGains[j]] : [nominal[j] - foundGains[j], nominal[j]];
-        const aim = (a) => modelled * gram[a * K + k + 1] + error * gram[a * K + k + 2] - gram[a * K + k];
-        for (let a = 0; a < k; a++) {
-          for (let b = 0; b <= a; b++) normal[a * size + b] += w * gram[a * K + b];
-          right[a] += w * aim(a);
-        }
-        if (!fitGains) return;
-        const current = (a) => gram[a * K + k + 1] + gram[a * K + k + 2];
-        for (let a = 0; a < k; a++) normal[(k + j) * size + a] = -w * current(a);
-        normal[(k + j) * size + k + j] = w * (current(k + 1) + current(k + 2));
-        right[k + j] = -w * (aim(k + 1) + aim(k + 2));
-      });
-      const x = solved(factorised(normal, size), right);
-      return {d: x.slice(0, k), gains: fitGains ? foundGains.map((g, j) => g + x[k + j]) : nominal.slice()};
-    }
-
-    /* The linearised current errors: normal matrix and right side for [d, gains]; at: what is left there. */
-    function linearisedStep(grams, K, d, gains, weights, at) {
-      const k = d.length;
-      const size = k + (fitGains ? n : 0);
-      const normal = new Float64Array(size * size);
-      const right = new Float64Array(size);
-      const byGain = [];
-      grams.forEach((gram, j) => {
-        const w = weights[j] ** 2;
-        const g = gains[j];
-        const {x, cross} = at[j];
-        const scale = w / (g * g);
-        for (let a = 0; a < k; a++) {
-          for (let b = 0; b <= a; b++) normal[a * size + b] += scale * gram[a * K + b];
-          right[a] += (w / g) * cross[a];
-        }
-        const y = x.map((value, i) => (i < K - 2 ? value : value - 1) / g); // how the error changes with the gain
-        byGain.push(y);
-        if (!fitGains) return;
-        let square = 0;
-        let against = 0;
+        if (!free) return;
         for (let a = 0; a < K; a++) {
-          const by = (cross[a] - gram[a * K + K - 2] - gram[a * K + K - 1]) / g;
-          square += y[a] * by;
-          against += y[a] * cross[a];
-          if (a < k) normal[(k + j) * size + a] = (w / g) * by;
+          const share = a < K - 2 ? x[a] : x[a] - 1; // of what the model gives, which is how the error follows the gain
+          const by = cross[a] - gram[a * K + K - 2] - gram[a * K + K - 1];
+          add(own + j, own + j, w * share * by);
+          right[own + j] += w * gains[j] * share * cross[a];
+          if (a < p) add(own + j, placeOf(a), w * by);
         }
-        normal[(k + j) * size + k + j] = w * square;
-        right[k + j] = w * against;
       });
-      return {normal, right, size, byGain};
+      for (const column of dropped) {
+        for (let i = 0; i < size; i++) normal[column * size + i] = normal[i * size + column] = 0;
+      }
+      return {normal, right, size};
     }
 
-    /* from: {d, gains}, and `rate`: by which share each step gains less than the one before, as far as it is known. */
-    function minimised(grams, K, from, weights) {
-      let {d, gains, rate = 1} = from;
-      let gained = 0;
-      const k = d.length;
-      const costOf = (every) => every.reduce((sum, one, j) => sum + one.square * weights[j] ** 2, 0);
-      let now = left(grams, K, d, gains);
-      let cost = costOf(now);
+    /* The model of least squared errors with these weights. */
+    function minimised(system, from, weights, dropped) {
+      const {K, fitted: grams} = system;
+      const costOf = ({errors}) => errors.reduce((sum, square, j) => sum + square * weights[j] ** 2, 0);
+      let now = from;
       for (let round = 0; round < MOST_STEPS; round++) {
-        const {normal, right, size} = linearisedStep(grams, K, d, gains, weights, now);
+        const {normal, right, size} = linearised(system, now, weights, dropped);
         const step = solved(factorised(normal, size), right);
-        let change = 0;
-        if (fitGains) gains.forEach((g, j) => (change = Math.max(change, Math.abs(step[k + j] / g))));
+        const change = now.gains.reduce((most, g, j) => (free ? Math.max(most, Math.abs(step[own + j] / g)) : 0), 0);
+        const cost = costOf(now);
         let share = 1 / Math.max(1, 2 * change);
         let next = null;
-        while (share > 1e-6) {
-          const tried = d.map((value, i) => value + share * step[i]);
-          const by = fitGains ? gains.map((g, j) => g + share * step[k + j]) : gains;
-          const reached = left(grams, K, tried, by);
-          if (costOf(reached) <= cost * (1 + 1e-12)) {
-            next = {d: tried, gains: by, cost: costOf(reached), now: reached};
-            break;
-          }
-          share /= 2;
+        for (; share > 1e-6 && !next; share /= 2) {
+          const d = now.d.map((value, i) => value + share * step[placeOf(i)]);
+          const gains = free ? now.gains.map((g, j) => g + share * step[own + j]) : now.gains;
+          const tried = modelOf(grams, K, d, gains);
+          if (costOf(tried) <= cost * (1 + 1e-12)) next = tried;
         }
         if (!next) break;
-        if (gained > 0) rate = Math.min(1, Math.max((cost - next.cost) / gained, 0));
-        gained = cost - next.cost;
-        const settled = gained * rate <= CONVERGED[digits] * cost && share === 1; // what the next step would gain
-        ({d, gains, cost, now} = next);
-        if (settled) break;
+        now = next;
+        if (cost - costOf(now) <= CONVERGED * cost) break;
       }
-      return {d, gains, rate};
+      return now;
     }
 
-    /* The current-domain solution of a system. */
+    /* The solution of a system; dropped: columns that those before them make up, whose values are zero. */
     function solve(system) {
-      const kept = keptColumns(system);
-      const {p} = system;
-      const {K, grams} = keptOnly(system, kept);
-      const largest = Math.sqrt(Math.max(...squares.fitted.map((one) => one / data.rows)));
-      const torqueWeights = (at) => {
-        const scale = Math.max(...at.gains.map((g, j) => Math.sqrt(squares.fitted[j] / data.rows) * Math.abs(g)));
-        return torqueErrors(grams, K, at.d, at.gains).map(
-          (one) => 1 / Math.max(Math.sqrt(one / data.rows), 1e-9 * scale + TINY),
-        );
-      };
-      const currentWeights = (at) =>
-        errors(grams, K, at.d, at.gains).map((one) => 1 / Math.max(Math.sqrt(one / data.rows), 1e-9 * largest + TINY));
-      let at = linear(grams, K, new Array(n).fill(1));
-      for (let i = 0; i < REWEIGHTINGS; i++) at = linear(grams, K, torqueWeights(at));
-      let weights = currentWeights(at);
-      for (let i = 0; i < REWEIGHTINGS; i++) {
-        at = minimised(grams, K, at, weights);
-        weights = currentWeights(at);
+      const {K, p, fitted: grams} = system;
+      const largest = Math.max(...squares.fitted);
+      const weightsOf = (errors) =>
+        errors.map((square) => Math.sqrt(data.rows / Math.max(square, 1e-18 * largest + TINY)));
+      const gains = free ? foundGains : data.motors.map((motor) => motor.nominal);
+      let weights = weightsOf(grams.map((gram) => gram[K * K - 1]));
+      let now = modelOf(grams, K, new Float64Array(p), gains);
+      const {normal, size} = linearised(system, now, weights, []);
+      const {passed} = factorised(normal, size, DEPENDENT);
+      const dropped = [];
+      for (let i = own + free; i < size; i++) if (passed[i]) dropped.push(i);
+      for (let i = 0; i < MOST_REWEIGHTINGS; i++) {
+        now = minimised(system, now, weights, dropped);
+        const before = weights;
+        weights = weightsOf(now.errors);
+        if (weights.every((weight, j) => Math.abs(weight / before[j] - 1) < SETTLED)) break;
       }
-      const d = new Float64Array(p);
-      kept.forEach((column, i) => (d[column] = at.d[i]));
-      return {d, gains: at.gains, kept};
+      return {d: now.d, gains: now.gains, absorbed: (column) => dropped.includes(placeOf(column))};
     }
 
     /* How the page's columns are combined beside the found model (C,). */
@@ -287,10 +172,10 @@ const WorkbenchEquations = (() => {
       return sum;
     }
 
-    const judged = (system, solution) => errors(gramsOf("judged", system.index), system.K, solution.d, solution.gains);
-    const fitted = (system, solution) => errors(system.fitted, system.K, solution.d, solution.gains);
+    /* The squared errors that a solution leaves. */
+    const left = (use, {index, K}, {d, gains}) => modelOf(gramsOf(use, index), K, d, gains).errors;
 
-    return {systemOf, solve, fitted, judged, differenceOf, squares};
+    return {systemOf, solve, left, differenceOf, squares};
   }
 
   return {create};

@@ -14,9 +14,10 @@ const WorkbenchFit = (() => {
   }
 
   function create(data) {
-    const {systemOf, solve, fitted, judged, differenceOf, squares} = WorkbenchEquations.create(data);
+    const {systemOf, solve, left, differenceOf, squares} = WorkbenchEquations.create(data);
     const {own} = data;
     const places = placesOf(data);
+    const known = new Map();
     const reference = doubles(data.reference);
     const basis = {...data.basis, own: doubles(data.basis.own), others: floats(data.basis.others)};
 
@@ -30,20 +31,26 @@ const WorkbenchFit = (() => {
       return parameters;
     }
 
-    /* The model with the effects of these keys. Errors are shares of the measured current; `by` motor. */
+    /* The model with the effects of these keys, worked out once. Errors are shares of the measured current; `by` motor. */
     function fit(keys) {
+      const name = JSON.stringify([...keys].sort());
+      if (!known.has(name)) known.set(name, fitted(keys));
+      return known.get(name);
+    }
+
+    function fitted(keys) {
       const terms = places.filter((place) => keys.has(place.key));
       const system = systemOf(terms);
       const solution = solve(system);
-      const left = {fitted: fitted(system, solution), judged: judged(system, solution)};
+      const errors = {fitted: left("fitted", system, solution), judged: left("judged", system, solution)};
       const share = (use, j) => {
         const sum = (values) => (j === undefined ? values.reduce((a, b) => a + b, 0) : values[j]);
-        return sum(squares[use]) > 0 ? Math.sqrt(sum(left[use]) / sum(squares[use])) : null;
+        return sum(squares[use]) > 0 ? Math.sqrt(sum(errors[use]) / sum(squares[use])) : null;
       };
       let at = own;
       const effects = terms.map((place) => {
         const values = place.parameters.map((one) => {
-          const value = {...one, value: solution.d[at], absorbed: !solution.kept.includes(at)};
+          const value = {...one, value: solution.d[at], absorbed: solution.absorbed(at)};
           at += 1;
           return value;
         });

@@ -18,35 +18,16 @@ const WorkbenchNumbers = (() => {
 
   const floats = (text) => read(text, 4, (view, i) => view.getFloat32(i, true));
   const doubles = (text) => read(text, 8, (view, i) => view.getFloat64(i, true));
-  const counts = (text, size = 2) =>
-    read(text, size, (view, i) => (size === 1 ? view.getInt8(i) : view.getInt16(i, true)));
+  const counts = (text) => read(text, 2, (view, i) => view.getInt16(i, true));
 
-  /* A packed triangle: numbers as they are, or counts in steps (see bench/workbench/encode.py). */
-  function triangleOf(given, size) {
-    if (given === null) return new Float64Array((size * (size + 1)) / 2); // of no rows
-    if (typeof given === "string") return floats(given);
-    const [sizes, steps, diagonal, answers] = [given.sizes, given.steps, given.diagonal, given.answers].map(floats);
-    const inner = counts(given.counts);
-    const packed = new Float64Array((size * (size + 1)) / 2);
-    const last = size - 2;
-    let [at, count] = [0, 0];
-    for (let row = 0; row < size; row++) {
-      for (let a = row; a < size; a++) {
-        const value = a >= last ? answers[2 * row + a - last] : a === row ? diagonal[row] : inner[count++] * steps[row];
-        packed[at++] = value * sizes[a];
-      }
-    }
-    return packed;
-  }
-
-  /* Inner products (c, c) of the columns whose triangular factor is packed row after row. */
+  /* Inner products (c, c) of the columns whose triangular factor is packed row after row; of no rows, it is empty. */
   function gramOf(packed, size) {
     const gram = new Float64Array(size * size);
     let at = 0;
     for (let row = 0; row < size; row++) {
       for (let a = row; a < size; a++) {
         const left = packed[at + a - row];
-        if (left !== 0) for (let b = a; b < size; b++) gram[a * size + b] += left * packed[at + b - row];
+        if (left) for (let b = a; b < size; b++) gram[a * size + b] += left * packed[at + b - row];
       }
       at += size - row;
     }
@@ -122,5 +103,5 @@ const WorkbenchNumbers = (() => {
     return x;
   }
 
-  return {floats, doubles, counts, triangleOf, gramOf, product, times, factorised, solved};
+  return {floats, doubles, counts, gramOf, product, times, factorised, solved};
 })();

@@ -19,10 +19,7 @@ const WorkbenchSkeleton = (() => {
     return {value: make("dd", "", one), note: make("dd", "note", one)};
   }
 
-  /* The part of the recordings that is kept to judge on. */
-  const heldOut = (data) => `the last ${(100 * data.held_out).toFixed(0)} % of every recording`;
-
-  function skeleton(section, data) {
+  function skeleton(section) {
     section.classList.add("bench");
     make("h2", "", section, "Workbench");
     make(
@@ -58,16 +55,13 @@ const WorkbenchSkeleton = (() => {
       if (aid) make("p", "aid", one, aid);
       return one;
     };
-    const steps = `From the model without any effect; at each step the one that helps most.`;
-    const judge = data.whole ? ` Judged on ${heldOut(data)}; fitted to the rest.` : "";
-    const ladder = part("Error, effect by effect", steps + judge);
-    const plainly =
-      "Standard error: of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.";
+    const ladder = part(
+      "Error, effect by effect",
+      "From the model without any effect; at each step the one that helps most.",
+    );
     const motors = part(
       "Drive gains and errors",
-      data.whole
-        ? `${plainly} Gains and fitted error: a fit to all rows; standard errors: of the fit to the first part of each recording. Not fitted: judged as the ladder.`
-        : plainly,
+      "Standard error: of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.",
     );
     const curves = part("Currents", "");
     const choices = make("div", "choices", curves);
@@ -149,5 +143,5 @@ const WorkbenchSkeleton = (() => {
     holder.replaceChildren(found);
   }
 
-  return {heldOut, segments, skeleton, table, command, copied, saved};
+  return {segments, skeleton, table, command, copied, saved};
 })();

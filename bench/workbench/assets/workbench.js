@@ -2,19 +2,17 @@
 /* The workbench: tick effects, and see errors, gains, ladder and curves of the model that has them. */
 (() => {
   const {spoken, titled, unitOf, rowOf} = WorkbenchList;
-  const {heldOut, segments, skeleton, table} = WorkbenchSkeleton;
+  const {segments, skeleton, table} = WorkbenchSkeleton;
   const SLICE = 14; // ms of solving between two looks at the page
   const MOST_STEPS = 6; // effects of which a ladder is made
 
   function start(section, data, Charts) {
     const {formatNumber} = Charts;
-    const models = WorkbenchModels.create(data);
-    const {places, judging, ofJudging} = models;
-    const drawn = data.whole || data; // what gains and curves are of
-    const curves = WorkbenchCurves.create(drawn);
-    const parts = skeleton(section, data);
+    const {fit: fitOf, places} = WorkbenchFit.create(data);
+    const curves = WorkbenchCurves.create(data);
+    const parts = skeleton(section);
     const chosenPlaces = new Map(); // at which places an effect was ticked last
-    let state = WorkbenchChoice.start(drawn, places);
+    let state = WorkbenchChoice.start(data, places);
     const foundTicks = new Set(state.ticks);
     const judgedAny = data.motors.some((motor) => motor.judged.squares > 0);
     const errorOf = (fit) => (judgedAny ? fit.judged : fit.fitted);
@@ -48,7 +46,7 @@
     function choose(changes) {
       state = {...state, ...changes};
       remember();
-      const hash = WorkbenchChoice.written(drawn, places, state);
+      const hash = WorkbenchChoice.written(data, places, state);
       if (location.hash !== hash) location.hash = hash;
       draw();
     }
@@ -97,7 +95,7 @@
       data.motors.map((one) => one.joint),
       (i) => choose({motor: i}),
     );
-    const titles = drawn.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
+    const titles = data.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
     const recording = segments(parts.choices, "Recording", titles, (i) => choose({recording: i}));
     const ladderChart = Charts.create(parts.ladder, ladderFigure([["no effect", null]]));
     let curveChart = null;
@@ -210,11 +208,9 @@
           `${titled(list(curved))}: in the shape, and beside the model, in which diagnose judged ${curved.length > 1 ? "them" : "it"}; bench identify fits that anew, and may find other values and a smaller error.`,
         );
       }
-      if (data.short)
-        said.push("So many effects are carried in few digits: bench identify may differ in the fourth one.");
-      if (data.whole) {
+      if (data.held_out) {
         said.push(
-          `No recording is kept to judge on. Gains, parameters, curves and the fitted error come from a fit to all rows, as bench identify does it; the error not fitted, the ladder and the errors beside the effects from a fit without ${heldOut(data)}.`,
+          `No recording is kept to judge on: as in the diagnosis, all this is fitted without the last ${(100 * data.held_out).toFixed(0)} % of every recording, and judged on that. bench identify fits all rows.`,
         );
       }
       return said;
@@ -223,7 +219,7 @@
     function drawCurves(fit) {
       motor.value = state.motor;
       recording.value = state.recording;
-      const seen = drawn.recordings[state.recording];
+      const seen = data.recordings[state.recording];
       const {time, low, high, modelled, error} = curves.of(fit, state.recording, state.motor);
       const ofA = pinned
         ? [
@@ -268,13 +264,12 @@
 
     /* All that follows a choice, in parts, so that the page stays awake: the ladder, and the errors behind the ticks. */
     function* all() {
-      const nothing = judging.fit(new Set());
+      const nothing = fitOf(new Set());
       yield;
       yield* ladder(nothing);
-      const now = ofJudging(shown);
-      const largest = Math.max(errorOf(nothing), errorOf(now));
+      const largest = Math.max(errorOf(nothing), errorOf(shown));
       for (const row of rows) {
-        row.after(state, now, judging.fit(switched(row.name)), errorOf, largest, percent);
+        row.after(state, shown, fitOf(switched(row.name)), errorOf, largest, percent);
         yield;
       }
       section.dataset.ready = "true";
@@ -294,7 +289,7 @@
               .map((place) => place.key)
               .filter((key) => state.ticks.has(key)),
           ]);
-          const fit = judging.fit(ticks);
+          const fit = fitOf(ticks);
           if (!best || errorOf(fit) < errorOf(best.fit)) best = {name, ticks, fit};
           yield;
         }
@@ -302,7 +297,7 @@
         left = left.filter((name) => name !== best.name);
         steps.push([`+ ${spoken(best.name)}`, best.fit]);
       }
-      if (left.length) steps.push([`+ ${left.length} more`, ofJudging(shown)]);
+      if (left.length) steps.push([`+ ${left.length} more`, shown]);
       ladderChart.update(ladderFigure(steps));
       section.dataset.ladder = (performance.now() - began).toFixed(1);
     }
@@ -316,7 +311,7 @@
 
     function draw() {
       began = performance.now();
-      show(models.fit(state.ticks));
+      show(fitOf(state.ticks));
       section.dataset.ready = "false";
       section.dataset.reaction = (performance.now() - began).toFixed(1);
       clearTimeout(task);
@@ -341,16 +336,16 @@
     }
 
     addEventListener("hashchange", () => {
-      if (location.hash === WorkbenchChoice.written(drawn, places, state)) return;
-      const before = WorkbenchChoice.read(drawn, places, location.hash);
+      if (location.hash === WorkbenchChoice.written(data, places, state)) return;
+      const before = WorkbenchChoice.read(data, places, location.hash);
       if (before) state = before;
-      else if (location.hash === "") state = WorkbenchChoice.start(drawn, places);
+      else if (location.hash === "") state = WorkbenchChoice.start(data, places);
       else return;
       remember();
       draw();
     });
     remember();
-    const given = WorkbenchChoice.read(drawn, places, location.hash);
+    const given = WorkbenchChoice.read(data, places, location.hash);
     if (given) state = given;
     draw();
     if (given) section.scrollIntoView();
