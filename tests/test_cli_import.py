@@ -163,3 +163,52 @@ def test_mistake_is_one_line_and_writes_nothing(run, capsys, tmp_path, arguments
     assert err.count("\n") == 1
     assert culprit in err
     assert os.listdir(tmp_path) == ["log.npz"]
+
+
+def test_all_that_is_wrong_with_many_logs_is_told_at_once_with_what_mends_it(log, tmp_path, capsys):
+    first = {**log, "t": 1e3 * log["t"], "q1": np.rad2deg(log["q1"]), "i2": 1e6 * log["i2"]}
+    second = {name: np.delete(values, slice(300, 400)) for name, values in log.items()}
+    second["q2"][700:702] += [3.0, 0.0]
+    second["i1"][:] = 1.0
+    for name, broken in (("first", first), ("second", second)):
+        np.savez(tmp_path / f"{name}.npz", **broken)
+    columns = ["'{}' = '{}'".format(*target.split("=")) for target in (*MAPS[1::2], "time=t")]
+    lines = ["robot = 'five_bar'", "[columns]", *columns]
+    (tmp_path / "map.toml").write_text(
+        "\n".join([*lines, "[[logs]]", "files = ['first.npz', 'second.npz']", ""])
+    )
+    assert main(["import", "--mapping", str(tmp_path / "map.toml"), "-o", str(tmp_path / "data")]) == 2
+    told = capsys.readouterr().err.splitlines()
+    for name, column, cure in (
+        ("first", "time", "--scale time=ms"),
+        ("first", "position.left", "--scale position=deg"),
+        ("first", "current.right", "--scale current=mA"),
+        ("second", "time", "--split-gaps"),
+        ("second", "position.right", "--accept spikes"),
+        ("second", "current.left", "--accept constant"),
+    ):
+        assert any(f"{name}.npz: column {column} " in line and cure in line for line in told), (
+            name,
+            column,
+            told,
+        )
+    assert all(line.startswith("bench: ") for line in told)
+    assert not (tmp_path / "data").exists()
+    np.savez(tmp_path / "second.npz", **first)
+    assert main(["import", "--mapping", str(tmp_path / "map.toml"), "-o", str(tmp_path / "data")]) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3
+    assert all(line.endswith("; likewise in second.npz") for line in told)
+
+
+def test_a_cell_that_is_no_number_hides_nothing_else(log, tmp_path, capsys):
+    rows = np.column_stack([log[name] for name in ("t", "q1", "q2", "i1", "i2")]).astype(str)
+    rows[500, 4], rows[700, 2] = "ERR", "nan"
+    text = "\n".join(["time,position.left,position.right,current.left,current.right", *map(",".join, rows)])
+    (tmp_path / "log.csv").write_text(text)
+    assert (
+        main(["import", str(tmp_path / "log.csv"), "--robot", "five_bar", "-o", str(tmp_path / "data")]) == 2
+    )
+    text, hole = capsys.readouterr().err.splitlines()
+    assert "column current.right, line 502: 'ERR' is not a number" in text
+    assert "column position.right, line 702: is 'nan', which is no measurement; add --split-gaps" in hole

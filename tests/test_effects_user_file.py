@@ -13,6 +13,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE, catalogue_for, load_effects
 from bench.identification.identify import identify
+from bench.identification.model_file import load_model
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.truth.dataset import as_dataset, write_simulation
@@ -84,6 +85,9 @@ def test_on_the_command_line_and_in_the_dataset(
     assert cli.main([*words, "--effect-file", str(documented)]) == 0
     answer = json.loads((tmp_path / "model.json").read_text())
     assert answer["effect_parameters"]["fan_torque"]["right"]["c"]["unit"] == "N*m*s^3/rad^3"
+    # the model names the file: who reads it need not
+    assert load_model(tmp_path / "model.json").effect_files == (documented.resolve(),)
+    assert cli.main(["compare", str(folder), "--model", str(tmp_path / "model.json")]) == 0
     (folder / "my_effect.py").write_text(documented.read_text())
     text = (folder / "dataset.toml").read_text()
     (folder / "dataset.toml").write_text('effects = ["my_effect.py"]\n' + text)

@@ -126,6 +126,22 @@ def test_a_log_of_any_layout_gives_the_same_recording(name: str, tmp_path: Path,
     np.testing.assert_allclose(recording.current, current, rtol=1e-12, atol=1e-15)
 
 
+@pytest.mark.parametrize(("encoding", "said"), [("cp1252", "Windows-1252"), ("utf-16", "UTF-16")])
+def test_texts_of_controllers_and_spreadsheets_are_read(
+    encoding: str, said: str, tmp_path: Path, robot: str
+) -> None:
+    head = "Zeit [ms];qa [°];qr [mm];qw [°];ia [mA];ir;iw\n"
+    degree = np.pi / 180.0
+    table = rows(t=1e-3, qa=degree, qr=1e-3, qw=degree, ia=1e-3)
+    log = tmp_path / "log.csv"
+    log.write_text("Prüfstand 7\n\n" + head + text(table, ";", ","), encoding=encoding)
+    names = LogMap(dict(zip(COLUMNS, head.strip().split(";"), strict=True)))
+    notes = told(log, robot, names, tmp_path / "out")
+    assert any(said in note for _, note in notes.notes)
+    (recording,) = load_dataset(tmp_path / "out").recordings
+    np.testing.assert_allclose(recording.position, movement(time_stamps())[0], rtol=1e-9, atol=1e-12)
+
+
 def test_rows_are_skipped_and_a_header_denied_on_request(tmp_path: Path, robot: str) -> None:
     file = tmp_path / "log.csv"
     file.write_text("1,2,3,4,5,6,7\n" + text(rows()), encoding="utf-8")

@@ -63,6 +63,18 @@ def test_numbered_names_are_taken_in_their_order_and_marked_so(robot):
     }
 
 
+def test_units_tell_what_is_what_where_the_words_are_not_known(robot):
+    names = ["Zeit [ms]", "hoek 1 [deg]", "hoek 2 [deg]", "stroom 1 [mA]", "stroom 2 [mA]"]
+    targets = ("time", "position.left", "position.right", "current.left", "current.right")
+    found = guesses(names, robot)
+    assert {target: one["column"] for target, one in found.items()} == dict(zip(targets, names, strict=True))
+    names = ["t", "hoek 1", "hoek 2", "stroom 1", "stroom 2"]
+    stated = dict(zip(names, ("ms", "deg", "deg", "mA", "mA"), strict=True))
+    found = guesses(names, robot, stated)
+    assert {target: one["column"] for target, one in found.items()} == dict(zip(targets, names, strict=True))
+    assert set(guesses(names, robot)) == {"time"}
+
+
 def test_what_is_ambiguous_is_left_open(robot):
     assert guessed(["q_left", "q_left_filtered", "volts", "left", "right"], robot) == {}
 

@@ -1,6 +1,6 @@
 """The one exception that a user meets, and what its message says of a misspelt name."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 
@@ -9,6 +9,25 @@ class BenchError(Exception):
 
     The command line prints the line without a traceback and exits with code 2.
     """
+
+
+class FaultsError(BenchError):
+    """Several mistakes in what the user gave, each told in one line."""
+
+    def __init__(self, lines: Iterable[str]) -> None:
+        self.lines = tuple(lines)
+        super().__init__("\n".join(self.lines))
+
+
+def lines_of(error: BenchError) -> tuple[str, ...]:
+    """What is wrong, a line each."""
+    return error.lines if isinstance(error, FaultsError) else (str(error),)
+
+
+def refuse(lines: Sequence[str]) -> None:
+    """Raise BenchError with these lines, where there are any."""
+    if lines:
+        raise BenchError(lines[0]) if len(lines) == 1 else FaultsError(lines)
 
 
 def meant(name: str, known: Iterable[str], otherwise: str = "there are") -> str:

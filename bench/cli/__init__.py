@@ -15,7 +15,7 @@ from types import FrameType
 
 import click
 
-from bench.basics.errors import BenchError
+from bench.basics.errors import BenchError, lines_of
 from bench.cli.closed_output import forgiving_output
 from bench.cli.lazy import LazyCommand, LazyGroup
 
@@ -128,7 +128,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with _leaving_on_termination(), forgiving_output():
             result = cli.main(args=arguments, prog_name="bench", standalone_mode=False)
     except BenchError as error:
-        return _say(str(error), BAD_INPUT)
+        for line in lines_of(error):
+            _say(line, BAD_INPUT)
+        return BAD_INPUT
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         return error.exit_code

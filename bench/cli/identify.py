@@ -106,7 +106,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
     )
     written = []
     if json_file is not None:
-        write_answer(json_file, model_json(result, data.folder))
+        folder = None if json_file == STANDARD_OUTPUT else json_file.resolve().parent
+        write_answer(json_file, model_json(result, data.folder, effect_files, folder))
         written.append(wrote(json_file, "model"))
     if rrd_file is not None:
         from bench.viewer.recording import write_rrd

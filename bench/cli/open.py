@@ -64,4 +64,5 @@ def run_command(arguments: Mapping[str, Any], progress: Progress) -> dict[str, A
     out, err = io.StringIO(), io.StringIO()
     with progress_to(progress), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = main(arguments["words"])
-    return {"output": out.getvalue(), "error": err.getvalue().removeprefix("bench: ").strip(), "code": code}
+    faults = [line.removeprefix("bench: ") for line in err.getvalue().splitlines()]
+    return {"output": out.getvalue(), "error": "\n".join(faults), "code": code}

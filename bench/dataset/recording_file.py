@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches
-from functools import partial
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +12,10 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording import Recording, Use, position_column
-from bench.dataset.recording_checks import Channel, Fault, find
+from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.recording_window import WHOLE, Window
-from bench.dataset.sampling import gap_rows, on_uniform_grid, time_fault
-from bench.files.recording_fault import RecordingFaultError, Remedy
+from bench.dataset.sampling import on_uniform_grid
 from bench.files.table import FileTable, read_table, release_tables
-
-MOST_SPANS = 3  # that are told
 
 
 def load_recordings(
@@ -72,16 +67,15 @@ def recording_from_table(
     the extra columns.
     Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, but for the accepted ones.
 
-    Errors: BenchError "FILE: column COLUMN, line N: ..." for the first fault, and how many more there are.
+    Errors: RecordingFaultError "FILE: column COLUMN, line N: ..." for the first fault, which holds all others; a
+    BenchError where columns are missing.
     """
     columns = [f"{kind}.{joint.name}" for kind in ("position", "current") for joint in joints]
     _check_columns(table, ["time", *columns])
-    time = table.finite("time", lambda bad: _removed(bad, table.data.num_rows))
-    signals = np.column_stack([table.finite(column, partial(_left_out, time)) for column in columns])
-    if (fault := time_fault(time)) is not None:
-        cure = f"; {_between_gaps(time)}" if fault.gap else ""
-        raise RecordingFaultError(f"{table.place('time', fault.row)}: {fault.what}", cure, fault.remedy)
-    _check_signals(table, columns, time, signals, joints, frozenset(accept))
+    if faults := faults_of(table, joints, frozenset(accept)):
+        raise faults[0].among(tuple(faults[1:]))
+    time = table.numbers("time")
+    signals = np.column_stack([table.numbers(column) for column in columns])
     extra = {
         c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
     }
@@ -95,37 +89,6 @@ def recording_from_table(
     return Recording(name, use, payload, time, own, theirs, extra, redundant=current[:, first:])
 
 
-def _removed(bad: np.ndarray, count: int) -> tuple[str, Remedy]:
-    """What helps where rows (K,) of so many have no time."""
-    lines = "that line" if len(bad) == 1 else "those lines"
-    at_the_end = bool(bad[0] == count - len(bad))
-    said = f"the file breaks off there: remove {lines}" if at_the_end else f"remove {lines}"
-    return said, Remedy.REMOVE_ROWS
-
-
-def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
-    """What helps where rows (K,) have no value: stretches that dataset.toml leaves out, or lines to be removed."""
-    if bad[0] == len(time) - len(bad):
-        return _removed(bad, len(time))
-    half = 0.5 * float(np.median(np.diff(time)))
-    first = np.concatenate(([True], np.diff(bad) > 1))
-    last = np.concatenate((first[1:], [True]))
-    spans = [
-        f"[{time[a] - half:.9g}, {time[b] + half:.9g}]" for a, b in zip(bad[first], bad[last], strict=True)
-    ]
-    said = f"exclude = [{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml leaves it out"
-    return said, Remedy.LEAVE_ROWS_OUT
-
-
-def _between_gaps(time: np.ndarray) -> str:
-    """What helps where samples were lost: the stretches between."""
-    rows = [0, *gap_rows(time).tolist(), len(time)]
-    spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows)]
-    return (
-        f"window = [{_listed(spans, MOST_SPANS)}] beside its file name in dataset.toml uses what is between"
-    )
-
-
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:
     there = [column for column in table.columns if column]
     missing = [column for column in needed if column not in there]
@@ -133,37 +96,4 @@ def _check_columns(table: FileTable, needed: Sequence[str]) -> None:
         return
     close = get_close_matches(missing[0].lower(), [column.lower() for column in there], n=1, cutoff=0.8)
     hint = f"; is {next(c for c in there if c.lower() == close[0])!r} meant?" if close else ""
-    raise BenchError(f"{table.path}: no column {', '.join(missing)} (it has {_listed(there)}){hint}")
-
-
-def _listed(names: Sequence[str], most: int = 12) -> str:
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
-
-
-def _check_signals(
-    table: FileTable,
-    columns: Sequence[str],
-    time: np.ndarray,
-    signals: np.ndarray,
-    joints: Sequence[JointFacts],
-    accepted: frozenset[str],
-) -> None:
-    step = float(np.median(np.diff(time)))
-    found: list[tuple[str, Fault]] = []
-    for i, column in enumerate(columns):
-        joint = joints[i % len(joints)]
-        values = np.ascontiguousarray(signals[:, i])
-        position = i < len(joints)
-        channel = Channel(
-            values, step, joint if position else None, effort=joint.logs_effort and not position
-        )
-        found += [(column, finding) for finding in find(channel, accepted)]
-    if not found:
-        return
-    column, finding = found[0]
-    others = sorted({other for other, _ in found[1:] if other != column})
-    more = f"; more in {', '.join(others)}" if others else ""
-    accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
-    said = f"{table.place(column, finding.row)}: {finding.what}{more}"
-    raise RecordingFaultError(said, accept, finding.remedy, finding.check)
+    raise BenchError(f"{table.path}: no column {', '.join(missing)} (it has {listed(there)}){hint}")

@@ -23,11 +23,30 @@ class RecordingFaultError(BenchError):
     """What is wrong with a recording, told as for a file of a dataset.
 
     said: what is wrong and where; advice: what helps in a dataset, with the punctuation before it. remedy: the same as
-    a code, None where there is none. check: the name by which the check that found it is switched off.
+    a code, None where there is none. check: the name by which the check that found it is switched off. column: where
+    it is. others: all other faults of the recording, of which the message names the columns.
     """
 
+    column: str
+
     def __init__(
-        self, said: str, advice: str = "", remedy: Remedy | None = None, check: str | None = None
+        self,
+        said: str,
+        advice: str = "",
+        remedy: Remedy | None = None,
+        check: str | None = None,
+        *,
+        column: str = "",
+        others: tuple["RecordingFaultError", ...] = (),
     ) -> None:
-        super().__init__(f"{said}{advice}")
+        elsewhere = sorted({other.column for other in others} - {column})
+        more = f"; more in {', '.join(elsewhere)}" if elsewhere else ""
+        super().__init__(f"{said}{more}{advice}")
         self.said, self.advice, self.remedy, self.check = said, advice, remedy, check
+        self.column, self.others = column, others
+
+    def among(self, others: tuple["RecordingFaultError", ...]) -> "RecordingFaultError":
+        """The same fault as the first of several."""
+        return RecordingFaultError(
+            self.said, self.advice, self.remedy, self.check, column=self.column, others=others
+        )

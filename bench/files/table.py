@@ -107,7 +107,10 @@ class FileTable:
             what = self._what_stands(column, row, values[row])
             helps, remedy = ("", None) if cure is None else cure(bad)
             raise RecordingFaultError(
-                f"{self.place(column, row)}: {what}{more}", f"; {helps}" if helps else "", remedy
+                f"{self.place(column, row)}: {what}{more}",
+                f"; {helps}" if helps else "",
+                remedy,
+                column=column,
             )
         return values
 

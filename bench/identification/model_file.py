@@ -135,23 +135,29 @@ def save_model(
     """
     if isinstance(result, SavedModel):
         dataset, effect_files = dataset or result.dataset, effect_files or result.effect_files
-    answer = model_json(result, dataset)
-    if effect_files:
-        folder = Path(path).resolve().parent
-        answer["effect_files"] = [_named_from(folder, file.resolve()) for file in effect_files]
+    answer = model_json(result, dataset, effect_files, Path(path).resolve().parent)
     write_text_atomically(Path(path), json.dumps(answer, indent=1) + "\n")
 
 
-def _named_from(folder: Path, file: Path) -> str:
-    return str(file.relative_to(folder)) if file.is_relative_to(folder) else str(file)
+def _named_from(folder: Path | None, file: Path) -> str:
+    if folder is None or not file.is_relative_to(folder):
+        return str(file)
+    return str(file.relative_to(folder))
 
 
-def model_json(result: Identification | SavedModel, dataset: Path | None = None) -> dict[str, Any]:
-    """What a model file holds. dataset: the folder that it was identified from."""
+def model_json(
+    result: Identification | SavedModel,
+    dataset: Path | None = None,
+    effect_files: Sequence[Path] = (),
+    folder: Path | None = None,
+) -> dict[str, Any]:
+    """What a model file holds; see `save_model`. folder: where it will lie, if it will be a file."""
     model = result.model if isinstance(result, SavedModel) else result
     answer = to_json(model, result.recordings)
     if dataset is not None:
         answer["dataset"] = str(dataset.resolve())
+    if effect_files:
+        answer["effect_files"] = [_named_from(folder, file.resolve()) for file in effect_files]
     return answer
 
 

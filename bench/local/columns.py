@@ -1,7 +1,7 @@
 """What the columns of a log may be: joints by their names, units by what the log or a name says."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +12,21 @@ from bench.logs.columns import GROUPS
 from bench.logs.log_file import LogFile, Reading, read_log
 from bench.logs.ros_bag import is_bag, joint_topics
 from bench.logs.unit_names import LAST, name_of, unit_in, units_of
+from bench.logs.units import UNITS
 
 POINTS = 160  # of a column's small picture
 
 TIME = frozenset({"time", "timestamp", "t", "zeit", "clock"})
 POSITION = frozenset(
     {"position", "positions", "pos", "q", "qm", "qs", "angle", "ang", "theta", "enc", "encoder", "joint", "x"}
+    | {"winkel", "stellung", "angulo", "posicion"}
 )
 CURRENT = frozenset(
     {"current", "currents", "cur", "curr", "i", "iq", "amp", "amps", "effort", "torque", "tau", "vir", "u"}
+    | {"strom", "drehmoment", "courant", "couple", "corriente"}
 )
+PLACES, DRIVES = ("angle", "length"), ("current", "voltage", "torque", "force")
+"""What the units of positions and of currents measure."""
 
 
 def look_at(path: str, robot: Robot, topic: str | None = None, skip_rows: int = 0) -> dict[str, Any]:
@@ -42,30 +47,36 @@ def columns_of(log: LogFile, robot: Robot) -> dict[str, Any]:
     stated: the unit that the log itself gives, which an import takes unless it is told another. units: the first is SI.
     """
     names = [*log.vectors, *log.texts]
+    stated = {name: unit for name, text in log.units.items() if (unit := name_of(text))}
     columns = [{"name": name, **_seen(log.vectors.get(name, np.empty(0)))} for name in names]
     needs = ["time", *(f"{kind}.{joint}" for kind in GROUPS for joint in robot.driven)]
     return {
         "robot": robot.name,
         "needs": needs,
         "columns": columns,
-        "stated": {name: unit for name, text in log.units.items() if (unit := name_of(text))},
-        "guesses": guesses(names, robot),
+        "stated": stated,
+        "guesses": guesses(names, robot, stated),
         "units": {column: units_of(column, robot) for column in needs},
         "notes": list(log.notes),
     }
 
 
-def guesses(names: Sequence[str], robot: Robot) -> dict[str, dict[str, str]]:
-    """Needed column -> {column, unit, why} for those whose names tell; a person confirms them.
+def guesses(
+    names: Sequence[str], robot: Robot, stated: Mapping[str, str] | None = None
+) -> dict[str, dict[str, str]]:
+    """Needed column -> {column, unit, why} for those whose names or units tell; a person confirms them.
 
+    stated: units by column as the log gives them; in a language that is not known here, they tell what is what.
     why is "name" where the log's name holds the joint's, and "order" where names are numbered as the joints are.
     """
     found: dict[str, tuple[str, str]] = {}
     time = next((name for name in names if (words := _words(name)) and words[0] in TIME), None)
     if time is not None:
         found["time"] = time, "name"
-    for kind, spoken in (("position", POSITION), ("current", CURRENT)):
+    for kind, spoken, measured in (("position", POSITION, PLACES), ("current", CURRENT, DRIVES)):
         free = [name for name in names if name != time and spoken & set(_words(name))]
+        if not free:
+            free = [name for name in names if name != time and _measures(name, stated) in measured]
         named, why = _by_name(free, robot.driven), "name"
         numbered = [name for name in free if re.search(r"\d", _stem(name)) or len(robot.driven) == 1]
         in_order = not robot.redundant and len(numbered) == len(robot.driven)
@@ -76,6 +87,13 @@ def guesses(names: Sequence[str], robot: Robot) -> dict[str, dict[str, str]]:
         target: {"column": name, "unit": unit_in(name, units_of(target, robot)), "why": why}
         for target, (name, why) in found.items()
     }
+
+
+def _measures(name: str, stated: Mapping[str, str] | None) -> str:
+    """What a column's unit measures, stated or in its name; "" where there is none."""
+    match = LAST.match(name)
+    unit = (stated or {}).get(name) or (name_of(match.group(2)) if match else None)
+    return UNITS[unit].of if unit else ""
 
 
 def _by_name(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:

@@ -10,6 +10,7 @@ ASSETS = Path(__file__).with_name("assets")
 SCRIPTS = (
     "dom.js",
     "server.js",
+    "step.js",
     "figure.js",
     "columns.js",
     "payload.js",

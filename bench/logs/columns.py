@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from bench.basics.errors import BenchError, meant
+from bench.basics.errors import BenchError, meant, refuse
 from bench.dataset.robot import Robot
 from bench.logs.log_file import LogFile
 from bench.logs.unit_names import unit_in, units_of
@@ -39,11 +40,15 @@ class LogMap:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A recording's columns (N,) in SI, `time` first; sources: what the log calls them; notes: units, in words."""
+    """A recording's columns (N,) in SI, `time` first; sources: what the log calls them; notes: units, in words.
+
+    faults: a line for each column that holds no numbers; it is not among the values.
+    """
 
     values: Mapping[str, Array]
     sources: Mapping[str, str]
     notes: tuple[str, ...]
+    faults: tuple[str, ...] = ()
 
 
 def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Columns:
@@ -55,18 +60,30 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
     sources = _sources(file, log, robot, log_map, given)
     stated = _stated_factors(file, log, robot, sources, given)
     factors = {column: factor for column, (factor, _) in stated.items()} | given
-    values = {column: log.numbers(source) * factors.get(column, 1.0) for column, source in sources.items()}
+    values, faults = {}, []
+    for column, source in sources.items():
+        try:
+            values[column] = log.numbers(source) * factors.get(column, 1.0)
+        except BenchError as error:
+            faults.append(str(error))
+    if not any(column.startswith("position.") for column in values) or (
+        log_map.rate is None and "time" not in values
+    ):
+        refuse(faults)
     if log_map.rate is not None:
-        first = next(column for column in sources if column.startswith("position."))
+        first = next(column for column in values if column.startswith("position."))
         values = {"time": np.arange(values[first].size) / log_map.rate} | values
     count = values["time"].size
-    for column, found in values.items():
-        if found.size != count:
-            source = sources[column]
-            raise BenchError(f"{file}: {source!r} for {column} has {found.size} samples, time has {count}")
+    refuse(
+        [
+            f"{file}: {sources[column]!r} for {column} has {found.size} samples, time has {count}"
+            for column, found in values.items()
+            if found.size != count
+        ]
+    )
     ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
     taken = _unit_notes({c: unit for c, (f, unit) in stated.items() if f != 1.0})
-    return Columns(ordered, sources, (*taken, *_name_notes(sources, factors, robot)))
+    return Columns(ordered, sources, (*taken, *_name_notes(sources, factors, robot)), tuple(faults))
 
 
 def _unit_notes(units: Mapping[str, str]) -> tuple[str, ...]:
@@ -145,11 +162,14 @@ def _sources(
     missing = [target for target in needed if target not in sources]
     if missing:
         what = f"nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})"
-        raise BenchError(f"{file}: {what}{_skipping(log, sources)}")
-    for target, source in sources.items():
-        if source not in there:
-            has = f"the log has {_inventory(log)}"
-            raise BenchError(f"{file}: there is no {source!r} for {target} ({has}){_skipping(log, sources)}")
+        example = f"; say which is which, as in --map {missing[0]}={shlex.quote(there[0])}" if there else ""
+        raise BenchError(f"{file}: {what}{example}{_skipping(log, sources)}")
+    absent = [(target, source) for target, source in sources.items() if source not in there]
+    if absent:
+        named = ", ".join(f"{source!r} for {target}" for target, source in absent)
+        raise BenchError(
+            f"{file}: there is no {named} (the log has {_inventory(log)}){_skipping(log, sources)}"
+        )
     return sources
 
 

@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.basics.errors import BenchError
+from bench.basics.errors import BenchError, lines_of, refuse
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset_toml import DATASET_FILE, RecordingEntry, extended_toml
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Use, write_table
 from bench.dataset.recording_checks import Check
-from bench.dataset.recording_file import recording_from_table
+from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.robot import Robot, load_robot
 from bench.files.atomic import write_text_atomically
 from bench.files.recording_fault import RecordingFaultError, Remedy
@@ -53,6 +53,31 @@ class Imported:
     notes: tuple[tuple[Path, str], ...]
 
 
+@dataclass(frozen=True)
+class LogFault:
+    """What is wrong with a log, in a line. alike: what it has in common with the same fault of other logs."""
+
+    file: Path
+    alike: tuple[str, str, Remedy | None]
+    line: str
+
+
+def _as_fault(file: Path, line: str) -> LogFault:
+    return LogFault(file, (line.removeprefix(f"{file}: "), "", None), line)
+
+
+def _folded(faults: Sequence[LogFault]) -> list[str]:
+    """A line each; what several logs have in common stands once."""
+    groups: dict[tuple[str, str, Remedy | None], list[LogFault]] = {}
+    for fault in faults:
+        groups.setdefault(fault.alike, []).append(fault)
+    told = []
+    for first, *others in groups.values():
+        names = [path.name for path in dict.fromkeys(fault.file for fault in others) if path != first.file]
+        told.append(f"{first.line}; likewise in {listed(names)}" if names else first.line)
+    return told
+
+
 def import_log(
     robot: str | Robot, request: LogRequest, folder: str | Path, payload: Payload | None = None
 ) -> Imported:
@@ -69,8 +94,9 @@ def import_logs(
     recordings are added to it. `payloads` are defined in it; a request names one of them, or one that the dataset has.
     Samples are written as they were logged, after the checks that reading a dataset makes.
 
-    Errors: BenchError in one line, and nothing is written: a file, robot, joint or name that does not exist
-    (with what there is), vectors of different length, everything that is wrong with a recording.
+    Errors: BenchError, and nothing is written: a file, robot, joint or name that does not exist (with what there is),
+    vectors of different length, everything that is wrong with the recordings, a line each; of what several logs
+    have in common, the first is told and the others named.
     """
     folder = Path(folder)
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
@@ -78,11 +104,18 @@ def import_logs(
     parts: list[Segment] = []
     entries: list[RecordingEntry] = []
     notes: list[tuple[Path, str]] = []
+    faults: list[LogFault] = []
     for request in requests:
-        found, told = _parts(loaded, request, joints)
+        try:
+            found, wrong, told = _parts(loaded, request, joints)
+        except BenchError as error:
+            faults += [_as_fault(request.file, line) for line in lines_of(error)]
+            continue
+        faults += wrong
         parts += found
         entries += [RecordingEntry(part.name, part.use, request.payload, request.accept) for part in found]
         notes += [(request.file, note) for note in told]
+    refuse(_folded(faults))
     names = [part.name for part in parts]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise BenchError(
@@ -96,20 +129,21 @@ def import_logs(
 
 def _parts(
     robot: Robot, request: LogRequest, joints: Sequence[JointFacts]
-) -> tuple[list[Segment], tuple[str, ...]]:
-    """The recordings of one log, checked, and what was assumed."""
+) -> tuple[list[Segment], list[LogFault], tuple[str, ...]]:
+    """The recordings of one log, what is wrong with them, and what was assumed."""
     file = request.file
     log = read_log(file, request.reading)
     columns = columns_of(file, log, robot, request.log_map)
     name = request.name or f"{file.stem}.csv"
     parts, cuts = cut(file, columns.values, request.use, name, request.cutting)
+    faults = [_as_fault(file, line) for line in columns.faults]
     for part in parts:
-        try:
-            table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
-            recording_from_table(table, part.name, part.use, request.payload, joints, request.accept)
-        except RecordingFaultError as fault:
-            raise BenchError(_with_cure(fault, request.log_map.scale)) from fault
-    return parts, (*log.notes, *columns.notes, *cuts)
+        table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
+        found = faults_of(table, joints, frozenset(request.accept))
+        for fault in found:
+            alike = (fault.column, fault.check or "", fault.remedy)
+            faults.append(LogFault(file, alike, _with_cure(fault, request.log_map.scale)))
+    return parts, faults, (*log.notes, *columns.notes, *cuts)
 
 
 def _heavy(payload: Payload, robot: Robot) -> str | None:
@@ -155,7 +189,7 @@ CUTS: Mapping[Remedy, str] = {
 def _with_cure(fault: RecordingFaultError, scale: Mapping[str, float | str]) -> str:
     """A fault's message as it helps in an import: an option instead of a key of dataset.toml. scale: as it is given."""
     if fault.remedy is Remedy.REMOVE_ROWS:
-        return str(fault)
+        return f"{fault.said}{fault.advice}"
     said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
     if fault.remedy is not None and fault.remedy in CUTS:
         return f"{said}; add --split-gaps to {CUTS[fault.remedy]}"

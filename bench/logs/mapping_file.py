@@ -74,7 +74,7 @@ class MappingTable(UserTable):
 def import_mapping(path: Path, folder: Path) -> Imported:
     """Import all logs that the mapping file `path` names into the dataset `folder`, all or none.
 
-    Raises BenchError in one line: what is wrong with the mapping, or with the first log that does not pass.
+    Raises BenchError: what is wrong with the mapping, in one line, or with the logs, a line for each fault.
     """
     table = read_toml(path, MappingTable)
     robot = load_robot(table.robot, relative_to=path.parent)

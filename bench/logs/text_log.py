@@ -5,7 +5,8 @@ so are comments (#, %, //) on top, and lines of text that separators without val
 the table, as spreadsheets write them. The first line of the table names the columns, unless all of its values are
 numbers (and not just 0, 1, 2 ... or 1, 2, 3 ...): then the comment just above does if it has as many words, else
 columns are called 1, 2, 3 ... in their order. A second line of which no value is a number and most are units (deg, ms,
-mA ...) holds the units. Values are separated by comma, semicolon, tab or blanks.
+mA ...) holds the units. Values are separated by comma, semicolon, tab or blanks. The text is UTF-8, UTF-16 with its
+mark, or Windows-1252.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from bench.logs.units import unit_named
 LOOKED_AT = 400  # lines that tell what the table is like
 DELIMITERS = "\t;, "  # the first of those that give most numbers
 COMMENTS = ("#", "%", "//")
+CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # in no text
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
 
     Raises BenchError where there is no table.
     """
-    text = decoded(path, content)
+    text, encoding = _text(path, content)
     lines = [
         _Line(number, found.start(), found.group().rstrip("\r\n"))
         for number, found in enumerate(
@@ -62,7 +64,7 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     count = Counter(len(_cells(line.text, delimiter)) for line in rows).most_common(1)[0][0]
     table = [line for line in rows if len(_cells(line.text, delimiter)) == count]
     table = table[_padded([_cells(line.text, delimiter) for line in table]) :]
-    notes = _preamble_notes(lines, table[0], skip_rows)
+    notes = [*encoding, *_preamble_notes(lines, table[0], skip_rows)]
     names, used = _names(lines, table, delimiter, header)
     if names is None:
         if header is None:
@@ -84,6 +86,25 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     decimal_comma = delimiter != "," and "," in first.text
     found = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
     return TextLog(found, units, tuple(notes))
+
+
+def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
+    """What a file says, and how it was read where that is not UTF-8: many controllers and spreadsheets write others."""
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        try:
+            return content.decode("utf-16"), ("read as UTF-16 text",)
+        except UnicodeDecodeError:
+            raise BenchError(f"{path}: begins as UTF-16 text, but is none") from None
+    if CONTROL.search(content):
+        return decoded(path, content), ()
+    try:
+        return decoded(path, content), ()
+    except BenchError:
+        try:
+            return content.decode("cp1252"), ("read as Windows-1252 (Latin-1) text, since it is not UTF-8",)
+        except UnicodeDecodeError:
+            pass
+        raise
 
 
 def _comment(line: _Line) -> bool:

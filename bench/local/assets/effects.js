@@ -44,23 +44,10 @@ const Effects = (() => {
   }
 
   function drawMissing(run, line) {
-    const button = el(
-      "button",
-      {
-        type: "button",
-        class: "main",
-        id: "diagnose",
-        click: async () => {
-          button.disabled = true;
-          const job = await Server.run({step: "diagnose", dataset: app.dataset});
-          button.disabled = false;
-          if (job.state === "done") await app.refresh();
-          else missing.append(Dom.outcome(job));
-        },
-      },
-      run ? "Diagnose again" : "Diagnose",
-    );
-    missing.replaceChildren(el("div", {class: "row"}, button), Dom.command(line), ...(diagnosis ? verdict(run) : []));
+    const asked = () => ({step: "diagnose", dataset: app.dataset});
+    const label = run ? "Diagnose again" : "Diagnose";
+    const step = Step.create({label, id: "diagnose", asked, line, done: () => app.refresh()});
+    missing.replaceChildren(...step, ...(diagnosis ? verdict(run) : []));
   }
 
   /* What a diagnosis says: the error as effects are added, and the verdict on each. */

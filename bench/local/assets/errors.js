@@ -4,7 +4,6 @@ const Errors = (() => {
   const {el, percent} = Dom;
   let app,
     body,
-    last = null,
     round = 0;
   const remembered = {}; // choices of the figure, by name
 
@@ -21,23 +20,14 @@ const Errors = (() => {
     const run = app.latest("compare", (one) => !one.applied);
     const answer = el("div");
     if (mine !== round) return undefined;
-    const button = el(
-      "button",
-      {
-        type: "button",
-        class: "main",
-        id: "compare",
-        click: async () => {
-          button.disabled = true;
-          last = await Server.run(asked);
-          button.disabled = false;
-          if (last.state === "done") await app.refresh();
-          else body.append(Dom.outcome(last));
-        },
-      },
-      run ? "Compare again" : "Compare",
-    );
-    body.replaceChildren(el("div", {class: "row"}, button), Dom.command(line), answer);
+    const step = {
+      label: run ? "Compare again" : "Compare",
+      id: "compare",
+      asked: () => asked,
+      line,
+      done: () => app.refresh(),
+    };
+    body.replaceChildren(...Step.create(step), answer);
     return run ? show(answer, run) : undefined; // a chart needs its place in the page
   }
 

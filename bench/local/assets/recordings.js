@@ -26,8 +26,7 @@ const Recordings = (() => {
   let app,
     logs,
     setup,
-    faults = [], // why logs were not taken
-    last = null;
+    faults = []; // why logs were not taken
 
   function start(given) {
     app = given;
@@ -121,7 +120,6 @@ const Recordings = (() => {
     faults = [];
     form.dataset = app.dataset === null ? NEW : app.dataset;
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
-    last = null;
     render();
     await draw();
   }
@@ -345,38 +343,17 @@ const Recordings = (() => {
             : "";
     const {line, fault} = await Server.offer(missing, asked);
     if (mine !== round) return;
-    const button = el(
-      "button",
-      {
-        type: "button",
-        class: "main",
-        id: "import",
-        disabled: line === null,
-        click: async () => {
-          button.disabled = true;
-          const dataset = asked().dataset;
-          last = await Server.run(asked());
-          if (last.state === "done") {
-            await app.refresh(dataset);
-            const said = `${form.log} is a recording of ${dataset} now.`;
-            const done = el("p", {class: "done", role: "status", tabindex: "-1"}, said);
-            setup.replaceChildren(done, Dom.outcome(last));
-            [form.log, form.name] = ["", null];
-            render();
-            done.focus({preventScroll: true});
-            done.scrollIntoView({block: "center"});
-          } else {
-            button.disabled = false;
-            holder.append(Dom.outcome(last));
-          }
-        },
-      },
-      "Import",
-    );
-    holder.replaceChildren(
-      el("div", {class: "row"}, button, fault ? el("span", {class: "name"}, fault) : null),
-      line ? Dom.command(line) : "",
-    );
+    const imported = async (job, {dataset}) => {
+      await app.refresh(dataset);
+      const said = `${form.log} is a recording of ${dataset} now.`;
+      const done = el("p", {class: "done", role: "status", tabindex: "-1"}, said);
+      setup.replaceChildren(done, Dom.outcome(job));
+      [form.log, form.name] = ["", null];
+      render();
+      done.focus({preventScroll: true});
+      done.scrollIntoView({block: "center"});
+    };
+    holder.replaceChildren(...Step.create({label: "Import", id: "import", asked, line, lacks: fault, done: imported}));
   }
 
   return {start, render};

@@ -157,29 +157,12 @@ const Robots = (() => {
           : "";
       const {line, fault} = await Server.offer(missing, asked);
       if (mine !== round) return;
-      const button = el(
-        "button",
-        {
-          type: "button",
-          class: "main",
-          id: "make-robot",
-          disabled: line === null,
-          click: async () => {
-            button.disabled = true;
-            const job = await Server.run(asked());
-            if (job.state === "done") {
-              Object.assign(form, EMPTY, {open: false});
-              return made(job.files.robot);
-            }
-            button.disabled = false;
-            return holder.append(Dom.outcome(job));
-          },
-        },
-        "Make the robot",
-      );
+      const done = (job) => {
+        Object.assign(form, EMPTY, {open: false});
+        return made(job.files.robot);
+      };
       holder.replaceChildren(
-        el("div", {class: "row"}, button, fault ? el("span", {class: "name"}, fault) : null),
-        line ? Dom.command(line) : "",
+        ...Step.create({label: "Make the robot", id: "make-robot", asked, line, lacks: fault, done}),
       );
     }
 

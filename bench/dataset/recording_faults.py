@@ -1,0 +1,151 @@
+"""All that is wrong with the columns that a recording needs, each fault with what mends it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.dataset.joint_facts import JointFacts
+from bench.dataset.recording_checks import Channel, Fault, find
+from bench.dataset.sampling import LIKE, TimeFault, gap_rows, time_fault
+from bench.files.recording_fault import RecordingFaultError, Remedy
+from bench.files.table import FileTable
+
+MOST_SPANS = 3  # that are told
+SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}
+"""What mends a time in another unit -> its unit in seconds."""
+
+
+def faults_of(
+    table: FileTable, joints: Sequence[JointFacts], accepted: frozenset[str]
+) -> list[RecordingFaultError]:
+    """Every fault of a recording of the driven `joints`: cells that are no number, then the time, then the signals.
+
+    A column that is not in the table is passed over. Every check of bench.dataset.sampling and
+    bench.dataset.recording_checks runs, but for the accepted ones.
+    """
+    found: list[RecordingFaultError] = []
+    time = _read(table, "time", found)
+    signals: dict[str, tuple[np.ndarray, JointFacts]] = {}
+    for kind in ("position", "current"):
+        for joint in joints:
+            column = f"{kind}.{joint.name}"
+            if column not in table.columns:
+                continue
+            values = _read(table, column, found, time)
+            if values is not None:
+                signals[column] = values, joint
+    if time is None:
+        return found
+    fault = time_fault(time)
+    if fault is not None:
+        cure = f"; {_between_gaps(time)}" if fault.gap else ""
+        said = f"{table.place('time', fault.row)}: {fault.what}"
+        found.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
+    if fault is not None and fault.row is None and fault.remedy not in SECONDS:
+        return found  # of no known rate
+    for column, (values, joint) in signals.items():
+        found += [
+            _told(table, column, finding) for finding in _judged(column, values, time, joint, fault, accepted)
+        ]
+    return found
+
+
+def _read(
+    table: FileTable, column: str, found: list[RecordingFaultError], time: np.ndarray | None = None
+) -> np.ndarray | None:
+    """A column of measurements; None where it has a cell that is none, which is among the faults then."""
+    try:
+        if column == "time":
+            return table.finite(column, lambda bad: _removed(bad, table.data.num_rows))
+        return table.finite(column, None if time is None else partial(_left_out, time))
+    except RecordingFaultError as fault:
+        found.append(fault)
+    except BenchError as error:
+        found.append(RecordingFaultError(str(error), column=column))
+    return None
+
+
+def _judged(
+    column: str,
+    values: np.ndarray,
+    time: np.ndarray,
+    joint: JointFacts,
+    fault: TimeFault | None,
+    accepted: frozenset[str],
+) -> list[Fault]:
+    """What the checks find; of a log with gaps in its longest stretch, and at the rate that its time should have."""
+    start, stop = _longest(time) if fault is not None and fault.gap else (0, time.size)
+    step = float(np.median(np.abs(np.diff(time[start:stop]))))
+    if fault is not None and fault.remedy in SECONDS:
+        step *= SECONDS[fault.remedy]
+    if not step > 0.0:
+        return []
+    position = column.startswith("position.")
+    channel = Channel(
+        np.ascontiguousarray(values[start:stop]),
+        step,
+        joint if position else None,
+        effort=joint.logs_effort and not position,
+    )
+    findings = find(channel, accepted)
+    if any(
+        finding.check == "units" for finding in findings
+    ):  # in another unit everything is beyond its limits
+        findings = [finding for finding in findings if finding.check != "limits"]
+    return [
+        finding
+        if finding.row is None
+        else Fault(finding.check, finding.row + start, finding.what, finding.remedy)
+        for finding in findings
+    ]
+
+
+def _longest(time: np.ndarray) -> tuple[int, int]:
+    """First row and end of the longest stretch between gaps."""
+    return max(pairwise([0, *gap_rows(time).tolist(), time.size]), key=lambda piece: piece[1] - piece[0])
+
+
+def _told(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
+    accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
+    said = f"{table.place(column, finding.row)}: {finding.what}"
+    return RecordingFaultError(said, accept, finding.remedy, finding.check, column=column)
+
+
+def _removed(bad: np.ndarray, count: int) -> tuple[str, Remedy]:
+    """What helps where rows (K,) of so many have no time."""
+    lines = "that line" if len(bad) == 1 else "those lines"
+    at_the_end = bool(bad[0] == count - len(bad))
+    said = f"the file breaks off there: remove {lines}" if at_the_end else f"remove {lines}"
+    return said, Remedy.REMOVE_ROWS
+
+
+def _left_out(time: np.ndarray, bad: np.ndarray) -> tuple[str, Remedy]:
+    """What helps where rows (K,) have no value: stretches that dataset.toml leaves out, or lines to be removed."""
+    if bad[0] == len(time) - len(bad):
+        return _removed(bad, len(time))
+    half = 0.5 * float(np.median(np.diff(time)))
+    first = np.concatenate(([True], np.diff(bad) > 1))
+    last = np.concatenate((first[1:], [True]))
+    spans = [
+        f"[{time[a] - half:.9g}, {time[b] + half:.9g}]" for a, b in zip(bad[first], bad[last], strict=True)
+    ]
+    said = f"exclude = [{listed(spans, MOST_SPANS)}] beside its file name in dataset.toml leaves it out"
+    return said, Remedy.LEAVE_ROWS_OUT
+
+
+def _between_gaps(time: np.ndarray) -> str:
+    """What helps where samples were lost: the stretches between."""
+    rows = [0, *gap_rows(time).tolist(), len(time)]
+    spans = [f"[{time[a]:.9g}, {time[b - 1]:.9g}]" for a, b in pairwise(rows)]
+    return f"window = [{listed(spans, MOST_SPANS)}] beside its file name in dataset.toml uses what is between"
+
+
+def listed(names: Sequence[str], most: int = 12) -> str:
+    """Names with commas, the first of many."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
