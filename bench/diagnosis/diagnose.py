@@ -134,6 +134,7 @@ def found_from(
         if not out:
             return SearchResult(origin, last, model, after, new, names, fits, ladder, superfluous, known)
         known |= out
+        first = last
 
 
 def answered(case: SplitProblem, finding: SearchResult, progress: Progress = SILENT) -> Diagnosis:

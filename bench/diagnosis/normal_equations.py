@@ -224,10 +224,17 @@ def has_converged(
     cost: np.ndarray | float, new: np.ndarray | float, share: np.ndarray | float, ratio: np.ndarray
 ) -> np.ndarray:
     """Whether a share of a step lowers the cost too little to be followed by another; ratio (..., n): of the gains."""
-    away = (ratio > AWAY).any(axis=-1) | (ratio < 1.0 / AWAY).any(axis=-1)
+    away = run_away(ratio)
     fall = np.subtract(cost, new)
     whole = np.equal(share, 1.0) & (fall <= np.multiply(CONVERGED, cost))
     return np.asarray(whole | (away & (fall <= np.multiply(NEARLY, cost))))
+
+
+def run_away(ratio: np.ndarray) -> np.ndarray:
+    """Whether a gain has run away, so that a set is of no use; ratio (..., n): of the gains to those they are counted
+    from.
+    """
+    return np.asarray((ratio > AWAY).any(axis=-1) | (ratio < 1.0 / AWAY).any(axis=-1))
 
 
 def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

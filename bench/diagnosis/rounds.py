@@ -9,11 +9,12 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, context_of, propose, shaped
+from bench.diagnosis.leaves_less import leaves_clearly_less, left_by
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.restart import restarted
 from bench.diagnosis.revealed import beside, partners
-from bench.diagnosis.search import MATERIAL, NEEDED, Found, score, search
+from bench.diagnosis.search import NEEDED, Found, neighbours, score, search
 from bench.effects import ActuatorEffect, Effect, EffectInstance
 from bench.identification.nonlinear import converged, present_model
 from bench.identification.perturbations import Nearby
@@ -23,6 +24,7 @@ from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
 
 ROUNDS = 6
+MOST_ALIKE = 2  # sets like the present one that are converged where a search's best does no better
 
 
 @dataclass(frozen=True)
@@ -135,18 +137,24 @@ def searched(origin: Origin, first: Round, barred: Collection[str], progress: Pr
     """Search, linearise about what was found, and search again until the same is found; then as long as an effect that
     joins leads to a set which, converged, leaves clearly less.
 
-    barred: effects that may not be found: of an impossible sign, or superfluous.
+    barred: effects that may not be found: of an impossible sign, or superfluous. What a round found without them is
+    there to be surpassed.
     """
-    here = replace(first, found=_search(first.system, first.proposals, barred)) if barred else first
-    here = _again(origin, here, barred, progress)
+    here, before = first, None
+    if barred:
+        here = replace(first, found=_search(first.system, first.proposals, barred))
+        stayed = tuple(i for i in first.chosen if first.proposals[i].name not in barred)
+        if stayed and stayed != here.chosen:
+            before = _converged(origin, _with_set(first, stayed))
+    here = _again(origin, here, barred, progress, before)
     tried = {frozenset(here.chosen)}
     for _ in range(ROUNDS - 1):
         progress.phase("searching for partners")
         better = _with_partner(origin, here, barred)
         if better is None or frozenset(better.chosen) in tried:
             break
-        there = _again(origin, better, barred, progress)
-        if error_of(there.model) >= (1.0 - MATERIAL) * error_of(here.model):
+        there = _again(origin, better, barred, progress, here)
+        if there is here:
             break
         here = there
         tried.add(frozenset(here.chosen))
@@ -164,21 +172,74 @@ def error_of(model: Prepared) -> float:
     return relative_error(judged) or 0.0
 
 
-def _again(origin: Origin, here: Round, barred: Collection[str], progress: Progress) -> Round:
-    """Linearise about what was found, and search again, until the same is found: the converged model with it."""
-    seen: list[set[str]] = []
-    for _ in range(ROUNDS - 1):
-        if not here.chosen or here.names in seen[:-1]:
+def _again(
+    origin: Origin, here: Round, barred: Collection[str], progress: Progress, before: Round | None = None
+) -> Round:
+    """Linearise about what was found, and search again, until the same is found, or nothing that is found does better:
+    the converged model with it.
+
+    Sets are compared in one system, which is right about its own model only. So a set takes the place of another only
+    if, both converged, it leaves clearly less, or is smaller and leaves hardly more; where the best set does not, those
+    like the present one are tried. before: a converged round in whose place the first is to be.
+    """
+    if before is not None and not here.chosen:
+        return before
+    for number in range(2, ROUNDS + 1):
+        if not here.chosen:
             break
-        seen.append(here.names)
-        progress.phase(f"searching, round {len(seen) + 1}", len(here.proposals))
-        model = origin.in_search(here.system, here.proposals, here.chosen)
-        proposals = reshaped(origin, replace(here, model=model), progress)
-        before = here.names
-        here = judged(origin, model, proposals, barred)
-        if here.names == before:
+        progress.phase(f"searching, round {number}", len(here.proposals))
+        better = _first_better(origin, here, before, barred)
+        if better is None:
+            assert before is not None  # without one to surpass, the best set is taken
+            return before
+        proposals = reshaped(origin, better, progress)
+        here = judged(origin, better.model, proposals, barred)
+        if here.names == better.names:
             return here
+        before = _with_set(here, better.chosen)
     return replace(here, model=origin.with_proposals(here.proposals, here.chosen))
+
+
+def _first_better(origin: Origin, here: Round, before: Round | None, barred: Collection[str]) -> Round | None:
+    """The best set of a round with its own model, or the first like the one before that does better than that one."""
+    if before is None:
+        return _converged(origin, here)
+    every = (_converged(origin, tried) for tried in (here, *_alike(here, before.chosen, barred)))
+    return next((tried for tried in every if _better(tried, before)), None)
+
+
+def _converged(origin: Origin, here: Round) -> Round:
+    """The round with its set's own model."""
+    return replace(here, model=origin.in_search(here.system, here.proposals, here.chosen))
+
+
+def _alike(here: Round, chosen: tuple[int, ...], barred: Collection[str]) -> list[Round]:
+    """The best sets of a round's system that are this one but for one effect, more, less or another."""
+    scored = neighbours(here.system, here.found, chosen, usable(here.proposals, barred))
+    return [
+        replace(here, found=replace(here.found, best=found))
+        for found in scored
+        if found.fit.chosen != here.chosen
+    ][:MOST_ALIKE]
+
+
+def _better(here: Round, before: Round) -> bool:
+    """Whether a converged model leaves clearly less than the one before, or less is unknown to it and it leaves hardly
+    more; its gains have not run away if those of the other have not.
+    """
+    new, old = left_by(here.model), left_by(before.model)
+    if new.away and not old.away:
+        return False
+    if new.unknowns < old.unknowns:
+        return not leaves_clearly_less(before.system, old, new)
+    return leaves_clearly_less(before.system, new, old)
+
+
+def _with_set(here: Round, chosen: Sequence[int]) -> Round:
+    """The round with this set as what was found."""
+    found = here.found
+    fit = solve_set(here.system, chosen)
+    return replace(here, found=replace(found, best=score(here.system, fit, found.empty)))
 
 
 def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round | None:
@@ -192,6 +253,8 @@ def _with_partner(origin: Origin, here: Round, barred: Collection[str]) -> Round
             continue
         for settle in (origin.nearly, origin.with_proposals):
             joined = settle(here.proposals, (*here.chosen, i))
+            if not _better(replace(here, model=joined), here):
+                break
             others = beside(here.proposals, joined, len(origin.start.effects))
             wider = judged(origin, joined, others, barred)
             without = score(wider.system, solve_set(wider.system, here.chosen), wider.found.empty)
@@ -223,10 +286,14 @@ def system_about(origin: Origin, model: Prepared, proposals: Sequence[Proposal])
 
 
 def _search(system: System, proposals: Sequence[Proposal], barred: Collection[str]) -> Found:
-    usable = [
+    return search(system, usable(proposals, barred))
+
+
+def usable(proposals: Sequence[Proposal], barred: Collection[str]) -> list[int]:
+    """Proposals (indices) that may be found."""
+    return [
         i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
     ]
-    return search(system, usable)
 
 
 def reshaped(origin: Origin, here: Round, progress: Progress) -> list[Proposal]:

@@ -6,8 +6,8 @@ from itertools import combinations
 
 import numpy as np
 
-from bench.diagnosis.batched_sets import solve_sets
-from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set
+from bench.diagnosis.batched_sets import solve_sets, swapped
+from bench.diagnosis.normal_equations import Candidate, SetFit, System, run_away, solve_set
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
 LARGEST_SET = 6
@@ -16,6 +16,7 @@ ALONE, BESIDE = (
     7,
 )  # how many effects the shortlist has for what they do alone, and beside the best set so far
 NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
+FEW = 8  # sets like another of which it is asked whether their effects earn their place
 MATERIAL = 0.03  # share of the error on checked recordings that an effect must take away
 
 
@@ -93,6 +94,23 @@ def search(system: System, usable: Sequence[int]) -> Found:
     return Found(best, singles, empty)
 
 
+def neighbours(system: System, found: Found, chosen: tuple[int, ...], usable: Sequence[int]) -> list[Scored]:
+    """Sets with one effect more than the chosen one, another or one less, the best first: those of which every effect
+    earns its place.
+    """
+    others = [i for i in usable if i not in chosen]
+    sets = [(*chosen, i) for i in others] + swapped(chosen, others)
+    if len(chosen) > 1:
+        sets += [chosen[:k] + chosen[k + 1 :] for k in range(len(chosen))]
+    here = score(system, solve_set(system, chosen), found.empty)
+    scored = (score(system, fit, found.empty) for fit in solve_sets(system, sets))
+    best = sorted(
+        (s for s in scored if s.total > here.total + NEEDED and possible(system, s.fit)),
+        key=lambda s: -s.total,
+    )
+    return [s for s in best[:FEW] if earned(system, s, found.empty)]
+
+
 def _shortlist(
     system: System, usable: Sequence[int], singles: dict[int, Scored], best: Scored, empty: SetFit
 ) -> list[int]:
@@ -167,7 +185,11 @@ def contains(whole: Candidate, part: Candidate) -> bool:
 
 
 def possible(system: System, fit: SetFit) -> bool:
-    """Whether the largest share of every effect that has a sign has the right one: no friction that drives."""
+    """Whether no gain has run away, and the largest share of every effect that has a sign has the right one: no
+    friction that drives.
+    """
+    if run_away(fit.gains / system.start.gains):
+        return False
     at = system.base
     for i in fit.chosen:
         candidate = system.candidates[i]

@@ -1,0 +1,130 @@
+"""A search goes from one converged model to a better one, whatever sets promise about the model of another."""
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.diagnosis import rounds, search
+from bench.diagnosis.leaves_less import Left, leaves_clearly_less
+from bench.diagnosis.normal_equations import AWAY, run_away
+
+SYSTEM: Any = SimpleNamespace(
+    fitted=SimpleNamespace(rows=4000), checked=SimpleNamespace(rows=2000), memory=10.0, repeats=1.0
+)
+
+
+def left(fitted: float, checked: float, unknowns: int = 5, *, away: bool = False) -> Left:
+    """Two motors, the second of which has a hundredth of the first one's current."""
+    return Left(fitted * np.array([1.0, 1e-4]), checked * np.array([1.0, 1e-4]), unknowns, away)
+
+
+@pytest.mark.parametrize(
+    ("model", "clearly"),
+    [
+        (left(0.8, 0.8), True),
+        (left(0.8, 0.96), False),  # 2 % of the error on recordings that were not fitted
+        (left(0.99, 0.93), False),  # a handful of nats
+        (left(0.8, 0.8, unknowns=60), False),  # less than its unknowns cost
+        (
+            Left(np.array([1.0, 0.5e-4]), np.array([1.0, 0.5e-4]), 5, False),
+            True,
+        ),  # a small motor counts as much
+    ],
+)
+def test_a_model_leaves_clearly_less(model: Left, clearly: bool) -> None:
+    assert leaves_clearly_less(SYSTEM, model, left(1.0, 1.0)) is clearly
+
+
+@dataclass(frozen=True)
+class FakeRound:
+    """A set of effects with what its own model leaves, where it has one."""
+
+    chosen: tuple[int, ...]
+    model: Left | None = None
+    proposals: tuple[str, ...] = ("a", "b", "c", "d")
+
+    @property
+    def system(self) -> Any:
+        return SYSTEM
+
+    @property
+    def names(self) -> set[str]:
+        return {self.proposals[i] for i in self.chosen}
+
+
+def again(
+    monkeypatch: pytest.MonkeyPatch,
+    leaves: dict[tuple[int, ...], Left],
+    promised: dict[tuple[int, ...], tuple[int, ...]],
+    alike: tuple[tuple[int, ...], ...] = (),
+) -> tuple[Any, list[tuple[int, ...]]]:
+    """The round that a search from (0,) ends with, and the sets that were converged. promised: the best set of the
+    system about another's model.
+    """
+    seen: list[tuple[int, ...]] = []
+
+    def converge(_: object, here: FakeRound) -> FakeRound:
+        seen.append(here.chosen)
+        return replace(here, model=leaves[here.chosen])
+
+    def judged(_: object, model: Left, *__: object) -> FakeRound:
+        here = next(key for key, value in leaves.items() if value is model)
+        return FakeRound(promised[here], model)
+
+    monkeypatch.setattr(rounds, "_converged", converge)
+    monkeypatch.setattr(rounds, "judged", judged)
+    monkeypatch.setattr(rounds, "reshaped", lambda *_: ())
+    monkeypatch.setattr(rounds, "left_by", lambda model: model)
+    monkeypatch.setattr(rounds, "_with_set", lambda here, chosen: replace(here, chosen=chosen))
+    monkeypatch.setattr(rounds, "_alike", lambda here, *_: [replace(here, chosen=key) for key in alike])
+    progress: Any = SimpleNamespace(phase=lambda *_: None)
+    origin: Any = SimpleNamespace(with_proposals=lambda _, chosen: leaves[chosen])
+    start: Any = FakeRound((0,))
+    return rounds._again(origin, start, (), progress), seen
+
+
+def test_what_is_worse_once_it_is_converged_does_not_take_the_place_of_a_set(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    leaves = {(0,): left(1.0, 1.0), (1, 2): left(1.5, 1.5)}
+    found, seen = again(monkeypatch, leaves, {(0,): (1, 2)})
+    assert (found.chosen, found.model) == ((0,), leaves[(0,)])
+    assert seen == [(0,), (1, 2)]
+
+
+def test_a_set_like_it_is_tried_where_the_best_is_worse(monkeypatch: pytest.MonkeyPatch) -> None:
+    leaves = {(0,): left(1.0, 1.0), (1, 2): left(1.5, 1.5), (0, 3): left(0.5, 0.5)}
+    found, seen = again(monkeypatch, leaves, {(0,): (1, 2), (0, 3): (0, 3)}, alike=((0, 3),))
+    assert (found.chosen, found.model) == ((0, 3), leaves[(0, 3)])
+    assert seen == [(0,), (1, 2), (0, 3)]
+
+
+@pytest.mark.parametrize(("checked", "taken"), [(1.01, (1,)), (1.2, (0,))])
+def test_a_smaller_set_is_taken_where_it_leaves_hardly_more(
+    checked: float, taken: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    leaves = {(0,): left(1.0, 1.0, unknowns=8), (1,): left(checked, checked, unknowns=5)}
+    found, _ = again(monkeypatch, leaves, {(0,): (1,), (1,): (1,)})
+    assert found.chosen == taken
+
+
+def test_a_model_with_a_gain_that_ran_away_does_not_take_the_place_of_one_without(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    leaves = {(0,): left(1.0, 1.0), (1,): left(0.2, 0.2, away=True)}
+    found, _ = again(monkeypatch, leaves, {(0,): (1,)})
+    assert found.chosen == (0,)
+
+
+def test_a_set_with_a_gain_that_ran_away_is_not_possible() -> None:
+    assert run_away(np.array([1.0, 1.1 * AWAY]))
+    assert run_away(np.array([1.0, 0.9 / AWAY]))
+    assert not run_away(np.array([10.0, 0.1]))
+    system: Any = SimpleNamespace(start=SimpleNamespace(gains=np.array([2.0, 3.0])), base=0)
+    fits: list[Any] = [
+        SimpleNamespace(gains=np.array(gains), chosen=(), values=()) for gains in ([2.5, 2.0], [2.5, 1e6])
+    ]
+    assert [search.possible(system, fit) for fit in fits] == [True, False]
