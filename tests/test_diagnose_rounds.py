@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bench.diagnosis import rounds, search
-from bench.diagnosis.leaves_less import Left, leaves_clearly_less
+from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less
 from bench.diagnosis.normal_equations import AWAY, run_away
 
 SYSTEM: Any = SimpleNamespace(
@@ -16,9 +16,9 @@ SYSTEM: Any = SimpleNamespace(
 )
 
 
-def left(fitted: float, checked: float, unknowns: int = 5, *, away: bool = False) -> Left:
+def left(fitted: float, checked: float, unknowns: int = 5, *, away: bool = False) -> SquaresLeft:
     """Two motors, the second of which has a hundredth of the first one's current."""
-    return Left(fitted * np.array([1.0, 1e-4]), checked * np.array([1.0, 1e-4]), unknowns, away)
+    return SquaresLeft(fitted * np.array([1.0, 1e-4]), checked * np.array([1.0, 1e-4]), unknowns, away)
 
 
 @pytest.mark.parametrize(
@@ -29,12 +29,12 @@ def left(fitted: float, checked: float, unknowns: int = 5, *, away: bool = False
         (left(0.99, 0.93), False),  # a handful of nats
         (left(0.8, 0.8, unknowns=60), False),  # less than its unknowns cost
         (
-            Left(np.array([1.0, 0.5e-4]), np.array([1.0, 0.5e-4]), 5, False),
+            SquaresLeft(np.array([1.0, 0.5e-4]), np.array([1.0, 0.5e-4]), 5, False),
             True,
         ),  # a small motor counts as much
     ],
 )
-def test_a_model_leaves_clearly_less(model: Left, clearly: bool) -> None:
+def test_a_model_leaves_clearly_less(model: SquaresLeft, clearly: bool) -> None:
     assert leaves_clearly_less(SYSTEM, model, left(1.0, 1.0)) is clearly
 
 
@@ -43,7 +43,7 @@ class FakeRound:
     """A set of effects with what its own model leaves, where it has one."""
 
     chosen: tuple[int, ...]
-    model: Left | None = None
+    model: SquaresLeft | None = None
     proposals: tuple[str, ...] = ("a", "b", "c", "d")
 
     @property
@@ -57,7 +57,7 @@ class FakeRound:
 
 def again(
     monkeypatch: pytest.MonkeyPatch,
-    leaves: dict[tuple[int, ...], Left],
+    leaves: dict[tuple[int, ...], SquaresLeft],
     promised: dict[tuple[int, ...], tuple[int, ...]],
     alike: tuple[tuple[int, ...], ...] = (),
 ) -> tuple[Any, list[tuple[int, ...]]]:
@@ -70,7 +70,7 @@ def again(
         seen.append(here.chosen)
         return replace(here, model=leaves[here.chosen])
 
-    def judged(_: object, model: Left, *__: object) -> FakeRound:
+    def judged(_: object, model: SquaresLeft, *__: object) -> FakeRound:
         here = next(key for key, value in leaves.items() if value is model)
         return FakeRound(promised[here], model)
 

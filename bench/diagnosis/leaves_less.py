@@ -12,7 +12,7 @@ from bench.identification.solve_only import solved_quickly
 
 
 @dataclass(frozen=True)
-class Left:
+class SquaresLeft:
     """What a converged model leaves: sums of squares (n,) of every motor's current, drive units squared.
 
     unknowns: how many it has; away: whether a gain of it has run away from the nominal one.
@@ -24,7 +24,7 @@ class Left:
     away: bool
 
 
-def left_by(model: Prepared) -> Left:
+def left_by(model: Prepared) -> SquaresLeft:
     """Of the recordings that were fitted, and of those that were not."""
     _, solution = solved_quickly(model)
     squares = {"identify": np.zeros(len(solution.gains)), "validate": np.zeros(len(solution.gains))}
@@ -35,10 +35,10 @@ def left_by(model: Prepared) -> Left:
         squares[observation.use] += (error**2).sum(axis=0)
     shapes = sum(len(instance.effect.shape) for instance in model.effects)
     away = bool(run_away(solution.gains / model.dataset.robot.nominal_gains))
-    return Left(squares["identify"], squares["validate"], model.layout.size + shapes, away)
+    return SquaresLeft(squares["identify"], squares["validate"], model.layout.size + shapes, away)
 
 
-def leaves_clearly_less(system: System, model: Left, other: Left) -> bool:
+def leaves_clearly_less(system: System, model: SquaresLeft, other: SquaresLeft) -> bool:
     """Whether a model leaves clearly less than the other: by MATERIAL on recordings that were not fitted, and by NEEDED
     nats in all, every motor by what the other leaves of it. system: how many samples count.
     """
