@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
-from bench.basics.interpolation import PiecewisePolynomial, cubic_spline
+from bench.basics.interpolation import PiecewisePolynomial, cubic_spline, spline_at_every
 
 
 @pytest.mark.parametrize("shape", [(), (2,), (3, 2)])
@@ -32,6 +32,22 @@ def test_pieces_are_those_of_scipy():
     at = np.concatenate((knots, np.linspace(knots[0], knots[-1], 333)))
     found = PiecewisePolynomial(coefficients, knots)(at)
     np.testing.assert_allclose(found, PPoly(coefficients, knots)(at), rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize(("every", "values", "count"), [(6, 40, 240), (5, 4, 16), (18, 9, 145), (1, 7, 7)])
+def test_samples_between_even_values_are_those_of_the_spline(every, values, count):
+    given = np.random.default_rng(every).normal(size=(values, 3, 2))
+    expected = cubic_spline(np.arange(values) * 1.0 * every, given)(np.arange(count) * 1.0)
+    np.testing.assert_allclose(spline_at_every(given, every, count), expected, rtol=1e-11, atol=1e-12)
+
+
+def test_a_few_samples_need_no_piece_but_their_own():
+    random = np.random.default_rng(3)
+    t = np.cumsum(random.uniform(0.5, 1.5, 60))
+    spline, at = cubic_spline(t, random.normal(size=(60, 2))), np.sort(random.uniform(t[0] - 1.0, t[-1] + 1.0, 50))
+    at = np.sort(np.concatenate((at, t)))
+    for part in (slice(0, 1), slice(20, 33), slice(50, None), slice(0, 0)):
+        np.testing.assert_array_equal(spline(at[part]), spline(at)[part])
 
 
 def test_too_few_samples_are_refused():

@@ -1,10 +1,11 @@
 """Piecewise polynomials through samples. scipy.interpolate has the same, and takes half a second to import."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
+from scipy.linalg.lapack import dgtsv, dgttrf, dgttrs
 
 FloatArray = NDArray[np.float64]
 Given = NDArray[np.floating]
@@ -30,9 +31,12 @@ class PiecewisePolynomial:
             values[order] = self(t[order])
             return values
         # In rising order a piece's samples follow each other: it is repeated along them, column by column.
-        counts = np.diff(np.concatenate(([0], np.searchsorted(t, self.knots[1:-1]), [len(t)])))
-        distance = t - np.repeat(self.knots[:-1], counts)
-        pieces = self.coefficients.reshape(*self.coefficients.shape[:2], -1).transpose(0, 2, 1)
+        first, last = np.searchsorted(self.knots[1:-1], t[[0, -1]], side="right") if len(t) else (0, 0)
+        asked = slice(int(first), int(last) + 1)
+        counts = np.diff(np.searchsorted(t, self.knots[asked.start + 1 : asked.stop]), prepend=0, append=len(t))
+        distance = t - np.repeat(self.knots[asked], counts)
+        pieces = self.coefficients[:, asked]
+        pieces = pieces.reshape(*pieces.shape[:2], -1).transpose(0, 2, 1)
         values = np.repeat(pieces[0], counts, axis=1)
         for coefficient in pieces[1:]:
             values *= distance
@@ -51,17 +55,58 @@ def cubic_spline(t: Given, values: Given) -> PiecewisePolynomial:
     step = np.diff(t)
     wide = step.reshape(-1, *(1,) * (values.ndim - 1))
     chord = np.diff(values, axis=0) / wide
-    band = np.zeros((3, len(t)))
-    band[0, 2:], band[1, 1:-1], band[2, :-2] = step[:-1], 2.0 * (step[:-1] + step[1:]), step[1:]
-    band[0, 1], band[1, 0] = t[2] - t[0], step[1]
-    band[2, -2], band[1, -1] = t[-1] - t[-3], step[-2]
     right = np.empty(values.shape)
     right[1:-1] = 3.0 * (wide[1:] * chord[:-1] + wide[:-1] * chord[1:])
     first, last = t[2] - t[0], t[-1] - t[-3]
     right[0] = ((step[0] + 2.0 * first) * step[1] * chord[0] + step[0] ** 2 * chord[1]) / first
     right[-1] = (step[-1] ** 2 * chord[-2] + (2.0 * last + step[-1]) * step[-2] * chord[-1]) / last
-    slope = solve_banded((1, 1), band, right.reshape(len(t), -1)).reshape(values.shape)
+    slope = dgtsv(*_equations(step), right.reshape(len(t), -1))[3].reshape(values.shape)
     bend = (slope[:-1] + slope[1:] - 2.0 * chord) / wide
     return PiecewisePolynomial(
         np.stack((bend / wide, (chord - slope[:-1]) / wide - bend, slope[:-1], values[:-1])), t
     )
+
+
+def spline_at_every(values: FloatArray, every: int, count: int) -> FloatArray:
+    """The same spline through values (K, ...) that stand `every` samples apart, at each of `count` samples (count, ...).
+
+    The first value stands at the first sample; samples behind the last one go on as `PiecewisePolynomial` does.
+    """
+    if len(values) < FEWEST:
+        raise ValueError(f"a cubic spline through {len(values)} samples: it needs at least {FEWEST}")
+    given = np.ascontiguousarray(values, dtype=float).reshape(len(values), -1)
+    chord = np.diff(given, axis=0)
+    right = np.empty(given.shape)
+    np.add(chord[:-1], chord[1:], out=right[1:-1])
+    right[1:-1] *= 3.0
+    right[0], right[-1] = 2.5 * chord[0] + 0.5 * chord[1], 0.5 * chord[-2] + 2.5 * chord[-1]
+    slope = np.ascontiguousarray(dgttrs(*_even(len(values)), right)[0])
+    ends = np.stack((given[:-1], given[1:], slope[:-1], slope[1:]))
+    whole = (len(values) - 1) * every
+    out = np.empty((count, given.shape[1]))
+    inside = hermite_weights(np.arange(every) / every) @ ends.reshape(4, -1)
+    pieces = inside.reshape(every, len(chord), -1).transpose(1, 0, 2)
+    out[:whole].reshape(len(chord), every, -1)[:] = pieces
+    out[whole:] = hermite_weights(1.0 + np.arange(count - whole) / every) @ ends[:, -1]
+    return out.reshape(count, *values.shape[1:])
+
+
+def hermite_weights(share: FloatArray) -> FloatArray:
+    """Weights (N, 4) of a cubic's values and slopes at 0 and 1, at shares (N,) of the way."""
+    square = share * share
+    rise = square * (3.0 - 2.0 * share)
+    return np.stack((1.0 - rise, rise, share * (1.0 - share) ** 2, square * (share - 1.0)), axis=1)
+
+
+def _equations(step: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Diagonals below, on and above that of the equations for a spline's slopes, of steps (K - 1,)."""
+    own = np.concatenate((step[1:2], 2.0 * (step[:-1] + step[1:]), step[-2:-1]))
+    below = np.append(step[1:], step[-1] + step[-2])
+    above = np.concatenate(([step[0] + step[1]], step[:-1]))
+    return below, own, above
+
+
+@lru_cache(maxsize=64)
+def _even(count: int) -> tuple[FloatArray, ...]:
+    """Their factors for so many values one apart."""
+    return tuple(dgttrf(*_equations(np.ones(count - 1)))[:5])

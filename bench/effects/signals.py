@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from bench.basics.interpolation import cubic_spline
+from bench.basics.interpolation import spline_at_every
 from bench.effects.row_cache import KeptRows
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion
@@ -225,7 +225,7 @@ class RobotSignals:
         """Smooth values (K, ...) at the coarse samples, at every sample (N, ...): a cubic spline."""
         if self.every == 1:
             return values
-        return cubic_spline(self.time[:: self.every], values)(self.time)
+        return spline_at_every(values, self.every, len(self.time))
 
     def torque_change(
         self,

@@ -8,8 +8,8 @@ import numpy as np
 from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
-from bench.identification.sparse_signals import bridged_sparsely
-from bench.identification.standstill import bridged
+from bench.identification.bridge import whole_bridge
+from bench.identification.sparse_signals import bridge_sparsely
 from bench.signals.decimation import decimate, decimated_indices
 from bench.signals.sparse_decimation import decimate_sparse
 
@@ -113,12 +113,14 @@ def _filtered(
 
 
 def _decimated(signals: RobotSignals, decimation: int, columns: np.ndarray, motor: int) -> np.ndarray:
-    """Columns (N, k) of a motor's torque, bridged where it stands still and decimated: (M, k)."""
+    """Columns (N, k) of a motor's torque, bridged in place where it stands still, and decimated: (M, k)."""
     sparse, gap = signals.sparse, signals.gaps[motor]
     if sparse is None:
-        return decimate(bridged(columns[:, None], [gap])[:, 0], decimation)
-    filled = bridged_sparsely(columns, gap, sparse.shares[motor])
-    return decimate_sparse(filled, sparse.every, sparse.length, decimation)
+        bridge = whole_bridge(gap, len(columns))
+        columns[bridge.inside] = bridge.lines(columns)
+        return decimate(columns, decimation)
+    bridge_sparsely(columns, gap, sparse.shares[motor])
+    return decimate_sparse(columns, sparse.every, sparse.length, decimation)
 
 
 def _kept(signals: RobotSignals, decimation: int, instance: EffectInstance) -> np.ndarray | None:

@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from bench.effects import JointSignals
-from bench.identification.standstill import Gaps, bridged
+from bench.identification.bridge import whole_bridge
+from bench.identification.standstill import Gaps
 
 FEWEST = 100  # samples that are left: shorter recordings are looked at as they are
 
@@ -74,7 +75,8 @@ def sparse_gaps(gaps: Gaps, every: int, length: int) -> tuple[Gaps, tuple[np.nda
     return tuple(found), tuple(shares)
 
 
-def bridged_sparsely(rows: np.ndarray, gap: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Rows (K, p) of a joint bridged in its stretches, at their edges by the `share` (K,) that lies in one."""
-    over = bridged(rows[:, None], [gap])[:, 0]
-    return rows + share[:, None] * (over - rows)
+def bridge_sparsely(rows: np.ndarray, gap: np.ndarray, share: np.ndarray) -> None:
+    """Bridge rows (K, p) of a joint in its stretches, at their edges by the `share` (K,) that lies in one; in place."""
+    bridge = whole_bridge(gap, len(rows))
+    weight = share[bridge.inside, None]
+    rows[bridge.inside] += weight * (bridge.lines(rows) - rows[bridge.inside])

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.identification.bridge import bridge_over, ranges, sides, whole_bridge, within
 from bench.signals.decimation import decimate
 
 SLOW = 0.01  # of the joint's RMS speed
@@ -54,15 +55,12 @@ def standstills(
 
 
 def bridged(rows: np.ndarray, gaps: Sequence[np.ndarray]) -> np.ndarray:
-    """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy.
-
-    The line goes through the means of the samples on either side, those in the middle of a side weighing most
-    (a Hann window); it is level where there is one side only.
-    """
+    """Rows (N, n) or (N, n, p), those of every joint in its gaps replaced by a straight line; a copy."""
     rows = rows.copy()
-    every = np.arange(len(rows))
     for j, stretches in enumerate(gaps):
-        _bridge(rows[:, j], stretches, every, len(rows))
+        own = rows[:, j].reshape(len(rows), -1)
+        bridge = whole_bridge(stretches, len(rows))
+        rows[bridge.inside, j] = bridge.lines(own).reshape(-1, *rows.shape[2:])
     return rows
 
 
@@ -70,12 +68,12 @@ def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
     """The samples (K,), of so many, that `bridged_part` needs for a part of them, in order."""
     outside = [np.empty(0, dtype=int)]
     for stretches in gaps:
-        start, stop, before, after = _sides(_within(stretches, part), stretches, length)
+        start, stop, before, after = sides(within(stretches, part), stretches, length)
         outside += [
-            _ranges(before, np.minimum(start, part.start))[0],
-            _ranges(np.maximum(before, part.stop), start)[0],
-            _ranges(stop, np.minimum(after, part.start))[0],
-            _ranges(np.maximum(stop, part.stop), after)[0],
+            ranges(before, np.minimum(start, part.start))[0],
+            ranges(np.maximum(before, part.stop), start)[0],
+            ranges(stop, np.minimum(after, part.start))[0],
+            ranges(np.maximum(stop, part.stop), after)[0],
         ]
     more = np.unique(np.concatenate(outside))
     first = np.searchsorted(more, part.start)
@@ -85,74 +83,10 @@ def around(part: slice, gaps: Gaps, length: int) -> np.ndarray:
 def bridged_part(rows: np.ndarray, samples: np.ndarray, part: slice, gaps: Gaps, length: int) -> np.ndarray:
     """The rows of a part as `bridged` gives them, from those at the samples (K,) that it needs; changes these."""
     for j, stretches in enumerate(gaps):
-        _bridge(rows[:, j], stretches, samples, length, part)
+        bridge = bridge_over(stretches, samples, length, part)
+        rows[bridge.inside, j] = bridge.lines(rows[:, j].reshape(len(rows), -1)).reshape(-1, *rows.shape[2:])
     first = int(np.searchsorted(samples, part.start))
     return rows[first : first + part.stop - part.start]
-
-
-def _within(stretches: np.ndarray, part: slice) -> np.ndarray:
-    """Which stretches have samples in the part, as indices."""
-    return np.flatnonzero((stretches[:, 0] < part.stop) & (stretches[:, 1] > part.start))
-
-
-def _sides(
-    chosen: np.ndarray, stretches: np.ndarray, length: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Of the chosen stretches start and stop, and where their surroundings begin before and end after, (k,) each."""
-    start, stop, beside = stretches.T
-    before = np.maximum(start - beside, np.concatenate(([0], stop))[: len(stop)])
-    after = np.minimum(stop + beside, length)
-    return start[chosen], stop[chosen], before[chosen], after[chosen]
-
-
-def _bridge(
-    own: np.ndarray, stretches: np.ndarray, samples: np.ndarray, length: int, part: slice | None = None
-) -> None:
-    """Replace a joint's rows (K, ...) at the samples (K,) of a part (or of all) that lie in its stretches."""
-    part = slice(0, length) if part is None else part
-    chosen = _within(stretches, part)
-    if not len(chosen) or not own.any():
-        return
-    start, stop, before, after = _sides(chosen, stretches, length)
-    at_before, at_stop = np.searchsorted(samples, before), np.searchsorted(samples, stop)
-    first = _means(own, at_before, at_before + start - before)
-    second = _means(own, at_stop, at_stop + after - stop)
-    has_first, has_second = before < start, stop < after
-    y0, y1 = (
-        np.where(_like(has, mine), mine, other)
-        for has, mine, other in ((has_first, first, second), (has_second, second, first))
-    )
-    middles = 0.5 * (before + start - 1), 0.5 * (stop + after - 1)
-    slope = (y1 - y0) / _like(middles[1] - middles[0], y0)
-    inside, of = _ranges(np.maximum(start, part.start), np.minimum(stop, part.stop))
-    some = (has_first | has_second)[of]
-    inside, of = inside[some], of[some]
-    own[np.searchsorted(samples, inside)] = y0[of] + _like(inside - middles[0][of], y0) * slope[of]
-
-
-def _ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All samples of stretches from start (k,) to before stop (k,), one after the other, and whose they are."""
-    length = np.maximum(stop - start, 0)
-    of = np.repeat(np.arange(len(length)), length)
-    return np.arange(len(of)) + (start - np.cumsum(length) + length)[of], of
-
-
-def _means(values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-    """The mean of values (N, ...) in each stretch under a Hann window, (k, ...); zero in one without samples."""
-    samples, of = _ranges(start, stop)
-    weights = np.sin(np.pi * (samples - start[of] + 0.5) / (stop - start)[of]) ** 2
-    means = np.zeros((len(start), *values.shape[1:]))
-    some = np.flatnonzero(stop > start)
-    if len(some):
-        first = np.searchsorted(of, some)
-        weighted = values[samples] * _like(weights, values)
-        means[some] = np.add.reduceat(weighted, first) / _like(np.add.reduceat(weights, first), means)
-    return means
-
-
-def _like(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Values (k,) with as many axes as rows (k, ...)."""
-    return values.reshape(-1, *(1,) * (rows.ndim - 1))
 
 
 def no_gaps(joints: int) -> Gaps:
@@ -175,7 +109,7 @@ def _stuck(velocity: np.ndarray, shortest: float) -> np.ndarray:
     for v in np.ascontiguousarray(velocity.T):
         first, last = _runs(np.abs(v) <= SLOW * np.sqrt(v @ v / len(v)))
         long = last - first >= shortest
-        found[_ranges(first[long], last[long])[0]] = True
+        found[ranges(first[long], last[long])[0]] = True
     return found
 
 

@@ -1,0 +1,106 @@
+"""Straight lines over stretches of samples: what replaces the equations of a joint while it stands still.
+
+The line goes through the means of the samples on either side, those in the middle of a side weighing most (a Hann
+window); it is level where there is one side only. All of it is linear in the samples, and worked out once for a stretch.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+KEPT = 256  # bridges: of every joint of every recording that is looked at, at all its samples and at few
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """The lines over the stretches of one joint.
+
+    inside (K,): rows that are replaced; beside (L,): those that tell of the surroundings, side after side, with their
+    weights (L,), which add up to one in each side; starts: where in these a side begins. left, right (K,): between
+    which sides a row lies, and `share` (K,) of the way.
+    """
+
+    inside: np.ndarray
+    beside: np.ndarray
+    weights: np.ndarray
+    starts: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+    share: np.ndarray
+
+    def lines(self, rows: np.ndarray) -> np.ndarray:
+        """What stands in the place of the rows (N, p) inside, (K, p)."""
+        if not len(self.inside):
+            return rows[:0]
+        means = np.add.reduceat(rows[self.beside] * self.weights[:, None], self.starts)
+        found: np.ndarray = means[self.right] - means[self.left]
+        found *= self.share[:, None]
+        found += means[self.left]
+        return found
+
+
+def within(stretches: np.ndarray, part: slice) -> np.ndarray:
+    """Which stretches (k, 3) have samples in the part, as indices."""
+    return np.flatnonzero((stretches[:, 0] < part.stop) & (stretches[:, 1] > part.start))
+
+
+def sides(
+    chosen: np.ndarray, stretches: np.ndarray, length: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of the chosen stretches start and stop, and where their surroundings begin before and end after, (k,) each."""
+    start, stop, beside = stretches.T
+    before = np.maximum(start - beside, np.concatenate(([0], stop))[: len(stop)])
+    after = np.minimum(stop + beside, length)
+    return start[chosen], stop[chosen], before[chosen], after[chosen]
+
+
+def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """All samples of stretches from start (k,) to before stop (k,), one after the other, and whose they are."""
+    length = np.maximum(stop - start, 0)
+    of = np.repeat(np.arange(len(length)), length)
+    return np.arange(len(of)) + (start - np.cumsum(length) + length)[of], of
+
+
+def bridge_over(stretches: np.ndarray, samples: np.ndarray, length: int, part: slice) -> Bridge:
+    """The lines over a joint's stretches (k, 3) in a part of a recording of so many samples, for its rows at the
+    samples (K,), in order; these hold the part's stretches and their surroundings.
+    """
+    start, stop, before, after = sides(within(stretches, part), stretches, length)
+    first, last = np.concatenate((before, stop)), np.concatenate((start, after))
+    there = last > first
+    side = np.cumsum(there) - 1
+    beside, of_side = ranges(first[there], last[there])
+    begin, end = first[there][of_side], last[there][of_side]
+    weights = np.sin(np.pi * (beside - begin + 0.5) / (end - begin)) ** 2
+    starts = np.searchsorted(of_side, np.arange(int(there.sum())))
+    if len(starts):
+        weights /= np.add.reduceat(weights, starts)[of_side]
+
+    has_first, has_second = np.split(there, 2)
+    own, other = np.split(side, 2)
+    left, right = np.where(has_first, own, other), np.where(has_second, other, own)
+    middle, further = 0.5 * (before + start - 1), 0.5 * (stop + after - 1)
+    inside, of = ranges(np.maximum(start, part.start), np.minimum(stop, part.stop))
+    some = (has_first | has_second)[of]
+    inside, of = inside[some], of[some]
+    return Bridge(
+        inside=np.searchsorted(samples, inside),
+        beside=np.searchsorted(samples, beside),
+        weights=weights,
+        starts=starts,
+        left=left[of],
+        right=right[of],
+        share=(inside - middle[of]) / (further - middle)[of],
+    )
+
+
+def whole_bridge(stretches: np.ndarray, length: int) -> Bridge:
+    """The lines over a joint's stretches (k, 3) in all so many samples of a recording."""
+    return _whole_bridge(stretches.tobytes(), length)
+
+
+@lru_cache(maxsize=KEPT)
+def _whole_bridge(stretches: bytes, length: int) -> Bridge:
+    given = np.frombuffer(stretches, dtype=int).reshape(-1, 3)
+    return bridge_over(given, np.arange(length), length, slice(0, length))
