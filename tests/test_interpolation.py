@@ -44,7 +44,10 @@ def test_samples_between_even_values_are_those_of_the_spline(every, values, coun
 def test_a_few_samples_need_no_piece_but_their_own():
     random = np.random.default_rng(3)
     t = np.cumsum(random.uniform(0.5, 1.5, 60))
-    spline, at = cubic_spline(t, random.normal(size=(60, 2))), np.sort(random.uniform(t[0] - 1.0, t[-1] + 1.0, 50))
+    spline, at = (
+        cubic_spline(t, random.normal(size=(60, 2))),
+        np.sort(random.uniform(t[0] - 1.0, t[-1] + 1.0, 50)),
+    )
     at = np.sort(np.concatenate((at, t)))
     for part in (slice(0, 1), slice(20, 33), slice(50, None), slice(0, 0)):
         np.testing.assert_array_equal(spline(at[part]), spline(at)[part])

@@ -33,7 +33,9 @@ class PiecewisePolynomial:
         # In rising order a piece's samples follow each other: it is repeated along them, column by column.
         first, last = np.searchsorted(self.knots[1:-1], t[[0, -1]], side="right") if len(t) else (0, 0)
         asked = slice(int(first), int(last) + 1)
-        counts = np.diff(np.searchsorted(t, self.knots[asked.start + 1 : asked.stop]), prepend=0, append=len(t))
+        counts = np.diff(
+            np.searchsorted(t, self.knots[asked.start + 1 : asked.stop]), prepend=0, append=len(t)
+        )
         distance = t - np.repeat(self.knots[asked], counts)
         pieces = self.coefficients[:, asked]
         pieces = pieces.reshape(*pieces.shape[:2], -1).transpose(0, 2, 1)
@@ -68,9 +70,9 @@ def cubic_spline(t: Given, values: Given) -> PiecewisePolynomial:
 
 
 def spline_at_every(values: FloatArray, every: int, count: int) -> FloatArray:
-    """The same spline through values (K, ...) that stand `every` samples apart, at each of `count` samples (count, ...).
+    """The same spline through values (K, ...), `every` samples apart from the first one on, at all of so many samples.
 
-    The first value stands at the first sample; samples behind the last one go on as `PiecewisePolynomial` does.
+    Returns (count, ...); samples behind the last one go on as `PiecewisePolynomial` does.
     """
     if len(values) < FEWEST:
         raise ValueError(f"a cubic spline through {len(values)} samples: it needs at least {FEWEST}")

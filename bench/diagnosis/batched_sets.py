@@ -1,8 +1,10 @@
 """Many sets of effects solved side by side, where they are small: what Python adds to each is then shared."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg.lapack import dposv
 
 from bench.diagnosis.normal_equations import (
     MOST_STEPS,
@@ -13,14 +15,8 @@ from bench.diagnosis.normal_equations import (
     solve_set,
     start_of,
 )
-from bench.identification.bilinear import (
-    COLLINEAR,
-    errors_by,
-    moved_gains,
-    normal_equations,
-    share_within_reach,
-    squares_of,
-)
+from bench.diagnosis.set_products import SetProducts, products_of_sets, squares_of_sets
+from bench.identification.bilinear import COLLINEAR, errors_by, moved_gains, share_within_reach
 from bench.identification.solution import Solution
 
 TOGETHER = 4_000_000  # bytes of inner products
@@ -45,12 +41,32 @@ def swapped(chosen: Sequence[int], others: Sequence[int]) -> list[tuple[int, ...
     return [(*(c for c in chosen if c != k), i) for i in others for k in chosen]
 
 
+@dataclass(frozen=True)
+class _Sets:
+    """Sets on their way: products; values (S, k) and gains (S, n) with the errors (S, n, k + 2) that they combine, all
+    columns' products with these (S, n, k + 2), and their cost (S,).
+    """
+
+    products: SetProducts
+    values: np.ndarray
+    gains: np.ndarray
+    errors: np.ndarray
+    by_error: np.ndarray
+    cost: np.ndarray
+
+    def some(self, which: np.ndarray) -> "_Sets":
+        """Some of them (S,) True or False."""
+        parts = (self.values, self.gains, self.errors, self.by_error, self.cost)
+        return _Sets(self.products.some(which), *(part[which] for part in parts))
+
+
 def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iterator[list[tuple[int, ...]]]:
     """Sets with about as many unknowns each, the fewest first, and no more than fit into the cache."""
     chunk: list[tuple[int, ...]] = []
     fewest = 0
     for size, key in sized:
-        room = TOGETHER // (8 * len(system.start.gains) * (size + 2) ** 2)
+        added = size - system.base + 2
+        room = TOGETHER // (8 * (len(system.start.gains) * (size + 2) * added + (size + 2) ** 2))
         if chunk and (size > WIDER * fewest or len(chunk) >= room):
             yield chunk
             chunk = []
@@ -63,75 +79,98 @@ def _alike(system: System, sized: Sequence[tuple[int, tuple[int, ...]]]) -> Iter
 
 def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int, ...], SetFit]:
     """Sets by steps of Gauss and Newton, the smaller ones with columns of zeros; those that need care are left out."""
-    start, squares = system.start, system.start.weights**2
+    start = system.start
     begun = [start_of(system, key) for key in keys]
     columns = [pair[0] for pair in begun]
-    gains = np.array([pair[2] for pair in begun])
     values = np.zeros((len(keys), max(map(len, columns))))
     for own, (_, found_before, _) in zip(values, begun, strict=True):
         own[: len(found_before)] = found_before
-    inner = np.stack([system.fitted.padded(column, values.shape[1]) for column in columns])
-    cost = squares_of(inner, errors_by(values, gains, start.gains)) @ squares
-    found: dict[tuple[int, ...], SetFit] = {}
+    added = [column[system.base :] for column in columns]
+    wide = values.shape[1] - system.base
+    products = products_of_sets(system.fitted, system.base, added, wide)
+    now = _at(products, values, np.array([pair[2] for pair in begun]), start)
+    found: dict[int, tuple[np.ndarray, np.ndarray, float]] = {}
     left = np.arange(len(keys))  # which of them are not converged yet
     for _ in range(MOST_STEPS):
-        try:
-            step, by_gain, sound = _steps(inner, values, gains, start)
-        except np.linalg.LinAlgError:  # one of them is beyond what rounding allows: each alone is told which
-            break
-        share = share_within_reach(gains, by_gain)
-        new_values, new_gains, new = _moved(inner, values, gains, cost, (step, by_gain, share), start)
-        lower = sound & (new <= cost * (1.0 + 1e-12))
-        converged = lower & has_converged(cost, new, share, new_gains / start.gains)
+        step, by_gain, sound = _steps(now, start)
+        share = share_within_reach(now.gains, by_gain)
+        new = _moved(now, (step, by_gain, share), start)
+        lower = sound & (new.cost <= now.cost * (1.0 + 1e-12))
+        converged = lower & has_converged(now.cost, new.cost, share, new.gains / start.gains)
         for i in np.flatnonzero(converged):
-            which = int(left[i])
-            key, own = keys[which], columns[which]
-            found[key] = fit_of(system, key, own, new_values[i, : len(own)], new_gains[i], float(new[i]))
+            found[int(left[i])] = new.values[i], new.gains[i], float(new.cost[i])
         on = lower & ~converged
         if not on.any():
             break
-        inner, values, gains = (
-            column if on.all() else column[on] for column in (inner, new_values, new_gains)
-        )
-        cost, left = new[on], left[on]
-    return found
+        now, left = (new, left) if on.all() else (new.some(on), left[on])
+    if not found:
+        return {}
+    which = list(found)
+    last = _at(
+        products_of_sets(system.checked, system.base, [added[i] for i in which], wide),
+        np.array([found[i][0] for i in which]),
+        np.array([found[i][1] for i in which]),
+        start,
+    )
+    return {
+        keys[i]: fit_of(system, keys[i], columns[i], own[: len(columns[i])], gains, cost, float(checked))
+        for (i, (own, gains, cost)), checked in zip(found.items(), last.cost, strict=True)
+    }
 
 
-def _moved(
-    inner: np.ndarray,
-    values: np.ndarray,
-    gains: np.ndarray,
-    cost: np.ndarray,
-    steps: tuple[np.ndarray, np.ndarray, np.ndarray],
-    start: Solution,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values, gains and cost (B,) after steps of values, of gains, and the shares (B,) of them that are taken: halved
-    in place until no set is worse for it.
+def _at(products: SetProducts, values: np.ndarray, gains: np.ndarray, start: Solution) -> _Sets:
+    errors = errors_by(values, gains, start.gains)
+    by_error = products.combined(errors)
+    cost = squares_of_sets(errors, by_error) @ start.weights**2
+    return _Sets(products, values, gains, errors, by_error, cost)
+
+
+def _moved(now: _Sets, steps: tuple[np.ndarray, np.ndarray, np.ndarray], start: Solution) -> _Sets:
+    """The sets after steps of values, of gains, and the shares (S,) of them that are taken: halved in place until no
+    set is worse for it.
     """
     step, by_gain, share = steps
-    squares = start.weights**2
     for _ in range(HALVINGS):
-        new_values = values + share[:, None] * step
-        new_gains = moved_gains(gains, share[:, None] * by_gain)
-        new = squares_of(inner, errors_by(new_values, new_gains, start.gains)) @ squares
-        worse = new > cost * (1.0 + 1e-12)
+        new_gains = moved_gains(now.gains, share[:, None] * by_gain)
+        new = _at(now.products, now.values + share[:, None] * step, new_gains, start)
+        worse = new.cost > now.cost * (1.0 + 1e-12)
         if not worse.any():
             break
         share[worse] /= 2.0
-    return new_values, new_gains, new
+    return new
 
 
-def _steps(
-    inner: np.ndarray, values: np.ndarray, gains: np.ndarray, start: Solution
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Steps of values (B, k) and gains (B, n), and whether the unknowns of a set are independent (B,)."""
-    k = values.shape[1]
-    normal, right = normal_equations(inner, values, gains, start.weights, start.gains, start.gains_fitted)
+def _steps(now: _Sets, start: Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Steps of values (S, k) and gains (S, n), and whether the unknowns of a set are independent (S,).
+
+    The equations are those of `bench.identification.bilinear.normal_equations`.
+    """
+    k, n = now.values.shape[1], len(start.gains)
+    share = start.weights**2 / now.gains
+    size = k + (n if start.gains_fitted else 0)
+    normal, right = np.zeros((len(now.cost), size, size)), np.empty((len(now.cost), size))
+    normal[:, :k, :k] = now.products.weighted(share / now.gains)
+    right[:, :k] = (share[:, None] @ now.by_error[..., :k])[:, 0]
+    if start.gains_fitted:
+        by_torque = now.products.of_torque(start.gains) - now.by_error
+        torque = -now.errors[..., : k + 1]
+        torque[..., k] = 1.0 / now.gains
+        normal[:, k:, :k] = -(share / now.gains)[..., None] * by_torque[..., :k]
+        normal[:, :k, k:] = normal[:, k:, :k].swapaxes(1, 2)
+        own = share / now.gains * np.einsum("snk,snk->sn", torque, by_torque[..., : k + 1])
+        normal[:, k + np.arange(n), k + np.arange(n)] = own
+        right[:, k:] = -share * np.einsum("snk,snk->sn", torque, now.by_error[..., : k + 1])
     diagonal = np.einsum("brr->br", normal)
     there = diagonal > 0.0
     lengths = np.sqrt(np.where(there, diagonal, 1.0))
-    scaled = normal / (lengths[:, :, None] * lengths[:, None, :])
-    scaled += np.where(there, ROUNDING, 1.0)[:, :, None] * np.eye(scaled.shape[1])
-    sound = np.einsum("brr->br", np.linalg.cholesky(scaled)).min(axis=1) > COLLINEAR
-    step = np.linalg.solve(scaled, (right / lengths)[..., None])[..., 0] / lengths
-    return step[:, :k], step[:, k:] if start.gains_fitted else np.zeros_like(gains), sound
+    normal /= lengths[:, :, None]
+    normal /= lengths[:, None, :]
+    diagonal += np.where(there, ROUNDING, 1.0)
+    right /= lengths
+    sound = np.zeros(len(right), dtype=bool)
+    for i, (matrix, own) in enumerate(zip(normal, right, strict=True)):
+        factor, solved, wrong = dposv(matrix.T, own, overwrite_a=True)
+        sound[i] = wrong == 0 and np.diag(factor).min() > COLLINEAR
+        own[:] = solved if sound[i] else 0.0
+    right /= lengths
+    return right[:, :k], right[:, k:] if start.gains_fitted else np.zeros_like(now.gains), sound

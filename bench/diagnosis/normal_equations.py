@@ -61,14 +61,8 @@ class MotorProducts:
     rows: int
     measured: float
 
-    def padded(self, columns: np.ndarray, count: int) -> np.ndarray:
-        """Inner products (n, count + 2, count + 2) of some columns (k,), zeros to fill up, torque and error."""
-        size = self.inner.shape[1]
-        filled = np.concatenate((columns, np.full(count - len(columns), size), [size - 2, size - 1]))
-        return self._with_zeros[:, filled[:, None], filled]
-
     @cached_property
-    def _with_zeros(self) -> np.ndarray:
+    def with_zeros(self) -> np.ndarray:
         """The inner products with those of one more column, of zeros."""
         return np.pad(self.inner, ((0, 0), (0, 1), (0, 1)))
 
@@ -217,7 +211,8 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         values, gains, cost = new_values, new_gains, new
         if converged:
             break
-    return fit_of(system, chosen, columns, values, gains, cost)
+    left = squares_of(inner_of(system.checked, columns), errors_by(values, gains, start.gains))
+    return fit_of(system, chosen, columns, values, gains, cost, float(left @ squares))
 
 
 def has_converged(
@@ -267,14 +262,13 @@ def fit_of(
     values: np.ndarray,
     gains: np.ndarray,
     cost: float,
+    checked: float,
 ) -> SetFit:
-    """A set with the solution in its independent columns (k,), and the squares left on the checked recordings."""
-    start = system.start
-    left = squares_of(inner_of(system.checked, columns), errors_by(values, gains, start.gains))
+    """A set with the solution in its independent columns (k,), and the weighted squares that it leaves."""
     every = system.columns_of(chosen)
     whole = np.zeros(system.fitted.inner.shape[1])
     whole[columns] = values
-    return SetFit(chosen, every, whole[every], gains, cost, float(left @ start.weights**2))
+    return SetFit(chosen, every, whole[every], gains, cost, checked)
 
 
 def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution) -> np.ndarray:
