@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.signals.filtering import extended_end, extended_start, resting_states
-from bench.signals.sections import filtered, one_by_one
+from bench.signals.sections import carried, filtered, one_by_one
 
 FloatArray = NDArray[np.float64]
 
 LENGTH = 192  # samples of a block, about: longer ones cost more products, shorter ones more steps
 MOST_KEPT = 16  # of a block's samples
-FEWEST = 2  # columns: one by itself is as fast sample by sample
 LONGEST = 512  # a block of more is not worth its matrices
 PART = 32768  # samples that are run together, at most
 
@@ -71,7 +70,7 @@ class RunningFilter:
         self._count += len(x)
         self._waiting.append(x)
         length, held = block_length(self._factor), sum(map(len, self._waiting))
-        if held <= 2 * self._extension + length or not length or x.shape[1] < FEWEST:
+        if held <= 2 * self._extension + length or not length:
             return
         waiting = np.concatenate(self._waiting) if len(self._waiting) > 1 else x
         if not self._begun:
@@ -98,7 +97,7 @@ class RunningFilter:
             blocks = _blocks(self._sections.tobytes(), self._factor)
             state = initial.reshape(-1, columns)
             for k in reversed(range(len(self._passed))):
-                backward, state = _carried(blocks.carry, state, self._passed.pop()[::-1])
+                backward, state = carried(blocks.carry, state, self._passed.pop()[::-1])
                 whole = kept[k].reshape(len(backward), -1, columns)
                 whole += blocks.behind @ backward[::-1]
         count = -(-(self._count - self._first) // self._factor)
@@ -114,13 +113,13 @@ class RunningFilter:
     def _run(self, x: FloatArray, most: int) -> int:
         """Run forward over whole blocks of at most so many samples, and return how many these were."""
         length, columns = block_length(self._factor), x.shape[1]
-        count = most // length if length and columns >= FEWEST else 0
+        count = most // length if length else 0
         if count <= 0:
             return 0
         blocks = _blocks(self._sections.tobytes(), self._factor)
         size = len(blocks.carry)
         given = blocks.taken @ x[: count * length].reshape(count, length, columns)
-        forward, self._state = _carried(blocks.carry, self._state, given[:, :size])
+        forward, self._state = carried(blocks.carry, self._state, given[:, :size])
         self._passed.append(given[:, size : 2 * size] + blocks.turned @ forward)
         self._kept.append((given[:, 2 * size :] + blocks.ahead @ forward).reshape(-1, columns))
         return count * length
@@ -145,15 +144,6 @@ def kept_samples(sections: FloatArray, x: FloatArray, order: int, factor: int, f
         running.push(flat[rows : rows + PART])
     kept = running.finish()
     return kept.reshape(len(kept), *x.shape[1:])
-
-
-def _carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """States (B, s, K) at which blocks begin, and the last one's end, from what each block adds (B, s, K)."""
-    states = np.empty((len(given) + 1, *state.shape))
-    states[0], states[1:] = state, given
-    for k in range(len(given)):
-        states[k + 1] += carry @ states[k]
-    return states[:-1], states[-1]
 
 
 @lru_cache(maxsize=64)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 LENGTH = 64  # samples of a block
+TOGETHER = 8  # blocks whose states are worked out at a time
 
 
 def butterworth(order: int, cutoff: float) -> FloatArray:
@@ -84,12 +85,11 @@ def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[F
     if count:
         matrices = _block(sections.tobytes())
         blocks = columns[:at].reshape(count, LENGTH, -1).transpose(1, 0, 2).reshape(LENGTH, -1)
-        given = (matrices.fed @ blocks).reshape(len(state), count, -1)
-        begins = np.empty_like(given)
-        for k in range(count):
-            begins[:, k] = state
-            state = matrices.carry @ state + given[:, k]
-        own = matrices.filtered @ blocks + matrices.initial @ begins.reshape(len(state), -1)
+        given = (matrices.fed @ blocks).reshape(len(state), count, -1).transpose(1, 0, 2)
+        begins, state = carried(matrices.carry, state, given)
+        own = matrices.filtered @ blocks + matrices.initial @ begins.transpose(1, 0, 2).reshape(
+            len(state), -1
+        )
         outputs[:at] = own.reshape(LENGTH, count, -1).transpose(1, 0, 2).reshape(at, -1)
     rest = len(x) - at
     if rest:
@@ -97,6 +97,44 @@ def filtered(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[F
         outputs[at:] = matrices.filtered[:rest, :rest] @ given + matrices.initial[:rest] @ state
         state = matrices.powers[rest] @ state + matrices.fed[:, LENGTH - rest :] @ given
     return outputs.reshape(x.shape), state.reshape(states.shape)
+
+
+def carried(carry: FloatArray, state: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """States (B, s, K) at which blocks begin, and the last one's end, from what each block adds (B, s, K).
+
+    Several blocks at a time, by one product: what every block adds to the states of all behind it.
+    """
+    blocks, size, columns = given.shape
+    states = np.empty((blocks, size, columns))
+    whole = blocks - blocks % TOGETHER
+    if whole:
+        ahead, alone = _over_blocks(carry.tobytes(), size)
+        added = given[:whole].reshape(-1, TOGETHER * size, columns)
+        added = alone @ added
+        groups = states[:whole].reshape(-1, TOGETHER * size, columns)
+        for own, more in zip(groups, added, strict=True):
+            every = ahead @ state
+            every += more
+            own[:size], own[size:] = state, every[:-size]
+            state = every[-size:]
+    for own, more in zip(states[whole:], given[whole:], strict=True):
+        own[:] = state
+        state = carry @ state + more
+    return states, state
+
+
+@lru_cache(maxsize=64)
+def _over_blocks(key: bytes, size: int) -> tuple[FloatArray, FloatArray]:
+    """What the state before some blocks (T s, s), and what these add (T s, T s), make of the states behind each."""
+    carry = np.frombuffer(key).reshape(size, size).astype(np.longdouble)
+    powers = [np.eye(size, dtype=np.longdouble)]
+    for _ in range(TOGETHER):
+        powers.append(carry @ powers[-1])
+    alone = np.zeros((TOGETHER, size, TOGETHER, size))
+    for behind in range(TOGETHER):
+        for block in range(behind + 1):
+            alone[behind, :, block] = powers[behind - block]
+    return np.concatenate(powers[1:]).astype(float), alone.reshape(TOGETHER * size, -1)
 
 
 def one_by_one(sections: FloatArray, columns: FloatArray, state: FloatArray) -> tuple[FloatArray, FloatArray]:
