@@ -95,7 +95,7 @@ def test_a_report_shows_machine_model_and_twin(recorded, models, tmp_path, capsy
     assert f"wrote {tmp_path / 'page' / 'report.html'} (report)" in capsys.readouterr().out
 
 
-def test_twenty_lines_of_mujoco_and_numpy_find_the_same(recorded, models, project_root, tmp_path):
+def test_a_script_of_mujoco_and_numpy_alone_finds_the_same(recorded, models, project_root, tmp_path):
     model = models[-1]
     write_mjcf(tmp_path / "twin.xml", physical_set(load_identified(model)))
     dataset = load_dataset(recorded)
