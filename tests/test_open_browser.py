@@ -154,6 +154,7 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
     names |= {"current.left": "i_left", "current.right": "i_right"}
     words = [word for column, name in names.items() for word in ("--map", f"{column}={name}")]
     words += ["--scale", "time=ms", "--scale", "position=deg", "-o", str(tmp_path / "my_data")]
+    words += ["--name", "free_and_slow_on_monday.csv"]  # too long for a phone beside its label
     assert main(["import", str(logs / "free.csv"), "--robot", "five_bar", *words]) == 0
     (tmp_path / "held.csv").write_bytes((logs / "held.csv").read_bytes())
     with opened(tmp_path, cwd=tmp_path) as site:

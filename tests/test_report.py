@@ -13,7 +13,7 @@ from bench.diagnosis.result import Remainder, Unexplained
 from bench.document.typeset import effect_name, share, typeset
 from bench.identification.problem import problem_of
 from bench.page.pages import diagnosis_page
-from bench.page.parts import Figure, PageTable, Section, Text
+from bench.page.parts import Figure, Page, PageTable, Section, Text
 from bench.page.render import Workbench, render_page
 from bench.page.section_run import CommandRun
 from bench.page.thinned import extremes, rounded, thinned
@@ -255,6 +255,11 @@ def test_a_workbench_stands_below_the_ranking_and_under_the_same_policy(page):
 def test_a_script_that_would_end_itself_is_refused(page):
     with pytest.raises(ValueError, match="</"):
         render_page(page, Workbench({}, "const end = '</script>';"))
+
+
+def test_what_is_to_be_typed_is_set_so():
+    text = render_page(Page("A page", (), ("First `bench diagnose <x>`.",), (), (), ""))
+    assert "<p>First <code>bench diagnose &lt;x&gt;</code>.</p>" in text
 
 
 def test_nominal_gains_are_said_to_be_nominal():

@@ -50,4 +50,4 @@ def test_an_axis_is_said_by_what_it_is(axis, title, words):
 
 def test_what_a_metric_is_of_stands_behind_it():
     assert metric_title("gain_error") == "largest gain error"
-    assert metric_title("error.validate") == "error of the current, validate"
+    assert metric_title("error.validate") == "error of the current, not fitted"

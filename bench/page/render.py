@@ -3,13 +3,14 @@
 import base64
 import hashlib
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from bench.files.atomic import finite
 from bench.page.parts import Figure, Mechanism, Page, Runs
@@ -51,9 +52,9 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
     if any("</" in text for text in (*scripts, style)):
         raise ValueError("a script or style of the page holds '</', which would end it")
     after = [i for i, section in enumerate(page.sections) if workbench and section.id == workbench.after]
-    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(
-        asset("page.html.j2")
-    )
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    environment.filters["said"] = _said
+    template = environment.from_string(asset("page.html.j2"))
     return template.render(
         page=page,
         policy=policy(scripts, style),
@@ -77,6 +78,11 @@ def policy(scripts: Sequence[str], style: str) -> str:
 
 def _hash(text: str) -> str:
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _said(sentence: str) -> Markup:
+    """A sentence with what stands between backticks, a command or a name to type, set so."""
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(sentence))))
 
 
 def _figures(page: Page) -> dict[str, Any]:

@@ -35,7 +35,7 @@ def parameters_section(after: Identification, before: Identification | None) -> 
     table = parameters_table(after, before=before)
     parts.append(on_page(table, "Base and payload parameters", aid))
     if after.effect_parameters:
-        aid = "The laws stand in bench/effects/README.md."
+        aid = "What their letters mean: the handbook's atlas of effects, a page for each."
         parts.append(on_page(effects_table(after), "Parameters of the effects", aid))
     if after.left_out:
         parts.append(Items("Left out, as the data do not need them", "", after.left_out))

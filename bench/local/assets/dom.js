@@ -94,6 +94,12 @@ const Dom = (() => {
     return svg;
   }
 
+  /* A sentence as a program says it: true minus signs, and what is to be typed, between backticks, set so. */
+  function sentence(text) {
+    const minus = text.replace(/(?<![\w.])-(?=\d)/g, "−");
+    return minus.split("`").map((part, i) => (i % 2 ? el("code", {}, part) : part));
+  }
+
   /* A number with its standard deviation, to the digits that it supports. */
   function quantity(one) {
     if (one.std === null || !(one.std > 0)) return ChartBasics.formatNumber(one.value, 5);
@@ -104,5 +110,5 @@ const Dom = (() => {
   const unit = (text) => text.replace(/\*/g, "·").replace(/\^2/g, "²").replace(/\^3/g, "³");
   const percent = (share) => (share === null || share === undefined ? "–" : ChartBasics.formatPercent(share));
 
-  return {el, field, select, radios, table, command, outcome, spark, quantity, unit, percent};
+  return {el, field, select, radios, table, command, outcome, spark, sentence, quantity, unit, percent};
 })();

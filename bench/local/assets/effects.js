@@ -76,12 +76,12 @@ const Effects = (() => {
           spoken(one.effect),
           el("span", {class: `badge ${one.verdict.replace(/ .*/, "")}`}, one.verdict),
           one.actuators.join(", "),
-          one.why,
+          el("span", {}, ...Dom.sentence(one.why)),
         ]),
         ["keep", "keep", "", "words"],
       );
     return [
-      el("div", {class: "verdict"}, ...diagnosis.summary.map((text) => el("p", {}, text))),
+      el("div", {class: "verdict"}, ...diagnosis.summary.map((text) => el("p", {}, ...Dom.sentence(text)))),
       el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
       bars(steps, most),
       shown.length ? table(shown) : null,

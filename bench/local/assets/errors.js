@@ -43,7 +43,8 @@ const Errors = (() => {
     const joints = Object.keys(found.where);
     const sentences = joints.flatMap((joint) => {
       const {text, follows, looks_like: alike = []} = found.where[joint];
-      return [[text], ...follows.map((one) => [one.text]), ...alike.map((one) => [one.text, " ", laws(run)])];
+      const said = [text, ...follows.map((one) => one.text)].map(Dom.sentence);
+      return [...said, ...alike.map((one) => [...Dom.sentence(one.text), " ", laws(run)])];
     });
     const rows = joints.map((joint) => [joint, percent(found.where[joint].error), percent(found.where[joint].noise)]);
     const models = before

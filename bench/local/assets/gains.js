@@ -35,7 +35,9 @@ const Gains = (() => {
         rows,
         columns.map(([, kind]) => kind),
       ),
-      found.notes.length ? el("ul", {class: "notes"}, ...found.notes.map((text) => el("li", {}, text))) : null,
+      found.notes.length
+        ? el("ul", {class: "notes"}, ...found.notes.map((text) => el("li", {}, ...Dom.sentence(text))))
+        : null,
     );
   }
 

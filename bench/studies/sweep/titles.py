@@ -22,12 +22,14 @@ AXIS_TITLES: Mapping[str, tuple[str, str]] = {
     "sensors.encoder_bits": ("encoder bits", ""),
 }
 
+USES: Mapping[str, str] = {"identify": "fitted", "validate": "not fitted"}
+
 
 def metric_title(metric: str) -> str:
     """A metric in words; what it is of, such as a joint, behind it."""
     head, _, of = metric.partition(".")
     title = metric_of(metric).title or head.replace("_", " ")
-    return f"{title}, {of.replace('_', ' ')}" if of else title
+    return f"{title}, {USES.get(of, of.replace('_', ' '))}" if of else title
 
 
 def axis_title(axis: str) -> str:
