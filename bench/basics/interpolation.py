@@ -100,7 +100,7 @@ def hermite_weights(share: FloatArray) -> FloatArray:
     return np.stack((1.0 - rise, rise, share * (1.0 - share) ** 2, square * (share - 1.0)), axis=1)
 
 
-def _equations(step: Given) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _equations(step: Given) -> tuple[Given, Given, Given]:
     """Diagonals below, on and above that of the equations for a spline's slopes, of steps (K - 1,)."""
     own = np.concatenate((step[1:2], 2.0 * (step[:-1] + step[1:]), step[-2:-1]))
     below = np.append(step[1:], step[-1] + step[-2])
