@@ -29,7 +29,8 @@ class Recording:
     time      (N,) s, uniform
     position  (N, n) rad or m, in the order of the robot's actuators
     current   (N, n) current reference in the drive's unit (A or V), same order
-    extra     other columns of numbers, each (N,), for plots; positions of the joints of redundant motors
+    extra     other columns of numbers, each (N,), for plots; positions of the joints of redundant motors;
+              logged velocities
     part_of   the log that this is a part of, by name; empty: a log by itself
     started   when that log begins, s; None: with the first sample
     redundant (N, r) current references of the robot's redundant motors, in their order; None: it has none
@@ -86,6 +87,11 @@ class Recording:
 def position_column(joint: str) -> str:
     """The column of a recording with the position of a joint, rad or m."""
     return f"position.{joint}"
+
+
+def velocity_column(joint: str) -> str:
+    """The column of a recording with the logged velocity of a joint, rad/s or m/s, where it has one."""
+    return f"velocity.{joint}"
 
 
 def write_recording(

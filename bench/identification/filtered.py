@@ -1,5 +1,6 @@
 """A recording before decimation: filtered, differentiated, loops closed."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -7,10 +8,12 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.dataset.recording import Recording
 from bench.effects.row_cache import KeptRows
+from bench.identification.logged_velocities import logged_velocities, taken_velocities
 from bench.identification.standstill import Gaps, no_gaps, standstills
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import BLOCK, LongMotion, Motion, blocks_of, path_of
+from bench.signals.logged_velocity import LoggedVelocity
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
 
@@ -22,8 +25,9 @@ class Measured:
     """One recording at its own rate, N samples of n motors, border samples dropped.
 
     time (N,) s; position, velocity, acceleration (N, n): rad or m and rates, filtered; current (N, n) drive
-    unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. kept: rows
-    of effects that need no model; perturbed: observation matrices of other motions and geometries.
+    unit, as logged; tree: the motion of all joints of the opened tree; gaps: where joints stand still. logged: how
+    velocities that were logged compare with the positions. kept: rows of effects that need no model; perturbed:
+    observation matrices of other motions and geometries.
     """
 
     recording: Recording
@@ -35,6 +39,7 @@ class Measured:
     current: np.ndarray
     tree: Motion
     gaps: Gaps
+    logged: Mapping[str, LoggedVelocity] = field(default_factory=dict)
     kept: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
     perturbed: KeptRows = field(default_factory=KeptRows, compare=False, repr=False)
 
@@ -47,11 +52,14 @@ class Measured:
 
 
 def measure(model: IdentificationModel, recording: Recording, settings: FilterSettings) -> Measured:
-    """Filter and differentiate the positions and close the loops.
+    """Filter and differentiate the positions, take logged velocities that are better, and close the loops.
 
     Raises BenchError that names the recording and the time of a sample that cannot be used.
     """
-    motion = estimate_motion(recording.position, recording.rate, settings)
+    joints = model.geometry.robot.joints
+    logged = logged_velocities(recording, joints, settings)
+    taken = taken_velocities(recording, joints, logged)
+    motion = estimate_motion(recording.position, recording.rate, settings, taken)
     time = trim(recording.time, settings)
     track = time, motion.position, motion.velocity, motion.acceleration
     try:
@@ -70,6 +78,7 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
         gaps=no_gaps(motion.velocity.shape[1])
         if settings.keep_standstill
         else standstills(motion.position, motion.velocity, passive, recording.rate, settings.position_cutoff),
+        logged=logged,
     )
 
 

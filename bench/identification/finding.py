@@ -39,6 +39,7 @@ class Code(StrEnum):
     GAIN_FAR = auto()
     GAINS_NEGATIVE = auto()
     CLOSURE_CONTRADICTED = auto()
+    VELOCITY_UNLIKE = auto()
     CHECKED_UNLIKE_FITTED = auto()
     CHECKED_HAS_OTHER_VALUES = auto()
     MOUNTED_OTHERWISE = auto()
@@ -46,6 +47,7 @@ class Code(StrEnum):
     PAYLOAD_TAKEN_AS_POINT = auto()
     # what was asked for
     PHYSICAL = auto()
+    VELOCITY_TAKEN = auto()
     # what to record or leave out
     NEVER_REVERSES = auto()
     POORLY_DETERMINED = auto()

@@ -189,6 +189,25 @@ def _contradicted(finding: Finding) -> str:
     )
 
 
+def _velocity_taken(finding: Finding) -> str:
+    times = finding.numbers["quieter"]
+    less = f"{times:.2g} times" if times < 1000.0 else "a thousand times and more"
+    return (
+        f"The logged velocities of {', '.join(finding.names)} are taken in place of differentiated positions: they put "
+        f"{less} less noise into the accelerations."
+    )
+
+
+def _velocity_unlike(finding: Finding) -> str:
+    joint, recording = finding.names
+    n = finding.numbers
+    more = f", nor are {n['count'] - 1:.0f} others" if n["count"] > 1.0 else ""
+    return (
+        f"velocity.{joint} of {recording} is not the rate of position.{joint}: {in_percent(n['off'])} off, "
+        f"{n['scale']:.4g} times as large and {1e3 * n['delay']:.2g} ms late. It is not used{more}."
+    )
+
+
 def _unlike(finding: Finding) -> str:
     worst, *payload = finding.names
     load = f"the payload {payload[0]}" if payload else "no payload"
@@ -344,6 +363,8 @@ WORDS: Mapping[Code, Callable[[Finding], str]] = {
         "swapped in dataset.toml, or the currents' sign is."
     ),
     Code.CLOSURE_CONTRADICTED: _contradicted,
+    Code.VELOCITY_UNLIKE: _velocity_unlike,
+    Code.VELOCITY_TAKEN: _velocity_taken,
     Code.CHECKED_UNLIKE_FITTED: _unlike,
     Code.CHECKED_HAS_OTHER_VALUES: _other_values,
     Code.PHYSICAL: _physical,

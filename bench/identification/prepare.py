@@ -17,6 +17,7 @@ from bench.identification.finding import Finding
 from bench.identification.fixed_columns import FixedColumns
 from bench.identification.identifiability import check_gains_identifiable
 from bench.identification.layout import ParameterLayout, parameter_layout, payload_rows
+from bench.identification.logged_velocities import logged_velocities, velocity_noise
 from bench.identification.observation import Observation, observe
 from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby
@@ -97,6 +98,11 @@ def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] |
         positions, currents = [entry.position for entry in fitted], [entry.current for entry in fitted]
         bands = signal_bands(positions, currents, fitted[0].rate)
         settings = completed(filters or {}, positions, currents, fitted[0].rate, bands)
+        velocities = [logged_velocities(entry, dataset.robot.joints, settings) for entry in fitted]
+        if any(velocity.taken for every in velocities for velocity in every.values()):
+            noise = [velocity_noise(dataset.robot.joints, every) for every in velocities]
+            bands = signal_bands(positions, currents, fitted[0].rate, noise)
+            settings = completed(filters or {}, positions, currents, fitted[0].rate, bands)
     carried = [entry.payload for entry in fitted]
     declared = [
         name for name, payload in dataset.payloads.items() if not len(payload_columns(payload).unknown)

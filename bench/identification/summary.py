@@ -12,6 +12,7 @@ from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
 from bench.identification.hardly_apart import hardly_apart, unsettled
 from bench.identification.layout import known_rows, payload_parameter_names, regressor_rows
+from bench.identification.logged_velocities import velocity_findings
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.result import (
@@ -94,6 +95,7 @@ def summarise(
         outside,
         [
             *prepared.contradicted,
+            *velocity_findings([(seen.recording.name, seen.logged) for seen in prepared.measured]),
             *without_own_values(prepared),
             *([Finding(Code.NOT_SETTLED, of=tuple(unknown for _, unknown in loose))] if loose else []),
             *hardly_apart(prepared.effects, spread.covariance, rows),

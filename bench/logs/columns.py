@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench.basics.errors import BenchError, meant, refuse
+from bench.dataset.recording import velocity_column
 from bench.dataset.robot import Robot
 from bench.logs.log_file import LogFile
 from bench.logs.unit_names import unit_in, units_of
@@ -157,7 +158,7 @@ def _sources(
         raise BenchError(f"{file}: the rate must be positive, not {log_map.rate:g} Hz")
     _check_targets(file, log_map, given, needed, robot)
     there = [*log.vectors, *log.texts]
-    kept = [*needed, *(f"velocity.{joint}" for joint in robot.driven)]
+    kept = [*needed, *(velocity_column(joint) for joint in robot.driven)]
     sources = {target: target for target in kept if target in there} | dict(log_map.columns)
     missing = [target for target in needed if target not in sources]
     if missing:

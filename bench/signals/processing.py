@@ -28,7 +28,9 @@ class FilteredMotion:
     acceleration: FloatArray
 
 
-def estimate_motion(position: FloatArray, rate: float, settings: FilterSettings) -> FilteredMotion:
+def estimate_motion(
+    position: FloatArray, rate: float, settings: FilterSettings, logged: FloatArray | None = None
+) -> FilteredMotion:
     """Low-pass the positions, differentiate them twice, and drop the border samples.
 
     The acceleration is the central difference of the velocity. Source: M. Gautier, ICRA 1997, where this is
@@ -38,9 +40,13 @@ def estimate_motion(position: FloatArray, rate: float, settings: FilterSettings)
         position: measured, shape (N, n).
         rate: sampling rate [Hz].
         settings: their border is dropped, so M = N - border[0] - border[1].
+        logged: velocities that are taken in place of differentiated positions, shape (N, n); NaN for none.
     """
     filtered = low_pass(position, rate, settings.position_cutoff, settings.filter_order)
     velocity = central_difference(filtered, 1 / rate, settings.difference_order)
+    if logged is not None:
+        taken = ~np.isnan(logged).any(axis=0)
+        velocity[:, taken] = low_pass(logged[:, taken], rate, settings.position_cutoff, settings.filter_order)
     acceleration = central_difference(velocity, 1 / rate, settings.difference_order)
     return FilteredMotion(trim(filtered, settings), trim(velocity, settings), trim(acceleration, settings))
 

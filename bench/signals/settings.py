@@ -99,13 +99,20 @@ class Bands:
     current_noise: FloatArray
 
 
-def signal_bands(positions: Sequence[FloatArray], currents: Sequence[FloatArray], rate: float) -> Bands:
+def signal_bands(
+    positions: Sequence[FloatArray],
+    currents: Sequence[FloatArray],
+    rate: float,
+    velocity_noise: Sequence[FloatArray] | None = None,
+) -> Bands:
     """Read the bands of signals and noise off the spectra of all recordings.
 
     Args:
         positions: one array of shape (N, n) for each recording [rad or m].
         currents: likewise [drive unit].
         rate: sampling rate [Hz].
+        velocity_noise: of each recording, the density of the noise of every velocity that was logged and is taken
+            [unit^2/s^2/Hz], shape (n,), infinite for the others.
     """
     if not positions or len(positions) != len(currents):
         raise BenchError(f"filter settings: {len(positions)} positions, {len(currents)} currents: want pairs")
@@ -113,7 +120,9 @@ def signal_bands(positions: Sequence[FloatArray], currents: Sequence[FloatArray]
     limits: list[tuple[float, float]] = []
     position_noise: list[FloatArray] = []
     current_noise: list[FloatArray] = []
-    for position, current in zip(positions, currents, strict=True):
+    if velocity_noise is None:
+        velocity_noise = [np.full(position.shape[1], np.inf) for position in positions]
+    for position, current, logged in zip(positions, currents, velocity_noise, strict=True):
         frequency, density = power_spectrum(current, rate)
         floor = noise_density(current, rate)
         current_noise.append(floor)
@@ -131,7 +140,8 @@ def signal_bands(positions: Sequence[FloatArray], currents: Sequence[FloatArray]
         acceleration = (2 * np.pi * frequency[:, None]) ** 4 * density * live
         motion_band = max(motion_band, band_edge(frequency, acceleration, MOTION_LOSS))
         power = acceleration.sum(axis=0) * frequency[1]
-        limits.append((_noise_limit(power, floor, FIT_NOISE), _noise_limit(power, floor, FILTER_NOISE)))
+        fit, wide = (_noise_limit(power, floor, logged, share) for share in (FIT_NOISE, FILTER_NOISE))
+        limits.append((fit, wide))
     return Bands(
         current=current_band,
         motion=motion_band,
@@ -203,10 +213,16 @@ def settled_border(cutoff: float, rate: float, samples: int) -> int:
     return min(int(np.ceil(SETTLING * rate / cutoff)) + 8, int(MOST_BORDER * samples))
 
 
-def _noise_limit(acceleration_power: FloatArray, position_noise: FloatArray, share: float) -> float:
-    # White noise of density s on a position has the power (2 pi)^4 s f^5 / 5 in the acceleration up to f.
+def _noise_limit(
+    acceleration_power: FloatArray, position_noise: FloatArray, velocity_noise: FloatArray, share: float
+) -> float:
+    # White noise of density s on a position has the power (2 pi)^4 s f^5 / 5 in the acceleration up to f, on a
+    # velocity (2 pi)^2 s f^3 / 3.
     moving = (acceleration_power > 0) & (position_noise > 0)
     if not moving.any():
         return np.inf
-    ratio = 5 * share * acceleration_power[moving] / ((2 * np.pi) ** 4 * position_noise[moving])
-    return float(ratio.min() ** 0.2)
+    power = share * acceleration_power[moving]
+    twice = (5 * power / ((2 * np.pi) ** 4 * position_noise[moving])) ** 0.2
+    noise = np.maximum(velocity_noise[moving], np.finfo(float).tiny)
+    once = np.cbrt(3 * power / ((2 * np.pi) ** 2 * noise))
+    return float(np.maximum(twice, once).min())
