@@ -15,12 +15,8 @@ LISTS = {"bench/effects/catalogue.py", "bench/truth/hidden/__init__.py"}
 OF_THEIR_OWN = {  # what a few effects have and most do without, each with its reason
     "bench/discovery/named.py": "the names of laws that a search finds",
     "bench/export/c_laws.py": "what a law is in C",
-    "bench/export/feedforward.py": "what follows from the instant",
     "bench/export/placed.py": "what a joint of MuJoCo holds",
-    "bench/robot_check/features.py": "what an MJCF may hold already",
-    "bench/studies/trial/cases.py": "shares other than the usual",
     "bench/studies/trial/compatible.py": "two names for the same part",
-    "bench/studies/trial/realise.py": "companions, and what a payload sits on",
     "bench/studies/trial/true_effects.py": "parameters with another name in the model",
     "bench/studies/trial/unknown.py": "what is hidden beside an unknown law",
     "bench/truth/hidden/machine_sizes.py": "sizes that no parameter is in proportion to",

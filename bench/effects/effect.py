@@ -17,6 +17,7 @@ Seen = Literal["opposes", "fades", "load", "velocity", "repeats", "position", "c
 """What an error looks like, as the key of the atlas asks: it opposes the motion, fades or grows in the course of a
 recording, or with the load; passes through zero with the velocity; repeats over the position; is a smooth curve over
 it; follows the current or its change; follows the acceleration, or rings."""
+MjcfTerm = Literal["stiffness", "damping", "frictionloss"]
 Bracket = tuple[float, float, float]
 """Where a shape parameter is searched: lower bound, first value, upper bound; all equal: no further search."""
 
@@ -92,7 +93,8 @@ class Effect(ABC):
     so that the fit goes by derivatives. every_sample: its columns follow from all samples, as differences do, or change
     much between few, as friction does where a joint is slow: a search must not take few of them. of_velocity: its
     torque is an odd function of its joint's velocity alone. varies_by_run: it may have another value from one recording
-    to the next, as an amplifier's offset has, and a diagnosis looks for that.
+    to the next, as an amplifier's offset has, and a diagnosis looks for that. of_instant: it follows from acceleration
+    or torque of the same instant, and from nothing before. in_mjcf: the term of an MJCF's joint that has its law.
     """
 
     name: ClassVar[str]
@@ -111,6 +113,8 @@ class Effect(ABC):
     every_sample: ClassVar[bool] = False
     of_velocity: ClassVar[bool] = False
     varies_by_run: ClassVar[bool] = False
+    of_instant: ClassVar[bool] = False
+    in_mjcf: ClassVar[MjcfTerm | None] = None
 
     @abstractmethod
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:

@@ -7,16 +7,13 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.effects import ActuatorEffect, JointSignals
+from bench.effects.passive_joint import PassiveEffect
 from bench.export.carried import carried
 from bench.export.identified import EffectValues, IdentifiedModel
 from bench.model.geometry import Geometry
 from bench.model.motion import Motion, motion_of, rates_at
 from bench.model.regressor import projected_regressor
 from bench.twin.laws import Memoryless, joint_law_of
-
-PASSIVE = ("passive_coulomb_friction", "passive_spring", "passive_viscous_friction")
-STATIC = ("gain_saturation", "load_dependent_friction", "torque_ripple")
-"""Effects between current and torque that need the torque of the instant alone."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +31,11 @@ def chosen_effects(model: IdentifiedModel) -> Chosen:
     at_motors, between, in_passive, left_out = [], [], [], []
     for fitted_effect in model.effects_in():
         effect = fitted_effect.instance.effect
-        if fitted_effect.name in PASSIVE:
+        if isinstance(effect, PassiveEffect):
             in_passive.append(fitted_effect)
-        elif fitted_effect.name in STATIC:
+        elif effect.of_instant and effect.before_torque:
             between.append(fitted_effect)
-        elif fitted_effect.name == "rotor_inertia" or _steady(fitted_effect):
+        elif effect.of_instant or _steady(fitted_effect):
             at_motors.append(fitted_effect)
         else:
             left_out.append(f"{effect.name} at {fitted_effect.place}" if fitted_effect.place else effect.name)
@@ -121,13 +118,12 @@ def _steady(fitted_effect: EffectValues) -> bool:
     )
 
 
-def _passive(geometry: Geometry, motion: Motion, effect: EffectValues) -> np.ndarray:
+def _passive(geometry: Geometry, motion: Motion, fitted_effect: EffectValues) -> np.ndarray:
     """What an effect in a joint without a motor asks of the motors (n,)."""
-    joint = geometry.joints[geometry.joint_index(effect.place)]
-    speed = motion.v[0, joint.v.start]
-    laws = {
-        "passive_coulomb_friction": lambda v: v["Fc"] * np.sign(speed),
-        "passive_spring": lambda v: v["k"] * (motion.q[0, joint.q.start] + joint.offset) - v["kq0"],
-        "passive_viscous_friction": lambda v: v["Fv"] * speed,
-    }
-    return np.asarray(motion.jacobian[0, joint.v.start] * laws[effect.name](effect.values))
+    effect = fitted_effect.instance.effect
+    if not isinstance(effect, PassiveEffect):
+        raise TypeError(effect.name)
+    joint = geometry.joints[geometry.joint_index(fitted_effect.place)]
+    position, velocity = motion.q[:1, joint.q.start] + joint.offset, motion.v[:1, joint.v.start]
+    torque = effect.torque(position, velocity) @ np.array(list(fitted_effect.values.values()))
+    return np.asarray(motion.jacobian[0, joint.v.start] * torque[0])

@@ -1,18 +1,20 @@
 """What an MJCF may hold and the model does not: refused where it bends the answer unseen, otherwise told."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import mujoco
 import numpy as np
 
 from bench.dataset.robot import Robot
+from bench.effects import CATALOGUE
+from bench.effects.effect import MjcfTerm, Place
 from bench.model.supported import label_of, unsupported_features
 from bench.robot_check.report import Check
 
-FORCES = {  # fields of MuJoCo's model, effect at a motor, effect at a joint without one
-    "spring (stiffness)": (("jnt_stiffness", "jnt_stiffnesspoly"), "joint_spring", "passive_spring"),
-    "damping": (("dof_damping", "dof_dampingpoly"), "viscous_friction", "passive_viscous_friction"),
-    "friction (frictionloss)": (("dof_frictionloss",), "coulomb_friction", "passive_coulomb_friction"),
+FORCES: Mapping[MjcfTerm, tuple[str, tuple[str, ...]]] = {  # in words, and the fields of MuJoCo's model
+    "stiffness": ("spring (stiffness)", ("jnt_stiffness", "jnt_stiffnesspoly")),
+    "damping": ("damping", ("dof_damping", "dof_dampingpoly")),
+    "frictionloss": ("friction (frictionloss)", ("dof_frictionloss",)),
 }
 LARGE = 20.0  # m: no robot is so large
 
@@ -37,15 +39,17 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
         if not compiled.eq_active0[index]:
             label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
             yield f"equality {label!r} is inactive and ignored"
-    for what, (fields, at_motor, elsewhere) in FORCES.items():
+    for term, (what, fields) in FORCES.items():
         named = _joints_with(compiled, fields)
         if not named:
             continue
-        driven = [f"{at_motor}:{name}" for name in named if name in robot.driven]
-        passive = [f"{elsewhere}:{name}" for name in named if name not in robot.driven]
+        asked = [
+            f"{_effect_of(term, 'actuator' if name in robot.driven else 'passive')}:{name}"
+            for name in sorted(named, key=lambda name: name not in robot.driven)
+        ]
         yield (
             f"{what} on {', '.join(named)}: the simulator will add it, the model does not know it; fit it with "
-            f"--with {' --with '.join(driven + passive)}"
+            f"--with {' --with '.join(asked)}"
         )
     rotors = [name for name in _joints_with(compiled, ("dof_armature",)) if name not in robot.driven]
     if rotors:
@@ -65,6 +69,11 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[str]:
     used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
     for tendon in set(range(compiled.ntendon)) - used:
         yield f"tendon {label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)!r} is ignored"
+
+
+def _effect_of(term: MjcfTerm, place: Place) -> str:
+    """The effect of the catalogue that has the law of a term, in a joint with a motor or without."""
+    return next(name for name, effect in CATALOGUE.items() if (effect.in_mjcf, effect.place) == (term, place))
 
 
 def _furthest(compiled: mujoco.MjModel) -> float:

@@ -31,6 +31,7 @@ class GainSaturation(ActuatorEffect):
     parameters = (EffectParameter("k", "1/{drive}^2", positive=True),)
     depends_on_model = True
     before_torque = True
+    of_instant = True
 
     k: float = 0.0
 

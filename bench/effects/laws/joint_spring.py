@@ -25,6 +25,7 @@ class JointSpring(ActuatorEffect):
     seen = ("position",)
     in_key = ("a straight line at one motor, or what gravity leaves of it, an S",)
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
+    in_mjcf = "stiffness"
     contains = ("constant_offset",)
 
     def torque(self, joint: JointSignals) -> np.ndarray:

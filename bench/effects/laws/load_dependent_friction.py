@@ -37,6 +37,7 @@ class LoadDependentFriction(ActuatorEffect):
     depends_on_model = True
     every_sample = True
     before_torque = True
+    of_instant = True
 
     mu: float = 0.0
 

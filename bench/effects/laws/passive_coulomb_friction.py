@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter
-from bench.effects.passive_joint import passive_velocity, seen_by_motors
-from bench.effects.signals import RobotSignals
+from bench.effects.effect import EffectParameter
+from bench.effects.passive_joint import PassiveEffect
 
 
 @dataclass(frozen=True)
-class PassiveCoulombFriction(Effect):
+class PassiveCoulombFriction(PassiveEffect):
     """Coulomb friction in a passive joint p, carried to the motors by the loops.
 
     Valid while the joint turns; a bearing under load has more. Source: Briot and Khalil, "Dynamics of Parallel
@@ -27,8 +26,7 @@ class PassiveCoulombFriction(Effect):
     seen = ("opposes",)
     in_key = ("is there at several motors at once, and varies with the pose",)
     parameters = (EffectParameter("Fc", "{effort}", positive=True),)
-    place = "passive"
+    in_mjcf = "frictionloss"
 
-    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        speed = passive_velocity(robot, joint)
-        return seen_by_motors(robot, joint, np.sign(speed))[:, :, None]
+    def torque(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
+        return np.sign(velocity)[:, None]

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter
-from bench.effects.passive_joint import passive_position, seen_by_motors
-from bench.effects.signals import RobotSignals
+from bench.effects.effect import EffectParameter
+from bench.effects.passive_joint import PassiveEffect
 
 
 @dataclass(frozen=True)
-class PassiveSpring(Effect):
+class PassiveSpring(PassiveEffect):
     """A spring in a passive joint p, carried to the motors by the loops.
 
     Valid for a linear spring: a balancing spring in a linkage, a flexure joint. Source: Arakelian and Briot, "Balancing
@@ -28,9 +27,7 @@ class PassiveSpring(Effect):
     seen = ("position",)
     in_key = ("a curve at several motors, that of a spring in a joint without a motor",)
     parameters = (EffectParameter("k", "{effort}/{angle}", positive=True), EffectParameter("kq0", "{effort}"))
-    place = "passive"
+    in_mjcf = "stiffness"
 
-    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        position = passive_position(robot, joint)
-        laws = (position, -np.ones(len(position)))
-        return np.stack([seen_by_motors(robot, joint, law) for law in laws], axis=2)
+    def torque(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the position alone
+        return np.column_stack((position, -np.ones(len(position))))

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.effect import Effect, EffectParameter
-from bench.effects.passive_joint import passive_velocity, seen_by_motors
-from bench.effects.signals import RobotSignals
+from bench.effects.effect import EffectParameter
+from bench.effects.passive_joint import PassiveEffect
 
 
 @dataclass(frozen=True)
-class PassiveViscousFriction(Effect):
+class PassiveViscousFriction(PassiveEffect):
     """Viscous friction in a passive joint p, carried to the motors by the loops.
 
     Valid at constant temperature. Source: Briot and Khalil, "Dynamics of Parallel Robots", 2015, chapter 8
@@ -27,8 +26,7 @@ class PassiveViscousFriction(Effect):
     seen = ("velocity",)
     in_key = ("a line whose slope depends on the pose, at several motors",)
     parameters = (EffectParameter("Fv", "{effort}*s/{angle}", positive=True),)
-    place = "passive"
+    in_mjcf = "damping"
 
-    def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        speed = passive_velocity(robot, joint)
-        return seen_by_motors(robot, joint, speed)[:, :, None]
+    def torque(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:  # noqa: ARG002 - of the velocity alone
+        return velocity[:, None]

@@ -26,6 +26,7 @@ class RotorInertia(ActuatorEffect):
     seen = ("acceleration",)
     in_key = ("is in proportion to the motor's own acceleration",)
     parameters = (EffectParameter("Ia", "{effort}*s^2/{angle}", positive=True),)
+    of_instant = True
 
     def torque(self, joint: JointSignals) -> np.ndarray:
         return joint.acceleration[:, None]

@@ -38,6 +38,7 @@ class TorqueRipple(ActuatorEffect):
     shape = (PERIODS,)
     depends_on_model = True
     before_torque = True
+    of_instant = True
 
     periods: float = 12.0
     a: float = 0.0

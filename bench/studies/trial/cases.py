@@ -13,6 +13,8 @@ from bench.basics.errors import BenchError
 from bench.studies.trial.compatible import compatible
 from bench.studies.trial.setup import Setup, where
 from bench.studies.trial.unknown import BESIDE, FRICTIONS, LAW, drawn_law
+from bench.truth.hidden import HIDDEN_EFFECTS
+from bench.truth.hidden.base import HiddenEffect
 
 Kind = Literal["nothing", "one", "two", "three", "outside", "unknown"]
 KINDS: dict[Kind, int] = {"nothing": 0, "one": 1, "two": 2, "three": 3, "outside": 1, "unknown": 1}
@@ -21,26 +23,13 @@ KINDS: dict[Kind, int] = {"nothing": 0, "one": 1, "two": 2, "three": 3, "outside
 DATASETS_A_SEED = 10
 """Datasets for each seed of the kinds that do not go through the effects one by one."""
 
-SHARES = (0.004, 0.1)
+SHARES = HiddenEffect.shares
 """Torque of an effect over the torque of its motor, RMS over RMS; drawn evenly on a logarithmic scale."""
 
-SHARES_OF: dict[str, tuple[float, float]] = {
-    "backlash": (0.002, 0.02),
-    "base_tilt": (0.01, 0.15),
-    "constant_offset": (0.01, 0.3),
-    "current_delay": (0.002, 0.02),
-    "current_loop_lag": (0.002, 0.01),
-    "drive_flexibility": (0.001, 0.008),
-    "encoder_offset": (0.004, 0.08),
-    "gain_saturation": (0.01, 0.1),
-    "geometric_error": (0.001, 0.01),
-    "joint_spring": (0.02, 0.4),
-    "passive_spring": (0.02, 0.4),
-    "platform_force": (0.02, 0.3),
+SHARES_OF = {
+    name: effect.shares for name, effect in sorted(HIDDEN_EFFECTS.items()) if effect.shares != SHARES
 }
-"""The same where a model takes most of the effect up, so that less is seen of it; or where a larger share would be
-a broken machine: play of degrees, links that are centimetres off, currents that act some 40 ms late, drives so
-soft that motor and link swing against each other within the motion's own frequencies."""
+"""The same of those that bring their own."""
 
 SETS_FROM = 0.6
 """Where the sizes in sets begin in these ranges, on the logarithmic scale: in sets only large effects count."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from itertools import combinations
+
+import numpy as np
 
 from bench.effects import CATALOGUE
 
@@ -21,14 +23,22 @@ RIVALS: tuple[frozenset[str], ...] = (
 ALONE = frozenset({"payload_mass_error", "rotor_inertia"})
 """Not hidden beside others: a robot's own parameters take them up, so that they would add nothing to find."""
 
-COMPANIONS: dict[str, tuple[str, ...]] = {"position_dependent_friction": ("coulomb_friction",)}
-"""Effects that cannot be without others: friction that varies around the turn, but nowhere drives."""
+COMPANION_SIZE = 1.5
+"""The companion, against the largest value of the effect that needs it."""
+
+Sizes = Mapping[str, float]
+COMPANIONS: Mapping[str, Mapping[str, Callable[[Sizes], Sizes]]] = {
+    "position_dependent_friction": {
+        "coulomb_friction": lambda sizes: {
+            "Fc": float(f"{COMPANION_SIZE * np.hypot(sizes['a'], sizes['b']):.4g}")
+        }
+    }
+}
+"""Effects that cannot be without others: friction that varies around the turn, but nowhere drives. For each other its
+sizes, from those of the effect."""
 
 PARTS: dict[str, tuple[str, ...]] = {"backlash": ("drive_flexibility",)}
 """Effects that are part of others and may be named beside them: flanks that touch also give way."""
-
-COMPANION_SIZE = 1.5
-"""The companion, against the largest value of the effect that needs it."""
 
 
 def compatible(effects: Iterable[str]) -> bool:

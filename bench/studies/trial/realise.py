@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from bench.basics.errors import BenchError
+from bench.effects import CATALOGUE
 from bench.scenario.scenario import Scenario, scenario_from_dict
 from bench.scenario.trajectory import FourierTrajectory
 from bench.studies.trial.cases import GAIN_ERROR, Case, Hide
-from bench.studies.trial.compatible import COMPANION_SIZE, COMPANIONS, PARTS
+from bench.studies.trial.compatible import COMPANIONS, PARTS
 from bench.studies.trial.setup import Setup, where
 from bench.studies.trial.unknown import sized
 from bench.truth.hidden.reference import Reference
@@ -75,19 +74,12 @@ def entries(hide: Hide, reference: Reference) -> list[Entry]:
         else:
             sizes = typical(hide.effect, reference, hide.share, joint)
         found.append(_entry(hide.effect, joint, sizes))
-        found += [_entry(name, joint, _beside(name, sizes)) for name in COMPANIONS.get(hide.effect, ())]
+        found += [_entry(name, joint, size(sizes)) for name, size in COMPANIONS.get(hide.effect, {}).items()]
     return found
 
 
 def _entry(effect: str, joint: str | None, sizes: Mapping[str, float]) -> Entry:
     return {"effect": effect, **({} if joint is None else {"joint": joint}), **sizes}
-
-
-def _beside(companion: str, sizes: Mapping[str, float]) -> dict[str, float]:
-    """Coulomb friction beside the friction that varies around the turn: larger than its largest value."""
-    if companion != "coulomb_friction":
-        raise BenchError(f"trial: no rule for the size of a companion {companion!r}")
-    return {"Fc": float(f"{COMPANION_SIZE * np.hypot(sizes['a'], sizes['b']):.4g}")}
 
 
 def hidden_places(setup: Setup, hidden: Sequence[Entry]) -> list[tuple[str, str, Entry]]:
@@ -100,7 +92,7 @@ def hidden_places(setup: Setup, hidden: Sequence[Entry]) -> list[tuple[str, str,
         effect, joint = entry["effect"], entry.get("joint")
         if effect not in setup.catalogued:
             continue
-        if effect == "payload_mass_error":
+        if CATALOGUE[effect].place == "payload":
             places: Sequence[str] = setup.payloads
         elif where(effect) == "machine":
             places = ("",)

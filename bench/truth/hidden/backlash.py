@@ -21,6 +21,7 @@ class Backlash(DriveTrain):
     """
 
     name: ClassVar[str] = "backlash"
+    shares: ClassVar[tuple[float, float]] = (0.002, 0.02)
     law: ClassVar[str] = "play between motor and joint, with flanks as stiff as given"
     positive: ClassVar[tuple[str, ...]] = ("play", "stiffness")
     play: float

@@ -76,6 +76,10 @@ class HiddenEffect:
     """In a line, for the table of scenarios/README.md."""
     needs: ClassVar[Literal["tool", "payload", "motors"] | None] = None
     """What a machine must have for it beside the joint: a tool site, a payload, or several motors."""
+    shares: ClassVar[tuple[float, float]] = (0.004, 0.1)
+    """Torque of it over the torque of its motor, RMS over RMS, that a trial may hide: others where a model takes most
+    of it up, so that less is seen of it, or where more would be a broken machine (play of degrees, links that are
+    centimetres off, a drive that swings within the motion's own frequencies)."""
     scaled: ClassVar[tuple[str, float] | None] = None
     """A parameter with which its torques grow in proportion, and a value to begin with when its size is looked for."""
 

@@ -20,6 +20,7 @@ class BaseTilt(HiddenEffect):
     """
 
     name: ClassVar[str] = "base_tilt"
+    shares: ClassVar[tuple[float, float]] = (0.01, 0.15)
     law: ClassVar[str] = (
         "the base turned about its y axis, then about the x axis of the floor; of the whole machine"
     )

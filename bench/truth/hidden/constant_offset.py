@@ -17,6 +17,7 @@ class ConstantOffset(JointEffect):
     """
 
     name: ClassVar[str] = "constant_offset"
+    shares: ClassVar[tuple[float, float]] = (0.01, 0.3)
     law: ClassVar[str] = "c"
     c: float
 

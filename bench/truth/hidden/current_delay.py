@@ -25,6 +25,7 @@ class CurrentDelay(JointEffect):
     """
 
     name: ClassVar[str] = "current_delay"
+    shares: ClassVar[tuple[float, float]] = (0.002, 0.02)
     law: ClassVar[str] = "the current acts T late; T < 0: it was logged |T| late"
     T: float
 

@@ -22,6 +22,7 @@ class CurrentLoopLag(JointEffect):
     """
 
     name: ClassVar[str] = "current_loop_lag"
+    shares: ClassVar[tuple[float, float]] = (0.002, 0.01)
     law: ClassVar[str] = "T di/dt = i_ref − i"
     positive: ClassVar[tuple[str, ...]] = ("T",)
     T: float

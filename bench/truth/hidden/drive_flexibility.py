@@ -20,6 +20,7 @@ class DriveFlexibility(DriveTrain):
     """
 
     name: ClassVar[str] = "drive_flexibility"
+    shares: ClassVar[tuple[float, float]] = (0.001, 0.008)
     law: ClassVar[str] = "a spring and a damper between motor and joint, the encoder on the motor"
     stiffness: float
     damping: float

@@ -16,5 +16,6 @@ class EncoderOffset(JointEffect):
     """
 
     name: ClassVar[str] = "encoder_offset"
+    shares: ClassVar[tuple[float, float]] = (0.004, 0.08)
     law: ClassVar[str] = "logged and controlled position = q + offset"
     offset: float

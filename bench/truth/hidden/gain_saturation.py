@@ -23,6 +23,7 @@ class GainSaturation(JointEffect):
     """
 
     name: ClassVar[str] = "gain_saturation"
+    shares: ClassVar[tuple[float, float]] = (0.01, 0.1)
     law: ClassVar[str] = "τ = g i (1 − k i²)"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     k: float

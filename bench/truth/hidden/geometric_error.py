@@ -27,6 +27,7 @@ class GeometricError(JointEffect):
     """
 
     name: ClassVar[str] = "geometric_error"
+    shares: ClassVar[tuple[float, float]] = (0.001, 0.01)
     law: ClassVar[str] = "the link that the joint moves is longer than in the MJCF; for any joint"
     scaled: ClassVar[tuple[str, float] | None] = ("error", 1e-3)
     where = "any"

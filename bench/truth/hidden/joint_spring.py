@@ -19,6 +19,7 @@ class JointSpring(JointEffect):
     """
 
     name: ClassVar[str] = "joint_spring"
+    shares: ClassVar[tuple[float, float]] = (0.02, 0.4)
     law: ClassVar[str] = "k (q − q0)"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     k: float

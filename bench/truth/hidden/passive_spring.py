@@ -17,6 +17,7 @@ class PassiveSpring(JointEffect):
     """
 
     name: ClassVar[str] = "passive_spring"
+    shares: ClassVar[tuple[float, float]] = (0.02, 0.4)
     law: ClassVar[str] = "k (q − q0) in a joint without a motor"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     where = "passive"

@@ -23,6 +23,7 @@ class PlatformForce(HiddenEffect):
     """
 
     name: ClassVar[str] = "platform_force"
+    shares: ClassVar[tuple[float, float]] = (0.02, 0.3)
     law: ClassVar[str] = "f − k (x − x_home) acts on the tool; of the whole machine"
     needs = "tool"
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
