@@ -10,9 +10,11 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.robot import load_robot
+from bench.effects import CATALOGUE
+from bench.effects.passive_joint import PassiveEffect
 from bench.export.c_code import c_text
 from bench.export.c_laws import LAWS
-from bench.export.feedforward import PASSIVE, Feedforward, chosen_effects
+from bench.export.feedforward import Feedforward, chosen_effects
 from bench.export.identified import declaring
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
@@ -81,7 +83,9 @@ def test_friction_of_passive_joints_reaches_the_motors():
         ("passive_coulomb_friction", "left_elbow", {"Fc": 0.2}),
         ("passive_spring", "right_elbow", {"k": 0.5, "kq0": 0.1}),
     )
-    assert {one.name for one in chosen_effects(sprung).in_passive} == set(PASSIVE)
+    assert {one.name for one in chosen_effects(sprung).in_passive} == {
+        name for name, effect in CATALOGUE.items() if isinstance(effect, PassiveEffect)
+    }
     home = plain.model.geometry.home[plain.model.geometry.active_configuration]
     speed = np.array([0.7, -0.4])
     change = Feedforward(sprung)(home, speed, np.zeros(2)) - Feedforward(plain)(home, speed, np.zeros(2))
