@@ -9,6 +9,23 @@ from bench.effects.effect import Effect
 from bench.effects.signals import RobotSignals
 
 
+def passive_position(robot: RobotSignals, joint: str) -> np.ndarray:
+    """Position (N,) of a hinge or slide of the opened tree, rad or m, zero where the MJCF has it."""
+    own = robot.geometry.joints[robot.geometry.joint_index(joint)]
+    return robot.tree.q[:, own.q.start] + own.offset
+
+
+def passive_velocity(robot: RobotSignals, joint: str) -> np.ndarray:
+    """Velocity (N,) of a hinge or slide of the opened tree, rad/s or m/s."""
+    return robot.tree.v[:, robot.geometry.joints[robot.geometry.joint_index(joint)].v.start]
+
+
+def seen_by_motors(robot: RobotSignals, joint: str, torque: np.ndarray) -> np.ndarray:
+    """What the motors need against a torque or force (N,) in a joint, (N, n): virtual work, J_t' torque."""
+    index = robot.geometry.joints[robot.geometry.joint_index(joint)].v.start
+    return robot.tree.jacobian[:, index, :] * torque[:, None]
+
+
 @dataclass(frozen=True)
 class PassiveEffect(Effect):
     """An effect in a joint without a motor that follows from its position and velocity."""
@@ -23,8 +40,6 @@ class PassiveEffect(Effect):
         """
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        """Columns (N, n, p): what the motors need against `torque`, by virtual work, J_p' torque."""
-        own = robot.geometry.joints[robot.geometry.joint_index(joint)]
-        torque = self.torque(robot.tree.q[:, own.q.start] + own.offset, robot.tree.v[:, own.v.start])
-        columns: np.ndarray = robot.tree.jacobian[:, own.v.start, :, None] * torque[:, None, :]
-        return columns
+        """Columns (N, n, p): what the motors need against `torque`."""
+        torque = self.torque(passive_position(robot, joint), passive_velocity(robot, joint))
+        return np.stack([seen_by_motors(robot, joint, column) for column in torque.T], axis=2)
