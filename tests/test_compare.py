@@ -41,7 +41,7 @@ def found_of(what, joint="left"):
 def test_errors_at_reversals_are_found_there_and_said_so():
     motor = found_of(made(at_reversals))
     (one,) = motor.concentrations
-    assert one.region == "reversals"
+    assert one.where.name == "reversals"
     assert one.error_share > 0.8
     assert one.time_share < 0.2
     assert (
@@ -74,9 +74,9 @@ def test_where_the_error_is_large_is_named_first(name):
     what = made(REGIONS[name], payloads=(None, "disc"))
     named = found_of(what).concentrations
     assert named
-    assert named[0].region == name
+    assert named[0].where.name == name
     error, time = shares(
-        what.of("left"), next(one for one in regions(what.of("left"), "rad", "A") if one.name == name)
+        what.of("left"), next(one for one in regions(what.of("left"), "rad", "A") if one.where.name == name)
     )
     assert (named[0].error_share, named[0].time_share) == (error, time)
     assert error > 1.5 * time
@@ -88,7 +88,7 @@ def test_a_second_region_is_looked_for_outside_the_first():
         return white(random) * quiet
 
     first, second = found_of(made(error)).concentrations
-    assert {first.region, second.region} == {"start", "high position"}
+    assert {first.where.name, second.where.name} == {"start", "high position"}
     assert not first.of_rest
     assert second.of_rest
 
@@ -96,7 +96,7 @@ def test_a_second_region_is_looked_for_outside_the_first():
 def test_shares_of_opposite_regions_are_one():
     what = made(at_reversals)
     series = what.of("left")
-    found = {one.name: one for one in regions(series, "rad", "A")}
+    found = {one.where.name: one for one in regions(series, "rad", "A")}
     for pair in (("forwards", "backwards"), ("recording 0.csv", "recording 1.csv")):
         both = np.array([shares(series, found[name]) for name in pair])
         np.testing.assert_allclose(both.sum(axis=0), 1.0)

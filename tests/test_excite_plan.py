@@ -16,6 +16,7 @@ from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import outside, tool_positions
+from bench.excitation.experiment.sentences import note_sentence
 from bench.model.motion import motion_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.scenario.trajectory import random_trajectory
@@ -132,7 +133,9 @@ def test_without_a_payload_it_says_what_stays_open():
     plan = plan_experiment(load_robot("two_link"), table(), Aim(steps=0))
     said = forecast(plan, 0.005)
     assert plan.names == ("unloaded",)
-    assert any("scale together" in note and "Weigh a payload" in note for note in said.notes)
+    assert any(
+        "scale together" in note and "Weigh a payload" in note for note in map(note_sentence, said.notes)
+    )
     assert said.enough.mass is not None
 
 

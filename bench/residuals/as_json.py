@@ -41,7 +41,7 @@ def _motor(motor: MotorErrors) -> dict[str, Any]:
         "alike_over": motor.memory,
         "concentrated": [
             {
-                "region": concentration.region,
+                "region": concentration.where.name,
                 "error_share": concentration.error_share,
                 "time_share": concentration.time_share,
                 "evidence": concentration.evidence,

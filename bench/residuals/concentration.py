@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.residuals.autocorrelation import correlations
 from bench.residuals.motor import MotorSeries
-from bench.residuals.regions import Region
+from bench.residuals.regions import Region, RegionPlace
 
 CERTAIN = 14.0  # nats against chance for all regions together: odds of a million to one
 TELLING = 0.05  # nats a row; 33 % of the squared error in 20 % of the time is just more than that
@@ -23,8 +23,7 @@ class Concentration:
     """
 
     joint: str
-    region: str
-    words: str
+    where: RegionPlace
     error_share: float
     time_share: float
     evidence: float
@@ -52,7 +51,7 @@ def concentrations(series: Sequence[MotorSeries], found: Sequence[Region]) -> li
         if best is None or not _counts(best, len(found)):
             break
         named.append(best)
-        region = next(candidate for candidate in found if candidate.name == best.region)
+        region = next(candidate for candidate in found if candidate.where == best.where)
         left = [kept & ~rows for kept, rows in zip(left, region.rows, strict=True)]
     return named
 
@@ -84,7 +83,7 @@ def _concentration(
 ) -> Concentration:
     error_share, time_share = _shares(squares, region.rows, left)
     evidence = independent * _divergence(error_share, time_share)
-    return Concentration(joint, region.name, region.words, error_share, time_share, evidence, of_rest)
+    return Concentration(joint, region.where, error_share, time_share, evidence, of_rest)
 
 
 def _counts(concentration: Concentration, tried: int) -> bool:

@@ -11,6 +11,7 @@ from bench.residuals.concentration import Concentration
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import Dependence
+from bench.residuals.regions import RegionKind
 
 QUESTION: Mapping[Seen, int] = {
     "opposes": 1,
@@ -35,7 +36,6 @@ LOOKS: Mapping[str, Seen] = {
 """What the variable of a dependence stands for."""
 PERIODS: Mapping[str, Seen] = {"position": "repeats", "time": "acceleration"}
 CHANGES: Mapping[str, Seen] = {"warm-up": "fades", "load": "load"}
-REVERSALS = "reversals"
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def _looks(
     shares += [
         (concentration.error_share, "opposes")
         for concentration in concentrations
-        if concentration.region == REVERSALS
+        if concentration.where.part is RegionKind.REVERSALS
     ]
     ordered = [seen for _, seen in sorted(shares, key=lambda pair: -pair[0])]
     return list(dict.fromkeys([*(CHANGES[change.between] for change in changes), *ordered]))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from enum import StrEnum
 
 import numpy as np
 
@@ -11,31 +11,70 @@ from bench.residuals.motor import MotorSeries
 FIFTH = 0.2
 
 
+class RegionKind(StrEnum):
+    """What a region is a part of the motion by; `bench.residuals.words` has the words."""
+
+    REVERSALS = "reversals"
+    STANDSTILL = "standstill"
+    LOW_SPEED = "low speed"
+    HIGH_SPEED = "high speed"
+    LOW_ACCELERATION = "low acceleration"
+    HIGH_ACCELERATION = "high acceleration"
+    LOW_CURRENT = "low current"
+    HIGH_CURRENT = "high current"
+    FORWARDS = "forwards"
+    BACKWARDS = "backwards"
+    LOW_POSITION = "low position"
+    MIDDLE_POSITION = "middle position"
+    HIGH_POSITION = "high position"
+    START = "start"
+    END = "end"
+    UNLOADED = "without payload"
+    PAYLOAD = "with payload"
+    RECORDING = "recording"
+
+
+@dataclass(frozen=True)
+class RegionPlace:
+    """A part of the motion, by what: bounds of what it goes by, in `unit`; subject: the payload or the recording."""
+
+    part: RegionKind
+    bounds: tuple[float, ...] = ()
+    unit: str = ""
+    subject: str = ""
+
+    @property
+    def name(self) -> str:
+        """As in "low speed" or "recording run.csv"."""
+        return f"{self.part} {self.subject}" if self.subject else str(self.part)
+
+    @property
+    def of_motion(self) -> bool:
+        """Whether it is a part of the motion itself, not all that has one payload, or one recording."""
+        return self.part not in (RegionKind.UNLOADED, RegionKind.PAYLOAD, RegionKind.RECORDING)
+
+
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A part of the motion. words: as in "at reversals"; rows: for every recording, which rows belong to it.
+    """A part of the motion. rows: for every recording, which rows belong to it."""
 
-    of: whether it is a part of the motion itself, or all that has one payload, or one recording.
-    """
-
-    name: str
-    words: str
+    where: RegionPlace
     rows: tuple[np.ndarray, ...]
-    of: Literal["motion", "payload", "recording"] = "motion"
 
 
 def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Region]:
     """All regions of one motor that hold some of its rows, but not all. unit: rad or m; current: A or V."""
+    speed = [np.abs(trace.velocity) for trace in series]
+    acceleration = [np.abs(trace.acceleration) for trace in series]
+    load = [np.abs(trace.modelled) for trace in series]
     found = [
-        Region("reversals", "at reversals", tuple(trace.at_reversal for trace in series)),
-        Region("standstill", "next to standstill", tuple(trace.beside_standstill for trace in series)),
-        *_by_size("speed", "speed", [np.abs(trace.velocity) for trace in series], f"{unit}/s"),
-        *_by_size(
-            "acceleration", "acceleration", [np.abs(trace.acceleration) for trace in series], f"{unit}/s²"
-        ),
-        *_by_size("current", "current", [np.abs(trace.modelled) for trace in series], current),
-        Region("forwards", "moving forwards", tuple(trace.forwards for trace in series)),
-        Region("backwards", "moving backwards", tuple(~trace.forwards for trace in series)),
+        Region(RegionPlace(RegionKind.REVERSALS), tuple(trace.at_reversal for trace in series)),
+        Region(RegionPlace(RegionKind.STANDSTILL), tuple(trace.beside_standstill for trace in series)),
+        *_by_size((RegionKind.LOW_SPEED, RegionKind.HIGH_SPEED), speed, f"{unit}/s"),
+        *_by_size((RegionKind.LOW_ACCELERATION, RegionKind.HIGH_ACCELERATION), acceleration, f"{unit}/s²"),
+        *_by_size((RegionKind.LOW_CURRENT, RegionKind.HIGH_CURRENT), load, current),
+        Region(RegionPlace(RegionKind.FORWARDS), tuple(trace.forwards for trace in series)),
+        Region(RegionPlace(RegionKind.BACKWARDS), tuple(~trace.forwards for trace in series)),
         *_by_position([trace.position for trace in series], unit),
         *_by_time(series),
         *_by_load(series),
@@ -46,34 +85,26 @@ def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Regi
     ]
 
 
-def _by_size(name: str, words: str, sizes: Sequence[np.ndarray], unit: str) -> list[Region]:
-    low, high = np.quantile(np.concatenate(sizes), (FIFTH, 1.0 - FIFTH))
+def _by_size(parts: tuple[RegionKind, RegionKind], sizes: Sequence[np.ndarray], unit: str) -> list[Region]:
+    low, high = map(float, np.quantile(np.concatenate(sizes), (FIFTH, 1.0 - FIFTH)))
     return [
-        Region(
-            f"low {name}", f"at low {words} (below {low:.3g} {unit})", tuple(size < low for size in sizes)
-        ),
-        Region(
-            f"high {name}", f"at high {words} (above {high:.3g} {unit})", tuple(size > high for size in sizes)
-        ),
+        Region(RegionPlace(parts[0], (low,), unit), tuple(size < low for size in sizes)),
+        Region(RegionPlace(parts[1], (high,), unit), tuple(size > high for size in sizes)),
     ]
 
 
 def _by_position(positions: Sequence[np.ndarray], unit: str) -> list[Region]:
-    low, below, above, high = np.quantile(np.concatenate(positions), (FIFTH, 0.4, 0.6, 1.0 - FIFTH))
+    shares = (FIFTH, 0.4, 0.6, 1.0 - FIFTH)
+    low, below, above, high = map(float, np.quantile(np.concatenate(positions), shares))
+    between = tuple((position > below) & (position < above) for position in positions)
     return [
         Region(
-            "low position",
-            f"at positions below {low:.3g} {unit}",
+            RegionPlace(RegionKind.LOW_POSITION, (low,), unit),
             tuple(position < low for position in positions),
         ),
+        Region(RegionPlace(RegionKind.MIDDLE_POSITION, (below, above), unit), between),
         Region(
-            "middle position",
-            f"at positions between {below:.3g} and {above:.3g} {unit}",
-            tuple((position > below) & (position < above) for position in positions),
-        ),
-        Region(
-            "high position",
-            f"at positions above {high:.3g} {unit}",
+            RegionPlace(RegionKind.HIGH_POSITION, (high,), unit),
             tuple(position > high for position in positions),
         ),
     ]
@@ -82,33 +113,26 @@ def _by_position(positions: Sequence[np.ndarray], unit: str) -> list[Region]:
 def _by_time(series: Sequence[MotorSeries]) -> list[Region]:
     first = tuple(trace.time < FIFTH * trace.time[-1] for trace in series)
     last = tuple(trace.time > (1.0 - FIFTH) * trace.time[-1] for trace in series)
-    return [
-        Region("start", "in the first fifth of the recordings", first),
-        Region("end", "in the last fifth of the recordings", last),
-    ]
+    return [Region(RegionPlace(RegionKind.START), first), Region(RegionPlace(RegionKind.END), last)]
 
 
 def _by_load(series: Sequence[MotorSeries]) -> list[Region]:
-    loads = list(dict.fromkeys(trace.payload for trace in series))
-    words = {load: "without payload" if load is None else f"with payload {load}" for load in loads}
     return [
         Region(
-            words[load],
-            words[load],
+            RegionPlace(RegionKind.UNLOADED)
+            if load is None
+            else RegionPlace(RegionKind.PAYLOAD, subject=load),
             tuple(np.full(len(trace.time), trace.payload == load) for trace in series),
-            "payload",
         )
-        for load in loads
+        for load in dict.fromkeys(trace.payload for trace in series)
     ]
 
 
 def _by_recording(series: Sequence[MotorSeries]) -> list[Region]:
     return [
         Region(
-            f"recording {name}",
-            f"in {name}",
+            RegionPlace(RegionKind.RECORDING, subject=name),
             tuple(np.full(len(trace.time), trace.recording == name) for trace in series),
-            "recording",
         )
         for name in dict.fromkeys(trace.recording for trace in series)
     ]

@@ -1,4 +1,4 @@
-"""Where a model fails, in sentences."""
+"""RegionPlace a model fails, in sentences."""
 
 import math
 
@@ -9,6 +9,7 @@ from bench.residuals.look_alikes import LookAlike
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import SpectralLine
 from bench.residuals.profile import Dependence
+from bench.residuals.regions import RegionKind, RegionPlace
 from bench.residuals.residuals import MotorErrors, WhereItFails
 
 MOST_LOOKS, MOST_NAMES = 2, 4
@@ -83,21 +84,46 @@ def _alike(joint: str, rival: LookAlike) -> str:
     return f"{motor_words(joint)}: {listed} would leave such an error"
 
 
+REGIONS: dict[RegionKind, str] = {
+    RegionKind.REVERSALS: "at reversals",
+    RegionKind.STANDSTILL: "next to standstill",
+    RegionKind.LOW_SPEED: "at low speed (below {})",
+    RegionKind.HIGH_SPEED: "at high speed (above {})",
+    RegionKind.LOW_ACCELERATION: "at low acceleration (below {})",
+    RegionKind.HIGH_ACCELERATION: "at high acceleration (above {})",
+    RegionKind.LOW_CURRENT: "at low current (below {})",
+    RegionKind.HIGH_CURRENT: "at high current (above {})",
+    RegionKind.FORWARDS: "moving forwards",
+    RegionKind.BACKWARDS: "moving backwards",
+    RegionKind.LOW_POSITION: "at positions below {}",
+    RegionKind.MIDDLE_POSITION: "at positions between {}",
+    RegionKind.HIGH_POSITION: "at positions above {}",
+    RegionKind.START: "in the first fifth of the recordings",
+    RegionKind.END: "in the last fifth of the recordings",
+    RegionKind.UNLOADED: "without payload",
+}
+
+
+def region_words(where: RegionPlace) -> str:
+    """RegionPlace in the motion, as in "at low speed (below 0.3 rad/s)"."""
+    if where.part is RegionKind.PAYLOAD:
+        return f"with payload {where.subject}"
+    if where.part is RegionKind.RECORDING:
+        return f"in {where.subject}"
+    bounds = " and ".join(f"{bound:.3g}" for bound in where.bounds)
+    return REGIONS[where.part].format(f"{bounds} {where.unit}")
+
+
 def concentration_words(concentration: Concentration) -> str:
     """As in "motor left, at reversals: 71 % of the squared error in 6 % of the time"."""
     error, time = (
         f"{concentration.error_share:.0%}".replace("%", " %"),
         f"{concentration.time_share:.0%}".replace("%", " %"),
     )
+    at = f"{motor_words(concentration.joint)}, {region_words(concentration.where)}: {error}"
     if concentration.of_rest:
-        return (
-            f"{motor_words(concentration.joint)}, {concentration.words}: {error} of the remaining squared "
-            f"error in {time} of that time"
-        )
-    return (
-        f"{motor_words(concentration.joint)}, {concentration.words}: {error} of the squared error in {time} "
-        f"of the time"
-    )
+        return f"{at} of the remaining squared error in {time} of that time"
+    return f"{at} of the squared error in {time} of the time"
 
 
 def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:

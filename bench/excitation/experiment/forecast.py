@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum, auto
 
 import numpy as np
 
@@ -20,10 +21,6 @@ from bench.identification.layout import parameter_layout, payload_parameter_name
 from bench.model.regressor import UNITS
 
 STEPPED = 1.2  # times the standard error by the currents' noise alone: beyond, the encoders' steps matter
-COARSE = (
-    "The steps of the encoders are large enough to matter: the standard errors are the least to be expected, because "
-    "such steps are no even noise and the filters of the fit are then narrower."
-)
 WEAK = 0.3  # of its size: a standard error beyond which a value is not worth much
 MASSES = 1.25  # from one payload to the next that is looked at
 LIGHTEST, HEAVIEST = 0.02, 3.0  # of the robot's moving mass
@@ -65,13 +62,34 @@ class Enough:
     mass: float | None
 
 
+class ForecastCode(Enum):
+    """What limits a forecast; `bench.excitation.experiment.sentences` has the words."""
+
+    NO_SCALE = auto()
+    """No payload of known mass: the gains stay nominal."""
+    UNDETERMINED = auto()
+    """subjects: unknowns that do not show, or only together."""
+    WEAK = auto()
+    """subjects: unknowns with standard errors beyond `WEAK` of their size."""
+    COARSE_ENCODERS = auto()
+    """The encoders' steps matter."""
+
+
+@dataclass(frozen=True)
+class ForecastNote:
+    """Something to know of a forecast, by code; subjects: names of unknowns."""
+
+    code: ForecastCode
+    subjects: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True)
 class Forecast:
-    """unknowns in the order of the fit; together: names of unknowns that only change together; notes: in words."""
+    """unknowns in the order of the fit; together: names of unknowns that only change together."""
 
     unknowns: tuple[Expected, ...]
     together: tuple[tuple[str, ...], ...]
-    notes: tuple[str, ...]
+    notes: tuple[ForecastNote, ...]
     enough: Enough | None
 
 
@@ -109,7 +127,8 @@ def forecast(plan: ExperimentPlan, gain_accuracy: float | None = None) -> Foreca
     )
     together = tuple(tuple(unknowns[i].name for i in direction) for direction in found.directions)
     enough = None if gain_accuracy is None else enough_for(plan, rows, gain_accuracy)
-    notes = [*_notes(plan, unknowns, together), *([COARSE] if stepped else [])]
+    coarse = [ForecastNote(ForecastCode.COARSE_ENCODERS)] if stepped else []
+    notes = [*_notes(plan, unknowns, together), *coarse]
     return Forecast(unknowns, together, tuple(notes), enough)
 
 
@@ -136,25 +155,14 @@ def described(nominal: Nominal) -> Iterator[Expected]:
 
 def _notes(
     plan: ExperimentPlan, unknowns: tuple[Expected, ...], together: tuple[tuple[str, ...], ...]
-) -> Iterator[str]:
+) -> Iterator[ForecastNote]:
     if not plan.nominal.gains_fitted:
-        yield (
-            "All masses and drive gains scale together: without a payload of known mass the gains stay nominal, and "
-            "every parameter is wrong by as much as they are. Weigh a payload, and plan with it."
-        )
-    for names in together:
-        if len(names) == 1:
-            yield f"{names[0]} stays undetermined: these motions do not show it."
-        else:
-            listed = ", ".join(names[:-1])
-            yield f"{listed} and {names[-1]} stay undetermined: they only show together, as one sum."
+        yield ForecastNote(ForecastCode.NO_SCALE)
+    yield from (ForecastNote(ForecastCode.UNDETERMINED, names) for names in together)
     aimed = [unknowns[i] for i in plan.targets]
-    weak = [entry.name for entry in aimed if WEAK < entry.relative < float("inf")]
+    weak = tuple(entry.name for entry in aimed if WEAK < entry.relative < float("inf"))
     if weak:
-        yield (
-            f"Not to be had from motions of this kind, with standard errors of more than {WEAK:.0%} of their size: "
-            f"{', '.join(weak)}."
-        )
+        yield ForecastNote(ForecastCode.WEAK, weak)
 
 
 def gain_error(plan: ExperimentPlan, rows: Sequence[PlannedRows], mass: float | None) -> float:

@@ -1,10 +1,18 @@
 """A plan in sentences."""
 
-from bench.excitation.experiment.forecast import LONGEST, Enough, Expected, Forecast
+from bench.excitation.experiment.forecast import (
+    LONGEST,
+    WEAK,
+    Enough,
+    Expected,
+    Forecast,
+    ForecastCode,
+    ForecastNote,
+)
 from bench.excitation.experiment.nominal import FRICTION_SHARE
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.search import RANDOM
-from bench.identification.wording import in_percent
+from bench.identification.wording import and_list, in_percent
 
 MOST_NAMED = 3
 
@@ -33,7 +41,7 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
             "to be expected."
         )
     lines.append(_sizes(plan, told))
-    lines += told.notes
+    lines += map(note_sentence, told.notes)
     if told.enough is not None:
         lines += enough(told.enough)
     if plan.room.assumed:
@@ -46,6 +54,29 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
         "What the model lacks, such as friction, adds to the errors and to the currents."
     )
     return [line for line in lines if line]
+
+
+def note_sentence(note: ForecastNote) -> str:
+    """What limits a forecast."""
+    subjects = note.subjects
+    if note.code is ForecastCode.NO_SCALE:
+        return (
+            "All masses and drive gains scale together: without a payload of known mass the gains stay nominal, and "
+            "every parameter is wrong by as much as they are. Weigh a payload, and plan with it."
+        )
+    if note.code is ForecastCode.WEAK:
+        return (
+            f"Not to be had from motions of this kind, with standard errors of more than {WEAK:.0%} of their size: "
+            f"{', '.join(subjects)}."
+        )
+    if note.code is ForecastCode.COARSE_ENCODERS:
+        return (
+            "The steps of the encoders are large enough to matter: the standard errors are the least to be expected, "
+            "because such steps are no even noise and the filters of the fit are then narrower."
+        )
+    if len(subjects) == 1:
+        return f"{subjects[0]} stays undetermined: these motions do not show it."
+    return f"{and_list(subjects)} stay undetermined: they only show together, as one sum."
 
 
 def _looked_at(plan: ExperimentPlan) -> str:
