@@ -13,7 +13,7 @@ const Columns = (() => {
       mapping[target] = {...guess, unit: guess.unit || own(target, guess.column)};
     }
     const state = {
-      active: look.needs.find((one) => !mapping[one].column) || look.needs[0],
+      active: look.needs.find((need) => !mapping[need].column) || look.needs[0],
       accept: [],
       split_gaps: false,
       rate: null,
@@ -27,12 +27,12 @@ const Columns = (() => {
       el("div", {}, el("h4", {}, "What a recording needs"), targets),
       el("div", {}, el("h4", {}, `Columns of the log (${look.columns.length})`), chips),
     );
-    const needs = () => look.needs.filter((one) => one !== "time" || state.rate === null);
+    const needs = () => look.needs.filter((need) => need !== "time" || state.rate === null);
     const scaled = (several) =>
       Object.fromEntries(
         several
-          .filter((one) => mapping[one].unit !== own(one, mapping[one].column))
-          .map((one) => [one, mapping[one].unit]),
+          .filter((need) => mapping[need].unit !== own(need, mapping[need].column))
+          .map((need) => [need, mapping[need].unit]),
       );
     let timer = 0,
       round = 0;
@@ -41,8 +41,8 @@ const Columns = (() => {
       clearTimeout(timer);
       timer = setTimeout(async () => {
         const mine = ++round;
-        const mapped = needs().filter((one) => mapping[one].column);
-        const columns = Object.fromEntries(mapped.map((one) => [one, mapping[one].column]));
+        const mapped = needs().filter((need) => mapping[need].column);
+        const columns = Object.fromEntries(mapped.map((need) => [need, mapping[need].column]));
         try {
           const found = await Server.look("checks", {
             ...asked,
@@ -65,12 +65,12 @@ const Columns = (() => {
     }
 
     function tell() {
-      const ready = needs().every((one) => mapping[one].column);
-      const given = needs().filter((one) => mapping[one].column);
+      const ready = needs().every((need) => mapping[need].column);
+      const given = needs().filter((need) => mapping[need].column);
       changed({
         ready,
         columns: Object.fromEntries(
-          given.filter((one) => mapping[one].column !== one).map((one) => [one, mapping[one].column]),
+          given.filter((need) => mapping[need].column !== need).map((need) => [need, mapping[need].column]),
         ),
         scale: scaled(given),
         split_gaps: state.split_gaps,
@@ -101,9 +101,9 @@ const Columns = (() => {
             type: "button",
             class: "small",
             click: () => {
-              const alike = (one) => (state.found[one]?.problems || []).some((two) => two.remedy?.unit === cure.unit);
-              for (const one of needs())
-                if (one.split(".")[0] === target.split(".")[0] && alike(one)) mapping[one].unit = cure.unit;
+              const alike = (need) => (state.found[need]?.problems || []).some((two) => two.remedy?.unit === cure.unit);
+              for (const need of needs())
+                if (need.split(".")[0] === target.split(".")[0] && alike(need)) mapping[need].unit = cure.unit;
               change();
             },
           },
@@ -155,7 +155,7 @@ const Columns = (() => {
 
     function units(target) {
       return select(
-        look.units[target].map((one) => [one, Dom.unit(one)]),
+        look.units[target].map((unit) => [unit, Dom.unit(unit)]),
         mapping[target].unit,
         (value) => {
           mapping[target].unit = value;
@@ -170,7 +170,7 @@ const Columns = (() => {
       targets.replaceChildren(
         ...needs().map((target) => {
           const chosen = mapping[target];
-          const column = look.columns.find((one) => one.name === chosen.column);
+          const column = look.columns.find((candidate) => candidate.name === chosen.column);
           return el(
             "li",
             {class: target === state.active ? "active" : null},
@@ -189,7 +189,7 @@ const Columns = (() => {
               target,
             ),
             select(
-              [["", "–"], ...look.columns.map((one) => [one.name, one.name])],
+              [["", "–"], ...look.columns.map((candidate) => [candidate.name, candidate.name])],
               chosen.column,
               (value) => assign(target, value),
               {"aria-label": `Column for ${target}`, id: `column-${target}`},
@@ -200,7 +200,7 @@ const Columns = (() => {
           );
         }),
       );
-      const taken = Object.fromEntries(needs().map((one) => [mapping[one].column, one]));
+      const taken = Object.fromEntries(needs().map((need) => [mapping[need].column, need]));
       chips.replaceChildren(
         ...look.columns.map((column, i) =>
           el(
@@ -229,7 +229,7 @@ const Columns = (() => {
 
     function pick(column) {
       assign(state.active, column);
-      const next = needs().find((one) => !mapping[one].column);
+      const next = needs().find((need) => !mapping[need].column);
       if (next) state.active = next;
       draw();
     }
@@ -248,7 +248,7 @@ const Columns = (() => {
 
   /* Which topic of a ROS bag is meant, where several hold joint states. */
   function topics(names, chosen, changed) {
-    const options = [["", "choose …"], ...names.map((one) => [one, one])];
+    const options = [["", "choose …"], ...names.map((name) => [name, name])];
     const choice = select(options, chosen, changed, {id: "topic"});
     return el("div", {class: "row"}, field("Topic of the joint states", choice));
   }

@@ -7,7 +7,7 @@ const Dataset = (() => {
   function choice(app) {
     const known = app.folder.datasets;
     if (!known.length) return el("p", {class: "aid"}, "No dataset in this folder yet: drop the first log.");
-    const options = known.map((one) => [one, one === "." ? app.folder.name : one]);
+    const options = known.map((path) => [path, path === "." ? app.folder.name : path]);
     return el(
       "div",
       {class: "row"},
@@ -24,17 +24,18 @@ const Dataset = (() => {
     if (app.fault) return el("p", {class: "fault"}, app.fault);
     if (!app.described) return el("div");
     const data = app.described;
-    const rows = data.recordings.map((one) => [
-      one.name,
-      one.use === "identify" ? "fitted" : "only compared",
-      load(app, one.payload),
-      `${ChartBasics.formatNumber(one.seconds, 3)} s`,
-      `${ChartBasics.formatNumber(one.rate, 4)} Hz`,
-      one.accepted.length ? `✓ passed; accepted: ${one.accepted.join(", ")}` : "✓ all checks passed",
+    const rows = data.recordings.map((recording) => [
+      recording.name,
+      recording.use === "identify" ? "fitted" : "only compared",
+      load(app, recording.payload),
+      `${ChartBasics.formatNumber(recording.seconds, 3)} s`,
+      `${ChartBasics.formatNumber(recording.rate, 4)} Hz`,
+      recording.accepted.length ? `✓ passed; accepted: ${recording.accepted.join(", ")}` : "✓ all checks passed",
     ]);
     const weighed =
-      data.recordings.some((one) => one.use === "identify" && one.payload && data.payloads[one.payload]) &&
-      data.recordings.some((one) => one.use === "identify" && !one.payload);
+      data.recordings.some(
+        (recording) => recording.use === "identify" && recording.payload && data.payloads[recording.payload],
+      ) && data.recordings.some((recording) => recording.use === "identify" && !recording.payload);
     const advice = weighed
       ? null
       : el(

@@ -101,10 +101,10 @@ const Dom = (() => {
   }
 
   /* A number with its standard deviation, to the digits that it supports. */
-  function quantity(one) {
-    if (one.std === null || !(one.std > 0)) return ChartBasics.formatNumber(one.value, 5);
-    const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(one.std))));
-    return `${one.value.toFixed(decimals)} ± ${one.std.toFixed(decimals)}`.replace(/-/g, "−");
+  function quantity(found) {
+    if (found.std === null || !(found.std > 0)) return ChartBasics.formatNumber(found.value, 5);
+    const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(found.std))));
+    return `${found.value.toFixed(decimals)} ± ${found.std.toFixed(decimals)}`.replace(/-/g, "−");
   }
 
   const unit = (text) => text.replace(/\*/g, "·").replace(/\^2/g, "²").replace(/\^3/g, "³");

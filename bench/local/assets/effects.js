@@ -23,7 +23,7 @@ const Effects = (() => {
   async function render() {
     const mine = ++round;
     if (!app.described) {
-      for (const one of [missing, body]) one.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
+      for (const part of [missing, body]) part.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
       return;
     }
     const run = app.latest("diagnosis", () => true);
@@ -35,8 +35,8 @@ const Effects = (() => {
       shownOf = key;
       [tried, applied] = [null, null];
       chosen.clear();
-      const known = (request) => app.described.effects.some((one) => one.name === request.split(":")[0]);
-      for (const one of found ? found.after.effects.filter(known) : []) chosen.add(one);
+      const known = (request) => app.described.effects.some((effect) => effect.name === request.split(":")[0]);
+      for (const request of found ? found.after.effects.filter(known) : []) chosen.add(request);
     }
     diagnosis = found;
     drawMissing(run, line);
@@ -60,7 +60,7 @@ const Effects = (() => {
     const steps = diagnosis.ladder.map((step, i) => {
       const before = i ? diagnosis.ladder[i - 1].effects : [];
       return [
-        i ? `+ ${words(step.effects.filter((one) => !before.includes(one)))}` : "the model as it is",
+        i ? `+ ${words(step.effects.filter((name) => !before.includes(name)))}` : "the model as it is",
         step.error.validate ?? step.error.identify,
         i ? "" : "before",
       ];
@@ -68,15 +68,15 @@ const Effects = (() => {
     steps.push(["noise of the currents", diagnosis.unexplained.noise_floor, "noise"]);
     const most = Math.max(...steps.map(([, share]) => share || 0));
     const changed = diagnosis.ladder.length > 1 || diagnosis.discovered.length > 0;
-    const shown = diagnosis.ranking.filter((one) => one.verdict !== "not supported" && one.verdict !== "absorbed");
+    const shown = diagnosis.ranking.filter((told) => told.verdict !== "not supported" && told.verdict !== "absorbed");
     const table = (list) =>
       Dom.table(
         ["effect", "verdict", "at", "why"],
-        list.map((one) => [
-          spoken(one.effect),
-          el("span", {class: `badge ${one.verdict.replace(/ .*/, "")}`}, one.verdict),
-          one.actuators.join(", "),
-          el("span", {}, ...Dom.sentence(one.why)),
+        list.map((told) => [
+          spoken(told.effect),
+          el("span", {class: `badge ${told.verdict.replace(/ .*/, "")}`}, told.verdict),
+          told.actuators.join(", "),
+          el("span", {}, ...Dom.sentence(told.why)),
         ]),
         ["keep", "keep", "", "words"],
       );
@@ -90,7 +90,7 @@ const Effects = (() => {
       diagnosis.missing.length || diagnosis.discovered.length ? applying(run) : null,
       el("details", {}, el("summary", {}, `All ${diagnosis.ranking.length} verdicts`), table(diagnosis.ranking)),
       Errors.links(run),
-    ].filter((one) => one !== null);
+    ].filter((part) => part !== null);
   }
 
   function bars(steps, most) {
@@ -104,17 +104,17 @@ const Effects = (() => {
   }
 
   function spoken(name) {
-    const known = app.described.effects.find((one) => one.name === name);
+    const known = app.described.effects.find((effect) => effect.name === name);
     return known ? known.spoken : name.replace(/_/g, " ");
   }
 
-  const verdictOf = (name) => (diagnosis ? diagnosis.ranking.find((one) => one.effect === name) : undefined);
+  const verdictOf = (name) => (diagnosis ? diagnosis.ranking.find((told) => told.effect === name) : undefined);
   const effects = () => [...chosen].sort();
 
   /* The list of effects with their places, and the answer beside it. */
   async function drawChoice() {
-    const order = (one) => {
-      const at = diagnosis ? diagnosis.ranking.findIndex((two) => two.effect === one.name) : -1;
+    const order = (effect) => {
+      const at = diagnosis ? diagnosis.ranking.findIndex((two) => two.effect === effect.name) : -1;
       return at < 0 ? 1000 : at;
     };
     const list = [...app.described.effects].sort((a, b) => order(a) - order(b) || a.name.localeCompare(b.name));
@@ -210,7 +210,7 @@ const Effects = (() => {
   };
 
   async function baseModel() {
-    const run = app.latest("compare", (one) => !one.applied);
+    const run = app.latest("compare", (job) => !job.applied);
     return run ? Server.file(run.model).catch(() => null) : null;
   }
 
@@ -227,11 +227,11 @@ const Effects = (() => {
     ]);
     const values = Object.entries(found.effect_parameters).flatMap(([effect, joints]) =>
       Object.entries(joints).flatMap(([joint, list]) =>
-        Object.entries(list).map(([name, one]) => [
+        Object.entries(list).map(([name, quantified]) => [
           `${spoken(effect)}${joint === "robot" ? "" : ` at ${joint}`}`,
           name,
-          quantity(one),
-          unit(one.unit),
+          quantity(quantified),
+          unit(quantified.unit),
         ]),
       ),
     );
@@ -239,7 +239,7 @@ const Effects = (() => {
       bars(steps, most),
       Gains.part(found, base),
       values.length ? Dom.table(["effect", "", "value", "unit"], values, ["", "", "right", "keep"]) : null,
-    ].filter((one) => one !== null);
+    ].filter((part) => part !== null);
   }
 
   /* Compare a model, and go to what came of it once everything above it is drawn. */
@@ -276,11 +276,11 @@ const Effects = (() => {
 
   /* Laws that no catalogue has, as a diagnosis found them; they are applied with its model, which names their files. */
   function laws() {
-    const rows = diagnosis.discovered.map((one) => [
-      one.place || "the robot",
-      one.formula,
-      one.terms.map((term) => `${quantity(term)} ${unit(term.unit)}`).join("; "),
-      percent(one.error.validate ?? one.error.identify),
+    const rows = diagnosis.discovered.map((law) => [
+      law.place || "the robot",
+      law.formula,
+      law.terms.map((term) => `${quantity(term)} ${unit(term.unit)}`).join("; "),
+      percent(law.error.validate ?? law.error.identify),
     ]);
     return [
       el("h4", {}, "Laws that no catalogue has"),
@@ -307,7 +307,7 @@ const Effects = (() => {
   /* The comparison with the model that was applied, beside the one before. */
   async function drawApplied() {
     const holder = document.getElementById("applied");
-    const run = app.latest("compare", (one) => one.applied && (applied === null || one.path === applied));
+    const run = app.latest("compare", (job) => job.applied && (applied === null || job.path === applied));
     if (!run) return;
     const answer = el("div", {class: "part"});
     holder.replaceChildren(
@@ -322,7 +322,7 @@ const Effects = (() => {
     await Errors.show(
       answer,
       run,
-      app.latest("compare", (one) => !one.applied),
+      app.latest("compare", (job) => !job.applied),
     );
   }
 

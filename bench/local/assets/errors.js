@@ -17,7 +17,7 @@ const Errors = (() => {
     if (!app.described) return body.replaceChildren(el("p", {class: "aid"}, "First a dataset is needed."));
     const asked = {step: "compare", dataset: app.dataset};
     const line = await Server.line(asked);
-    const run = app.latest("compare", (one) => !one.applied);
+    const run = app.latest("compare", (job) => !job.applied);
     const answer = el("div");
     if (mine !== round) return undefined;
     const step = {
@@ -36,15 +36,17 @@ const Errors = (() => {
     let found, gains;
     try {
       const models = before ? [run, before] : [run];
-      [found, ...gains] = await Promise.all([`${run.path}.json`, ...models.map((one) => one.model)].map(Server.file));
+      [found, ...gains] = await Promise.all(
+        [`${run.path}.json`, ...models.map((model) => model.model)].map(Server.file),
+      );
     } catch {
       return holder.replaceChildren(links(run)); // made in a shell, without --json
     }
     const joints = Object.keys(found.where);
     const sentences = joints.flatMap((joint) => {
       const {text, follows, looks_like: alike = []} = found.where[joint];
-      const said = [text, ...follows.map((one) => one.text)].map(Dom.sentence);
-      return [...said, ...alike.map((one) => [...Dom.sentence(one.text), " ", laws(run)])];
+      const said = [text, ...follows.map((finding) => finding.text)].map(Dom.sentence);
+      return [...said, ...alike.map((finding) => [...Dom.sentence(finding.text), " ", laws(run)])];
     });
     const rows = joints.map((joint) => [joint, percent(found.where[joint].error), percent(found.where[joint].noise)]);
     const models = before

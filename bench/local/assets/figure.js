@@ -16,7 +16,7 @@ const Figures = (() => {
       const notes = el("ul", {class: "notes"}, ...variant.notes.map((note) => el("li", {}, note)));
       const frames = variant.charts.map(() => el("div", {class: "chart"}));
       screen.replaceChildren(notes, el("div", {class: "charts"}, ...frames));
-      charts = variant.charts.map((one, i) => Charts.create(frames[i], one.spec));
+      charts = variant.charts.map((chart, i) => Charts.create(frames[i], chart.spec));
     };
     const choices = figure.choices.map((choice, i) =>
       Dom.field(

@@ -32,9 +32,9 @@
         (error) => (app.fault = error.message),
       );
     }
-    const paths = app.folder.runs.map((one) => one.path);
+    const paths = app.folder.runs.map((run) => run.path);
     const told = paths.length ? await Server.look("runs", {paths}) : [];
-    app.runs = told.map((one, i) => ({...one, ...app.folder.runs[i]}));
+    app.runs = told.map((run, i) => ({...run, ...app.folder.runs[i]}));
     render();
   }
 
@@ -74,22 +74,23 @@
   /* Draw every step anew; a section keeps its height meanwhile, so that what is read does not move. */
   function draw() {
     const sections = [...document.querySelectorAll("main > section:not(#recordings)")];
-    for (const one of sections) one.style.minHeight = `${one.offsetHeight}px`;
+    for (const section of sections) section.style.minHeight = `${section.offsetHeight}px`;
     const drawing = Promise.all([Recordings, Errors, Effects, Results].map((part) => part.render()));
     const drawn = drawing.finally(() => {
       if (app.drawn !== drawn) return; // a later one holds
-      for (const one of sections) one.style.minHeight = "";
+      for (const section of sections) section.style.minHeight = "";
     });
     app.drawn = drawn;
   }
 
   function showJobs(jobs) {
-    const job = jobs.findLast((one) => one.state === "running") || jobs.findLast((one) => one.state === "waiting");
+    const job =
+      jobs.findLast((entry) => entry.state === "running") || jobs.findLast((entry) => entry.state === "waiting");
     const holder = document.getElementById("job");
     holder.hidden = !job;
     document.body.classList.toggle("working", Boolean(job));
     if (job) {
-      const waiting = jobs.filter((one) => one.state === "waiting").length;
+      const waiting = jobs.filter((entry) => entry.state === "waiting").length;
       const steps = job.total ? ` ${job.done} of ${job.total}` : "";
       const words = `${job.line.split(" ").slice(0, 2).join(" ")}: ${job.phase || "starting"}${steps}${waiting ? `, ${waiting} more waiting` : ""}`;
       const bar = job.total
@@ -116,8 +117,8 @@
     }
     // what another page has asked for changes this one, too
     const foreign = jobs
-      .filter((one) => one.state === "done" && one.step !== "identify" && !Server.own.has(one.number))
-      .map((one) => one.number)
+      .filter((ended) => ended.state === "done" && ended.step !== "identify" && !Server.own.has(ended.number))
+      .map((ended) => ended.number)
       .join();
     if (app.folder && numbers !== null && foreign !== numbers) refresh().catch(unreachable);
     numbers = foreign;

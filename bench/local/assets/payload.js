@@ -6,7 +6,7 @@ const Payload = (() => {
   function numbers(text, count) {
     const found = text
       .split(/[\s,;]+/)
-      .filter((one) => one !== "")
+      .filter((number) => number !== "")
       .map(Number);
     return found.length === count && found.every(Number.isFinite) ? found : null;
   }

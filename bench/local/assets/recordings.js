@@ -87,7 +87,7 @@ const Recordings = (() => {
     document.getElementById("dataset-choice").replaceChildren(Dataset.choice(app));
     document.getElementById("recordings-table").replaceChildren(Dataset.table(app));
     const imported = new Set(
-      (app.described ? app.described.recordings : []).map((one) => one.name.replace(/\.\w+$/, "")),
+      (app.described ? app.described.recordings : []).map((recording) => recording.name.replace(/\.\w+$/, "")),
     );
     logs.replaceChildren(
       el(
@@ -125,7 +125,7 @@ const Recordings = (() => {
   }
 
   function robotOf(name) {
-    return Object.keys(app.folder.robots).find((one) => one === name || one.split("/").pop() === name) || "";
+    return Object.keys(app.folder.robots).find((path) => path === name || path.split("/").pop() === name) || "";
   }
 
   let drawn = 0; // of several that overlap only the last one goes on
@@ -262,7 +262,7 @@ const Recordings = (() => {
       field("weighed, kg", text("mass", {type: "number", min: "0", step: "any", id: "mass"})),
       Payload.more(text),
     );
-    const loads = [["", "none"], ...payloads.map((one) => [one, one]), [NEW, "a new one"]];
+    const loads = [["", "none"], ...payloads.map((payload) => [payload, payload]), [NEW, "a new one"]];
     if (!loads.some(([value]) => value === form.load)) form.load = null;
     fresh.hidden = form.load !== NEW;
     const on = radios("On the tool", "load", loads, form.load, (value) => {
@@ -289,7 +289,7 @@ const Recordings = (() => {
     const into = field(
       "Into",
       select(
-        [...app.folder.datasets.map((one) => [one, one === "." ? app.folder.name : one]), [NEW, "a new dataset"]],
+        [...app.folder.datasets.map((path) => [path, path === "." ? app.folder.name : path]), [NEW, "a new dataset"]],
         form.dataset,
         (value) => {
           form.dataset = value;

@@ -69,25 +69,25 @@ const Results = (() => {
   }
 
   /* A gain with its interval, to the digits that its deviation supports. */
-  function gain(one) {
-    if (!one.interval) return quantity(one);
-    const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(one.std))));
-    return `${quantity(one)} [${one.interval.map((end) => end.toFixed(digits)).join(", ")}]`;
+  function gain(found) {
+    if (!found.interval) return quantity(found);
+    const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(found.std))));
+    return `${quantity(found)} [${found.interval.map((end) => end.toFixed(digits)).join(", ")}]`;
   }
 
   function show(holder, {line, found}) {
-    const names = found.models.map((one) => one.name);
+    const names = found.models.map((model) => model.name);
     const errors = [
-      ["error, fitted", ...found.models.map((one) => percent(one.error.identify))],
-      ["error, not fitted", ...found.models.map((one) => percent(one.error.validate))],
+      ["error, fitted", ...found.models.map((model) => percent(model.error.identify))],
+      ["error, not fitted", ...found.models.map((model) => percent(model.error.validate))],
       ...Object.keys(found.models[0].error.by_actuator).map((joint) => [
         `error of ${joint}`,
-        ...found.models.map((one) => percent(one.error.by_actuator[joint])),
+        ...found.models.map((model) => percent(model.error.by_actuator[joint])),
       ]),
     ];
     const gains = Object.keys(found.models[0].drive_gains).map((joint) => [
       `${joint}, ${unit(found.models[0].drive_gains[joint].unit)}`,
-      ...found.models.map((one) => gain(one.drive_gains[joint])),
+      ...found.models.map((model) => gain(model.drive_gains[joint])),
     ]);
     const kinds = ["", ...names.map(() => "right")];
     holder.replaceChildren(

@@ -45,7 +45,7 @@ const Server = (() => {
   async function run(asked) {
     const job = await post("api/run", asked);
     own.add(job.number);
-    const known = jobs.find((one) => one.number === job.number);
+    const known = jobs.find((entry) => entry.number === job.number);
     if (known && OVER.includes(known.state)) return known;
     return new Promise((done) => waiting.set(job.number, done));
   }

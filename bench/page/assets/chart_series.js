@@ -64,75 +64,88 @@ const ChartSeries = (() => {
   }
 
   const DRAW = {
-    line(one, xs, ys, plot, box) {
-      const kind = `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}${one.wide ? " wide" : ""}`;
-      node("path", {d: path(one.x, one.y, one.y.length, xs, ys), class: kind}, plot);
-      if (one.marker) one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot, 4));
-      (one.texts || []).forEach((text, i) => {
-        if (!text || !known(one.y[i])) return;
-        const at = xs.at(valueAt(one.x, i));
+    line(series, xs, ys, plot, box) {
+      const kind = `line ${series.role}${series.dashed ? " dashed" : ""}${series.faint ? " faint" : ""}${series.wide ? " wide" : ""}`;
+      node("path", {d: path(series.x, series.y, series.y.length, xs, ys), class: kind}, plot);
+      if (series.marker)
+        series.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(series.x, i)), ys.at(y), series.role, plot, 4));
+      (series.texts || []).forEach((text, i) => {
+        if (!text || !known(series.y[i])) return;
+        const at = xs.at(valueAt(series.x, i));
         // a falling line lies left of its points: texts stand right of them, if need be in the margin
         const most = box.right + MARGIN - text.length * CHARACTER;
-        const place = {x: Math.min(at + 9, Math.max(at - 4, most)).toFixed(1), y: (ys.at(one.y[i]) - 8).toFixed(1)};
+        const place = {x: Math.min(at + 9, Math.max(at - 4, most)).toFixed(1), y: (ys.at(series.y[i]) - 8).toFixed(1)};
         node("text", {...place, class: "label"}, box.above, text);
       });
     },
-    envelope(one, xs, ys, plot) {
-      node("path", {d: area(one.x, one.low, one.high, xs, ys), class: `fill ${one.role} edge`}, plot);
+    envelope(series, xs, ys, plot) {
+      node("path", {d: area(series.x, series.low, series.high, xs, ys), class: `fill ${series.role} edge`}, plot);
     },
-    band(one, xs, ys, plot, box) {
-      if (typeof one.low === "number")
-        rectangle(box.left, box.right, ys.at(one.low), ys.at(one.high), `band ${one.role}`, plot);
-      else node("path", {d: area(one.x, one.low, one.high, xs, ys), class: `band ${one.role}`}, plot);
+    band(series, xs, ys, plot, box) {
+      if (typeof series.low === "number")
+        rectangle(box.left, box.right, ys.at(series.low), ys.at(series.high), `band ${series.role}`, plot);
+      else node("path", {d: area(series.x, series.low, series.high, xs, ys), class: `band ${series.role}`}, plot);
     },
-    bins(one, xs, ys, plot) {
-      const between = (sign) => one.mean.map((m, i) => (known(m) ? m + sign * one.spread[i] : null));
-      if (one.low) {
-        const whiskers = one.low.map((low, i) =>
-          known(low) ? `M${xs.at(one.x[i]).toFixed(1)} ${ys.at(low).toFixed(1)}V${ys.at(one.high[i]).toFixed(1)}` : "",
+    bins(series, xs, ys, plot) {
+      const between = (sign) => series.mean.map((m, i) => (known(m) ? m + sign * series.spread[i] : null));
+      if (series.low) {
+        const whiskers = series.low.map((low, i) =>
+          known(low)
+            ? `M${xs.at(series.x[i]).toFixed(1)} ${ys.at(low).toFixed(1)}V${ys.at(series.high[i]).toFixed(1)}`
+            : "",
         );
-        node("path", {d: whiskers.join(""), class: `line ${one.clear ? "" : "thin "}${one.role}`}, plot);
+        node("path", {d: whiskers.join(""), class: `line ${series.clear ? "" : "thin "}${series.role}`}, plot);
       }
-      node("path", {d: area(one.x, between(-1), between(1), xs, ys), class: `band ${one.role}`}, plot);
-      if (!one.apart)
-        node("path", {d: path(one.x, one.mean, one.mean.length, xs, ys), class: `line ${one.role}`}, plot);
-      one.mean.forEach(
+      node("path", {d: area(series.x, between(-1), between(1), xs, ys), class: `band ${series.role}`}, plot);
+      if (!series.apart)
+        node("path", {d: path(series.x, series.mean, series.mean.length, xs, ys), class: `line ${series.role}`}, plot);
+      series.mean.forEach(
         (m, i) =>
           known(m) &&
-          pickable(dot(xs.at(one.x[i]), ys.at(m), one.role, plot, one.pick ? 4 : 2.6), one.pick && one.pick[i]),
+          pickable(
+            dot(xs.at(series.x[i]), ys.at(m), series.role, plot, series.pick ? 4 : 2.6),
+            series.pick && series.pick[i],
+          ),
       );
     },
-    points(one, xs, ys, plot) {
-      one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot));
+    points(series, xs, ys, plot) {
+      series.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(series.x, i)), ys.at(y), series.role, plot));
     },
-    stems(one, xs, ys, plot) {
+    stems(series, xs, ys, plot) {
       const zero = ys.at(0).toFixed(1);
-      const all = one.y.map((y, i) =>
-        known(y) ? `M${xs.at(valueAt(one.x, i)).toFixed(1)} ${zero}V${ys.at(y).toFixed(1)}` : "",
+      const all = series.y.map((y, i) =>
+        known(y) ? `M${xs.at(valueAt(series.x, i)).toFixed(1)} ${zero}V${ys.at(y).toFixed(1)}` : "",
       );
-      node("path", {d: all.join(""), class: `line ${one.role}`}, plot);
-      one.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(one.x, i)), ys.at(y), one.role, plot, 2.2));
+      node("path", {d: all.join(""), class: `line ${series.role}`}, plot);
+      series.y.forEach((y, i) => known(y) && dot(xs.at(valueAt(series.x, i)), ys.at(y), series.role, plot, 2.2));
     },
-    histogram(one, xs, ys, plot) {
+    histogram(series, xs, ys, plot) {
       const base = ys.low > 0 ? ys.at(ys.low) : ys.at(0);
-      one.y.forEach(
+      series.y.forEach(
         (y, i) =>
           y > 0 &&
-          rectangle(xs.at(one.edges[i]), xs.at(one.edges[i + 1]), base, ys.at(y), `fill ${one.role} slab`, plot),
+          rectangle(
+            xs.at(series.edges[i]),
+            xs.at(series.edges[i + 1]),
+            base,
+            ys.at(y),
+            `fill ${series.role} slab`,
+            plot,
+          ),
       );
     },
-    bars(one, xs, ys, plot, box, place) {
+    bars(series, xs, ys, plot, box, place) {
       const base = ys.low > 0 ? ys.at(ys.low) : ys.at(0);
       const width = (0.72 * xs.width) / place.count;
-      one.y.forEach((y, i) => {
+      series.y.forEach((y, i) => {
         if (!known(y)) return;
         const left = xs.at(i) + (place.index - place.count / 2) * width;
-        rectangle(left + 1, left + width - 1, base, ys.at(y), `fill ${one.role}`, plot);
+        rectangle(left + 1, left + width - 1, base, ys.at(y), `fill ${series.role}`, plot);
       });
     },
-    hbars(one, xs, ys, plot) {
-      const half = (one.thin ? 0.42 : 0.28) * Math.abs(ys.width);
-      one.x.forEach(
+    hbars(series, xs, ys, plot) {
+      const half = (series.thin ? 0.42 : 0.28) * Math.abs(ys.width);
+      series.x.forEach(
         (x, i) =>
           known(x) &&
           rectangle(
@@ -140,43 +153,45 @@ const ChartSeries = (() => {
             xs.at(x),
             ys.at(i) - half,
             ys.at(i) + half,
-            one.thin ? `band ${one.role}` : `fill ${one.role}`,
+            series.thin ? `band ${series.role}` : `fill ${series.role}`,
             plot,
           ),
       );
     },
-    intervals(one, xs, ys, plot) {
-      one.x.forEach((x, i) => {
+    intervals(series, xs, ys, plot) {
+      series.x.forEach((x, i) => {
         if (!known(x)) return;
-        const y = ys.at(one.y[i]) + (one.shift || 0) * Math.abs(ys.width);
-        if (one.low && known(one.low[i])) {
-          const [a, b] = [xs.at(one.low[i]), xs.at(one.high[i])];
+        const y = ys.at(series.y[i]) + (series.shift || 0) * Math.abs(ys.width);
+        if (series.low && known(series.low[i])) {
+          const [a, b] = [xs.at(series.low[i]), xs.at(series.high[i])];
           const ends = b - a > 3 ? `M${a.toFixed(1)} ${y - 4}V${y + 4}M${b.toFixed(1)} ${y - 4}V${y + 4}` : "";
-          node("path", {d: `M${a.toFixed(1)} ${y}H${b.toFixed(1)}${ends}`, class: `line ${one.role}`}, plot);
+          node("path", {d: `M${a.toFixed(1)} ${y}H${b.toFixed(1)}${ends}`, class: `line ${series.role}`}, plot);
         }
-        dot(xs.at(x), y, one.role, plot, 4);
+        dot(xs.at(x), y, series.role, plot, 4);
       });
     },
-    cells(one, xs, ys, plot) {
-      one.share.forEach((share, i) => {
-        const [x, y] = [xs.at(one.x[i]), ys.at(one.y[i])];
+    cells(series, xs, ys, plot) {
+      series.share.forEach((share, i) => {
+        const [x, y] = [xs.at(series.x[i]), ys.at(series.y[i])];
         const [w, h] = [xs.width / 2 - 1, Math.abs(ys.width) / 2 - 1];
-        const cell = rectangle(x - w, x + w, y - h, y + h, `fill ${one.role}`, plot);
+        const cell = rectangle(x - w, x + w, y - h, y + h, `fill ${series.role}`, plot);
         cell.setAttribute("fill-opacity", (0.06 + 0.49 * share).toFixed(2)); // a number is read on every shade
-        pickable(cell, one.pick && one.pick[i]);
+        pickable(cell, series.pick && series.pick[i]);
         node(
           "text",
           {x: x.toFixed(1), y: (y + 4).toFixed(1), class: "label", "text-anchor": "middle"},
           plot,
-          one.texts[i],
+          series.texts[i],
         );
       });
     },
-    rule(one, xs, ys, plot, box) {
-      const kind = `line ${one.role}${one.dashed ? " dashed" : ""}`;
-      const at = one.axis === "x" ? xs.at(one.at) : ys.at(one.at);
+    rule(series, xs, ys, plot, box) {
+      const kind = `line ${series.role}${series.dashed ? " dashed" : ""}`;
+      const at = series.axis === "x" ? xs.at(series.at) : ys.at(series.at);
       const d =
-        one.axis === "x" ? `M${at.toFixed(1)} ${box.top}V${box.bottom}` : `M${box.left} ${at.toFixed(1)}H${box.right}`;
+        series.axis === "x"
+          ? `M${at.toFixed(1)} ${box.top}V${box.bottom}`
+          : `M${box.left} ${at.toFixed(1)}H${box.right}`;
       node("path", {d, class: kind}, plot);
     },
   };

@@ -50,29 +50,31 @@ const Charts = (() => {
   /* Smallest, largest and smallest positive value of an axis over its series. */
   function extent(axis, series, which) {
     const range = [Infinity, -Infinity, Infinity];
-    for (const one of series) {
+    for (const entry of series) {
       if (which === "x") {
-        const count = (one.y || one.mean || one.low || []).length;
-        if (one.x && one.x.step !== undefined) widen(range, [one.x.start, one.x.start + one.x.step * (count - 1)]);
-        else widen(range, one.x);
-        widen(range, one.edges);
-        if (one.kind === "hbars") widen(range, [0]);
-        if (one.kind === "intervals") [one.low, one.high].forEach((ends) => widen(range, ends));
-        if (one.kind === "rule" && one.axis === "x") widen(range, one.at);
+        const count = (entry.y || entry.mean || entry.low || []).length;
+        if (entry.x && entry.x.step !== undefined)
+          widen(range, [entry.x.start, entry.x.start + entry.x.step * (count - 1)]);
+        else widen(range, entry.x);
+        widen(range, entry.edges);
+        if (entry.kind === "hbars") widen(range, [0]);
+        if (entry.kind === "intervals") [entry.low, entry.high].forEach((ends) => widen(range, ends));
+        if (entry.kind === "rule" && entry.axis === "x") widen(range, entry.at);
       } else {
-        if (one.kind !== "intervals") [one.y, one.low, one.high, one.mean].forEach((values) => widen(range, values));
-        if (one.spread)
+        if (entry.kind !== "intervals")
+          [entry.y, entry.low, entry.high, entry.mean].forEach((values) => widen(range, values));
+        if (entry.spread)
           widen(
             range,
-            one.mean.map((m, i) => (known(m) ? m - one.spread[i] : null)),
+            entry.mean.map((m, i) => (known(m) ? m - entry.spread[i] : null)),
           );
-        if (one.spread)
+        if (entry.spread)
           widen(
             range,
-            one.mean.map((m, i) => (known(m) ? m + one.spread[i] : null)),
+            entry.mean.map((m, i) => (known(m) ? m + entry.spread[i] : null)),
           );
-        if (["bars", "stems", "histogram"].includes(one.kind)) widen(range, [0]);
-        if (one.kind === "rule" && one.axis !== "x") widen(range, one.at);
+        if (["bars", "stems", "histogram"].includes(entry.kind)) widen(range, [0]);
+        if (entry.kind === "rule" && entry.axis !== "x") widen(range, entry.at);
       }
     }
     if (axis.include) widen(range, axis.include);
@@ -82,7 +84,7 @@ const Charts = (() => {
   function steps(low, high, wanted) {
     const rough = (high - low) / Math.max(wanted, 1);
     const power = 10 ** Math.floor(Math.log10(rough));
-    return power * [1, 2, 5, 10].find((one) => one * power >= rough * 0.999);
+    return power * [1, 2, 5, 10].find((digit) => digit * power >= rough * 0.999);
   }
 
   /* A scale: at(value) in px, ticks, label of a tick. */
@@ -138,22 +140,23 @@ const Charts = (() => {
   function legendOf(figure, parent) {
     const seen = new Map();
     for (const panel of figure.panels)
-      for (const one of panel.series) if (one.name && !seen.has(one.name)) seen.set(one.name, one);
+      for (const entry of panel.series) if (entry.name && !seen.has(entry.name)) seen.set(entry.name, entry);
     if (figure.legend === false || seen.size < 1) return;
     const list = block("ul", "legend", parent);
-    for (const [name, one] of seen) {
+    for (const [name, entry] of seen) {
       const item = block("li", "", list);
       const mark = node("svg", {viewBox: "0 0 22 12", width: 22, height: 12, "aria-hidden": "true"}, item);
-      const soft = one.kind === "band" || one.thin;
-      if (FLAT.includes(one.kind))
-        node("rect", {x: 1, y: 1, width: 20, height: 10, class: `${soft ? "band" : "fill"} ${one.role}`}, mark);
-      else if (one.kind !== "intervals" && one.kind !== "points")
+      const soft = entry.kind === "band" || entry.thin;
+      if (FLAT.includes(entry.kind))
+        node("rect", {x: 1, y: 1, width: 20, height: 10, class: `${soft ? "band" : "fill"} ${entry.role}`}, mark);
+      else if (entry.kind !== "intervals" && entry.kind !== "points")
         node(
           "path",
-          {d: "M1 6H21", class: `line ${one.role}${one.dashed ? " dashed" : ""}${one.faint ? " faint" : ""}`},
+          {d: "M1 6H21", class: `line ${entry.role}${entry.dashed ? " dashed" : ""}${entry.faint ? " faint" : ""}`},
           mark,
         );
-      if (one.marker || ["bins", "points", "intervals", "stems"].includes(one.kind)) dot(11, 6, one.role, mark, 3.4);
+      if (entry.marker || ["bins", "points", "intervals", "stems"].includes(entry.kind))
+        dot(11, 6, entry.role, mark, 3.4);
       item.appendChild(document.createTextNode(name));
     }
   }
@@ -278,9 +281,9 @@ const Charts = (() => {
       rectangle(left - 4, right + 4, box.top - 1, box.bottom + 1, "", shape); // dots at the ends stay whole
       const plot = node("g", {"clip-path": `url(#${clip})`}, svg);
       box.above = node("g", {}, svg); // texts are not cut
-      const bars = panel.series.filter((one) => one.kind === "bars");
-      for (const one of panel.series)
-        DRAW[one.kind](one, xs, scales[i], plot, box, {index: bars.indexOf(one), count: bars.length});
+      const bars = panel.series.filter((entry) => entry.kind === "bars");
+      for (const entry of panel.series)
+        DRAW[entry.kind](entry, xs, scales[i], plot, box, {index: bars.indexOf(entry), count: bars.length});
       const axis = scales[i].band || !(scales[i].low < 0 && scales[i].high > 0) ? box.bottom : scales[i].at(0);
       node("path", {d: `M${left} ${axis.toFixed(1)}H${right}`, class: "axis"}, svg);
     });
@@ -297,7 +300,7 @@ const Charts = (() => {
 
   /* Whether parts of a figure can be picked: their readers must find them inside it. */
   function picked(figure) {
-    return figure.panels.some((panel) => panel.series.some((one) => one.pick));
+    return figure.panels.some((panel) => panel.series.some((entry) => entry.pick));
   }
 
   /* Values under the pointer. */
@@ -305,9 +308,9 @@ const Charts = (() => {
     const unitIn = (label) => ((label || "").match(/\[([^\]]*)\]/) || ["", ""])[1];
     const told = new Map(); // a series that stands in two panels is told once
     for (const panel of chart.figure.panels) {
-      for (const one of panel.series) {
-        if (one.name && !told.has(one.name) && ["line", "bins", "stems"].includes(one.kind))
-          told.set(one.name, [one, panel.y]);
+      for (const entry of panel.series) {
+        if (entry.name && !told.has(entry.name) && ["line", "bins", "stems"].includes(entry.kind))
+          told.set(entry.name, [entry, panel.y]);
       }
     }
     const readable = [...told.values()];
@@ -326,21 +329,21 @@ const Charts = (() => {
       if (px < box.left || px > box.right) return leave();
       cursor.setAttribute("d", `M${px.toFixed(1)} ${box.top}V${box.bottom}`);
       note.replaceChildren();
-      readable.forEach(([one, y], k) => {
-        const values = one.y || one.mean;
+      readable.forEach(([entry, y], k) => {
+        const values = entry.y || entry.mean;
         let best = -1;
         let gap = Infinity;
         for (let i = 0; i < values.length; i++) {
           if (!known(values[i])) continue;
-          const distance = Math.abs(box.xs.at(valueAt(one.x, i)) - px);
+          const distance = Math.abs(box.xs.at(valueAt(entry.x, i)) - px);
           if (distance < gap) [gap, best] = [distance, i];
         }
         if (best < 0) return;
-        if (k === 0) svg.dispatchEvent(new CustomEvent("cursor", {detail: valueAt(one.x, best), bubbles: true}));
+        if (k === 0) svg.dispatchEvent(new CustomEvent("cursor", {detail: valueAt(entry.x, best), bubbles: true}));
         if (k === 0)
-          block("p", "", note, `at ${formatNumber(valueAt(one.x, best))} ${unitIn(chart.figure.x.label)}`.trim());
+          block("p", "", note, `at ${formatNumber(valueAt(entry.x, best))} ${unitIn(chart.figure.x.label)}`.trim());
         const value = formatNumber(values[best] * (y.percent ? 100 : 1), 3);
-        block("p", `key ${one.role}`, note, `${one.name} ${value} ${unitIn(y.label)}`.trim());
+        block("p", `key ${entry.role}`, note, `${entry.name} ${value} ${unitIn(y.label)}`.trim());
       });
       note.hidden = false;
       const beside = px / box.width > 0.6 ? px - note.offsetWidth - 12 : px + 12;

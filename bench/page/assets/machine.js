@@ -141,7 +141,7 @@ window.Machine = (() => {
           const [a, b] = [projected(bar.from, i, scale, width, height), projected(bar.to, i, scale, width, height)];
           return {a, b, thick: Math.max(2, 2 * bar.radius * scale), depth: a[2] + b[2], still: bar.from.length === 3};
         })
-        .sort((one, two) => two.depth - one.depth);
+        .sort((item, two) => two.depth - item.depth);
       for (const {a, b, thick, still} of bars) {
         line(a, b, thick + 2, colour("ground"));
         line(a, b, thick, still ? colour("noise") : colour("measured"));

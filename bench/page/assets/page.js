@@ -55,15 +55,15 @@
         element("a", "", item, note.link).href = `#${note.to}`;
       }
     }
-    const shared = variant.charts.find((one) => one.spec.shared);
+    const shared = variant.charts.find((chart) => chart.spec.shared);
     if (shared) Charts.legend({...shared.spec, legend: true}, holder);
     const grid = element("div", figure.wide ? "charts" : "charts grid", holder);
-    return variant.charts.map((one) => {
+    return variant.charts.map((described) => {
       const frame = element("figure", "", grid);
-      const title = one.title ? element("figcaption", "", frame) : null;
-      if (title) element("h4", "", title, one.title);
-      if (title && one.aid) element("p", "aid", title, one.aid);
-      const spec = width && figure.wide ? {...one.spec, height: LOWER * one.spec.height} : one.spec;
+      const title = described.title ? element("figcaption", "", frame) : null;
+      if (title) element("h4", "", title, described.title);
+      if (title && described.aid) element("p", "aid", title, described.aid);
+      const spec = width && figure.wide ? {...described.spec, height: LOWER * described.spec.height} : described.spec;
       const chart = Charts.create(element("div", "chart", frame), spec);
       if (width) chart.draw(width);
       return chart;
@@ -77,8 +77,8 @@
     const state = {figure, holder, charts: [], shown: false, printed: []};
     const chosen = () =>
       inputs
-        .filter((one) => one.tagName === "SELECT" || !one.querySelector("select"))
-        .map((one) => (one.tagName === "SELECT" ? one.value : one.querySelector(":checked").value))
+        .filter((field) => field.tagName === "SELECT" || !field.querySelector("select"))
+        .map((field) => (field.tagName === "SELECT" ? field.value : field.querySelector(":checked").value))
         .join("|");
     state.show = () => {
       state.charts.forEach((chart) => chart.destroy());
@@ -105,7 +105,9 @@
   }
 
   function startFigures() {
-    const states = new Map([...document.querySelectorAll("[data-figure]")].map((one) => [one, startFigure(one)]));
+    const states = new Map(
+      [...document.querySelectorAll("[data-figure]")].map((holder) => [holder, startFigure(holder)]),
+    );
     const near = new IntersectionObserver(
       (entries) => {
         for (const entry of entries) {
@@ -115,7 +117,7 @@
       },
       {rootMargin: "600px"},
     );
-    for (const one of states.keys()) near.observe(one);
+    for (const holder of states.keys()) near.observe(holder);
     /* A link lands where its section will be only if no figure above it still grows. */
     const settle = () => {
       for (const [holder, state] of states) if (!state.shown && holder.offsetWidth) state.show();
@@ -141,14 +143,14 @@
     }
     const closed = [];
     addEventListener("beforeprint", () => {
-      for (const one of document.querySelectorAll("details:not([open])")) {
-        closed.push(one);
-        one.open = true;
+      for (const folded of document.querySelectorAll("details:not([open])")) {
+        closed.push(folded);
+        folded.open = true;
       }
       for (const state of states.values()) state.paper();
     });
     addEventListener("afterprint", () => {
-      closed.splice(0).forEach((one) => (one.open = false));
+      closed.splice(0).forEach((folded) => (folded.open = false));
       for (const state of states.values()) state.screen();
     });
   }
@@ -160,7 +162,7 @@
     const machine = window.Machine.create(holder, data);
     section.addEventListener("cursor", (event) => {
       const shown = [...section.querySelectorAll("option:checked, label:has(:checked)")];
-      if (shown.some((one) => one.textContent === recording)) machine.at(event.detail);
+      if (shown.some((option) => option.textContent === recording)) machine.at(event.detail);
     });
   }
 
@@ -184,8 +186,9 @@
 
   startTheme();
   // what has its full height from the beginning comes first: links then land where they should
-  for (const one of document.querySelectorAll("[data-machine]")) startMachine(one);
-  for (const one of document.querySelectorAll("[data-runs]")) window.Runs.start(one, figures[one.dataset.runs]);
+  for (const holder of document.querySelectorAll("[data-machine]")) startMachine(holder);
+  for (const holder of document.querySelectorAll("[data-runs]"))
+    window.Runs.start(holder, figures[holder.dataset.runs]);
   startFigures();
   startContents();
   const workbench = document.getElementById("workbench");

@@ -55,7 +55,7 @@ const WorkbenchChoice = (() => {
       0,
     );
     state.recording = Math.max(
-      data.recordings.findIndex((one) => one.name === given.get("recording")),
+      data.recordings.findIndex((recording) => recording.name === given.get("recording")),
       0,
     );
     return state;

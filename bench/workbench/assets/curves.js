@@ -9,15 +9,15 @@ const WorkbenchCurves = (() => {
     function sampleOf(recording, motor) {
       const key = `${recording} ${motor}`;
       if (!decoded.has(key)) {
-        const one = data.recordings[recording].motors[motor];
+        const packed = data.recordings[recording].motors[motor];
         decoded.set(key, {
-          columns: one.columns,
-          counts: counts(one.counts),
-          steps: floats(one.steps),
-          modelled: floats(one.modelled),
-          measured: floats(one.measured),
-          low: [...floats(one.low)],
-          high: [...floats(one.high)],
+          columns: packed.columns,
+          counts: counts(packed.counts),
+          steps: floats(packed.steps),
+          modelled: floats(packed.modelled),
+          measured: floats(packed.measured),
+          low: [...floats(packed.low)],
+          high: [...floats(packed.high)],
           time: [...floats(data.recordings[recording].time)],
         });
       }

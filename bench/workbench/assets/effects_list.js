@@ -72,10 +72,10 @@ const WorkbenchList = (() => {
       item.classList.toggle("ticked", ticked.length > 0);
       for (const [key, box] of boxes) box.checked = state.ticks.has(key);
       values.replaceChildren();
-      for (const one of fit.effects.filter((term) => term.place.effect === effect.name)) {
+      for (const fitted of fit.effects.filter((term) => term.place.effect === effect.name)) {
         const line = make("li", "", values);
-        if (own.length > 1) make("span", "bench-place", line, one.place.place);
-        for (const value of one.values) {
+        if (own.length > 1) make("span", "bench-place", line, fitted.place.place);
+        for (const value of fitted.values) {
           const text = value.absorbed
             ? `${value.name} taken up by the model`
             : `${value.name} ${format(value.value)} ${unitOf(value.unit)}`.trim();
@@ -85,7 +85,7 @@ const WorkbenchList = (() => {
             line,
             value.shape ? `${text}, as found` : text,
           );
-          Object.assign(shown.dataset, {key: one.key, parameter: value.name, value: value.value});
+          Object.assign(shown.dataset, {key: fitted.key, parameter: value.name, value: value.value});
         }
       }
     }

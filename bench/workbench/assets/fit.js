@@ -49,12 +49,16 @@ const WorkbenchFit = (() => {
       };
       let at = own;
       const effects = terms.map((place) => {
-        const values = place.parameters.map((one) => {
-          const value = {...one, value: solution.d[at], absorbed: solution.absorbed(at)};
+        const values = place.parameters.map((parameter) => {
+          const value = {...parameter, value: solution.d[at], absorbed: solution.absorbed(at)};
           at += 1;
           return value;
         });
-        return {place, key: place.key, values: [...values, ...place.shape.map((one) => ({...one, shape: true}))]};
+        return {
+          place,
+          key: place.key,
+          values: [...values, ...place.shape.map((parameter) => ({...parameter, shape: true}))],
+        };
       });
       const difference = differenceOf(system, solution);
       return {

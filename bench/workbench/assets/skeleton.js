@@ -14,9 +14,9 @@ const WorkbenchSkeleton = (() => {
   }
 
   function tile(list, name) {
-    const one = make("div", "tile", list);
-    make("dt", "", one, name);
-    return {value: make("dd", "", one), note: make("dd", "note", one)};
+    const box = make("div", "tile", list);
+    make("dt", "", box, name);
+    return {value: make("dd", "", box), note: make("dd", "note", box)};
   }
 
   function skeleton(section) {
@@ -36,7 +36,7 @@ const WorkbenchSkeleton = (() => {
     const pin = make("button", "", buttons, "Keep as A");
     const found = make("button", "", buttons, "Found by diagnose");
     const nothing = make("button", "", buttons, "Nothing");
-    for (const one of [found, nothing, pin]) one.type = "button";
+    for (const button of [found, nothing, pin]) button.type = "button";
     pin.title = "Keep this model, to see another one beside it";
     const pinned = make("p", "bench-pinned", section);
     const said = make("p", "bench-said", section);
@@ -50,10 +50,10 @@ const WorkbenchSkeleton = (() => {
     const hidden = make("p", "aid", left);
     const right = make("div", "bench-answer", grid);
     const part = (title, aid) => {
-      const one = make("div", "part", right);
-      make("h3", "", one, title);
-      if (aid) make("p", "aid", one, aid);
-      return one;
+      const box = make("div", "part", right);
+      make("h3", "", box, title);
+      if (aid) make("p", "aid", box, aid);
+      return box;
     };
     const ladder = part(
       "Error, effect by effect",
@@ -105,7 +105,7 @@ const WorkbenchSkeleton = (() => {
   /* The command with these effects; line: as far as it does not depend on them. A word is as a shell takes it. */
   function command(line, requests) {
     const quoted = (word) => (/^[\w\-./:=,+~]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
-    return [line, ...requests.map((one) => `--with ${quoted(one)}`)].join(" \\\n  ");
+    return [line, ...requests.map((request) => `--with ${quoted(request)}`)].join(" \\\n  ");
   }
 
   async function copied(text, button) {

@@ -22,7 +22,7 @@
     let pinned = null; // model A: what is ticked, and its fit
     let began = 0;
 
-    const same = (one, other) => one.size === other.size && [...one].every((key) => other.has(key));
+    const same = (keys, other) => keys.size === other.size && [...keys].every((key) => other.has(key));
     const ownOf = (name) => places.filter((place) => place.effect === name);
 
     function switched(name) {
@@ -92,10 +92,12 @@
     const motor = segments(
       parts.choices,
       "Motor",
-      data.motors.map((one) => one.joint),
+      data.motors.map((each) => each.joint),
       (i) => choose({motor: i}),
     );
-    const titles = data.recordings.map((one) => `${one.name}${one.use === "identify" ? "" : " (not fitted)"}`);
+    const titles = data.recordings.map(
+      (recording) => `${recording.name}${recording.use === "identify" ? "" : " (not fitted)"}`,
+    );
     const recording = segments(parts.choices, "Recording", titles, (i) => choose({recording: i}));
     const ladderChart = Charts.create(parts.ladder, ladderFigure([["no effect", null]]));
     let curveChart = null;
@@ -146,18 +148,18 @@
           "not fitted",
           ...(pinned ? ["gain of A", "A, not fitted"] : []),
         ],
-        data.motors.map((one, j) => {
+        data.motors.map((each, j) => {
           const {gain, fitted, judged} = fit.by[j];
-          const off = 100 * (gain / one.nominal - 1);
+          const off = 100 * (gain / each.nominal - 1);
           return [
-            one.joint,
-            {text: `${formatNumber(gain, 5)} ${unitOf(one.unit)}`, data: {gain: one.joint, value: gain}},
+            each.joint,
+            {text: `${formatNumber(gain, 5)} ${unitOf(each.unit)}`, data: {gain: each.joint, value: gain}},
             deviationOf(j),
             `${off > 0 ? "+" : ""}${formatNumber(off, 3)} %`,
             percent(fitted),
             percent(judged),
             ...(pinned
-              ? [`${formatNumber(pinned.fit.by[j].gain, 5)} ${unitOf(one.unit)}`, percent(pinned.fit.by[j].judged)]
+              ? [`${formatNumber(pinned.fit.by[j].gain, 5)} ${unitOf(each.unit)}`, percent(pinned.fit.by[j].judged)]
               : []),
           ];
         }),
@@ -165,7 +167,7 @@
       table(
         parts.parameters,
         ["parameter", "value", "unit"],
-        data.parameters.map((one, i) => [one.name, formatNumber(fit.theta[i], 5), unitOf(one.unit)]),
+        data.parameters.map((parameter, i) => [parameter.name, formatNumber(fit.theta[i], 5), unitOf(parameter.unit)]),
       );
       parts.command.textContent = WorkbenchSkeleton.command(data.command, requests);
       const found = same(foundTicks, state.ticks);
@@ -183,14 +185,14 @@
 
     const namesOf = (ticks) =>
       WorkbenchChoice.requests(data, places, ticks)
-        .map((one) => spoken(one).replace(":", " at "))
+        .map((request) => spoken(request).replace(":", " at "))
         .join(", ") || "no effect";
 
     /* Of a gain: known of the models that diagnose fitted. */
     function deviationOf(number) {
       const keyOf = ([effect, place]) => (place ? `${effect}:${place}` : effect);
-      const one = data.deviations.find(({effects}) => same(new Set(effects.map(keyOf)), state.ticks));
-      const std = one ? one.gains[number] : null;
+      const known = data.deviations.find(({effects}) => same(new Set(effects.map(keyOf)), state.ticks));
+      const std = known ? known.gains[number] : null;
       return std === null
         ? "–"
         : {text: `± ${formatNumber(std, 2)}`, data: {deviation: data.motors[number].joint, value: std}};
@@ -199,10 +201,10 @@
     /* What keeps the page from being bench identify to the last digit, for what is ticked. */
     function notes(fit) {
       const said = [];
-      const names = (test) => [...new Set(fit.effects.filter(test).map((one) => spoken(one.place.effect)))];
+      const names = (test) => [...new Set(fit.effects.filter(test).map((term) => spoken(term.place.effect)))];
       const list = (words) =>
         words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}` : words[0];
-      const curved = names((one) => one.place.curved);
+      const curved = names((term) => term.place.curved);
       if (curved.length && !same(foundTicks, state.ticks)) {
         said.push(
           `${titled(list(curved))}: in the shape, and beside the model, in which diagnose judged ${curved.length > 1 ? "them" : "it"}; bench identify fits that anew, and may find other values and a smaller error.`,
