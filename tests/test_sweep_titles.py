@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from bench.studies.sweep import measure
+from bench.studies.sweep import accuracy, measure
 from bench.studies.sweep.charts import metric_axis
 from bench.studies.sweep.metrics import METRICS, Metric, is_relative, is_share, what_is_measured
 from bench.studies.sweep.titles import axis_title, axis_words, metric_title
@@ -20,13 +20,13 @@ def test_a_metric_is_told_from_its_one_line():
     assert not is_share("seed")
 
 
-def test_a_metric_of_the_answer_alone_has_one_place(monkeypatch):
+def test_a_metric_has_one_place(monkeypatch):
     """One more line in the table, and it is measured, titled and told with its unit."""
     line = Metric(
-        "unknowns of the fit", title="number of unknowns", unit="1", value=lambda result: result.unknowns
+        "unknowns of the fit", title="number of unknowns", unit="1", value=lambda run: run.result.unknowns
     )
     monkeypatch.setitem(METRICS, "unknowns", line)
-    monkeypatch.setattr(measure, "accuracy", lambda *_: {"gain_within.arm": 1.0, "gain_error.arm": 0.0})
+    monkeypatch.setattr(accuracy, "accuracy", lambda *_: {"gain_within.arm": 1.0, "gain_error.arm": 0.0})
     settings = SimpleNamespace(position_cutoff=100.0, decimation=4)
     result = SimpleNamespace(drive_gains={"arm": None}, settings=settings, unknowns=7)
     found = measure.measure(None, None, result, ("accuracy",))

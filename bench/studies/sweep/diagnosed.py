@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.diagnosis.diagnose import diagnose
+from bench.discovery.find import find_missing_effects
 from bench.identification.prepare import Prepared
 from bench.identification.problem import problem_of
 from bench.truth.machine import true_gains
@@ -15,7 +15,8 @@ def diagnosis_metrics(simulation: Simulation, prepared: Prepared) -> dict[str, f
     An effect that the data cannot tell from the true one counts as found.
     """
     modelled = tuple(dict.fromkeys(instance.request for instance in prepared.effects))
-    found = diagnose(problem_of(prepared.dataset, modelled, filters=prepared.settings))
+    problem = problem_of(prepared.dataset, modelled, filters=prepared.settings)
+    found = find_missing_effects(problem, discover=False)  # effects of the catalogue are what counts here
     hidden = {effect.name for effect in simulation.machine.hidden} - {
         instance.effect.name for instance in prepared.effects
     }

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from bench.identification.result import Identification
+import numpy as np
+
+from bench.studies.sweep.identified_run import IdentifiedRun
 
 Of = Literal["", "joint", "joint or all", "use"]
 """What stands behind its dot: nothing or what its text says, a joint, a joint or nothing, identify or validate."""
@@ -17,8 +19,8 @@ class Metric:
     """What a metric measures; parts: what may stand behind its name; title: as people call it.
 
     unit: SI, empty for a number; relative: told in percent; share: of successes, its mean is a coverage. of: see `Of`.
-    group: of `record`, that it belongs to, empty where it is always there. value: how it follows from an answer alone;
-    None where `measure` needs the truth, or several values.
+    group: of `record`, that it belongs to, empty where it is always there. value: how it follows from an answer and the
+    truth; values: those with a name behind the dot. Neither where `accuracy` has it.
     """
 
     measures: str
@@ -29,7 +31,8 @@ class Metric:
     share: bool = False
     of: Of = ""
     group: str = ""
-    value: Callable[[Identification], float] | None = None
+    value: Callable[[IdentifiedRun], float] | None = None
+    values: Callable[[IdentifiedRun], Mapping[str, float]] | None = None
 
 
 METRICS: Mapping[str, Metric] = {
@@ -54,11 +57,13 @@ METRICS: Mapping[str, Metric] = {
         relative=True,
         share=True,
         of="joint or all",
+        value=lambda run: float(run.by_gain("gain_within").mean()),
     ),
     "gain_rms": Metric(
         "root mean square of the relative deviations of all drive gains",
         title="RMS gain error",
         relative=True,
+        value=lambda run: float(np.sqrt(np.mean(run.by_gain("gain_error") ** 2))),
     ),
     "error": Metric(
         "relative error of the current",
@@ -90,18 +95,31 @@ METRICS: Mapping[str, Metric] = {
         "cut-off of the low-pass on positions, Hz",
         title="cut-off of the position filter",
         unit="Hz",
-        value=lambda result: result.settings.position_cutoff,
+        value=lambda run: run.result.settings.position_cutoff,
     ),
     "decimation": Metric(
-        "one sample in this many is fitted", value=lambda result: float(result.settings.decimation)
+        "one sample in this many is fitted", value=lambda run: float(run.result.settings.decimation)
     ),
-    "drive_gain": Metric("drive gain", ".JOINT", "drive gain", of="joint", group="gains"),
-    "parameter": Metric("base parameter", ".NAME, .NAME.std, .NAME.true", group="parameters"),
+    "drive_gain": Metric(
+        "drive gain",
+        ".JOINT",
+        "drive gain",
+        of="joint",
+        group="gains",
+        values=lambda run: {joint: gain.value for joint, gain in run.result.drive_gains.items()},
+    ),
+    "parameter": Metric(
+        "base parameter",
+        ".NAME, .NAME.std, .NAME.true",
+        group="parameters",
+        values=lambda run: run.parameter_columns(),
+    ),
     "parameter_error": Metric(
         "largest relative deviation of an essential base parameter from the true one",
         title="largest parameter error",
         relative=True,
         group="parameters",
+        value=lambda run: run.worst_parameter(),
     ),
     "parameter_within": Metric(
         "share of the base parameters whose 95 % interval holds the truth",
@@ -109,11 +127,17 @@ METRICS: Mapping[str, Metric] = {
         relative=True,
         share=True,
         group="parameters",
+        value=lambda run: run.parameters_within(),
     ),
     "diagnosis": Metric(
         "of `diagnose`", ".missed and .invented, how many effects; .missing, their names; .gain_error after"
     ),
-    "effect": Metric("effect parameter", ".EFFECT.JOINT.PARAMETER and .std", group="effects"),
+    "effect": Metric(
+        "effect parameter",
+        ".EFFECT.JOINT.PARAMETER and .std",
+        group="effects",
+        values=lambda run: run.effect_columns(),
+    ),
 }
 NONE = Metric("")
 

@@ -1,0 +1,90 @@
+"""A run that has been identified, with the truth beside it: what metrics are worked out from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.basics.chi_squared import WITHIN_95
+
+if TYPE_CHECKING:
+    from bench.identification.prepare import Prepared
+    from bench.identification.result import Identification
+    from bench.truth.simulate import Simulation
+
+WELL_KNOWN = 0.03  # relative deviation below which a parameter counts as essential, about
+
+
+@dataclass(frozen=True, eq=False)
+class IdentifiedRun:
+    """One run of a sweep. record: the groups of metrics that are asked for."""
+
+    simulation: Simulation
+    prepared: Prepared
+    result: Identification
+    record: Sequence[str]
+
+    @cached_property
+    def accuracy(self) -> dict[str, float]:
+        """Errors of gains and currents, by column: see `bench.studies.sweep.accuracy`."""
+        from bench.studies.sweep.accuracy import accuracy  # noqa: PLC0415 - a table is told of without MuJoCo
+
+        return accuracy(self.simulation, self.result)
+
+    def by_gain(self, metric: str) -> np.ndarray:
+        """A metric of every gain (n,)."""
+        return np.array([self.accuracy[f"{metric}.{joint}"] for joint in self.result.drive_gains])
+
+    @cached_property
+    def true_parameters(self) -> dict[str, float]:
+        """The true base parameters, by name."""
+        from bench.studies.sweep.true_parameters import true_base_parameters  # noqa: PLC0415 - likewise
+        from bench.truth.report import truth  # noqa: PLC0415 - likewise
+
+        model = self.prepared.model
+        values = true_base_parameters(model, truth(self.simulation))
+        return dict(zip(model.base.names, values, strict=True))
+
+    def worst_parameter(self) -> float:
+        """Largest relative deviation of a parameter that the data determine well; NaN without any."""
+        true = self.true_parameters
+        errors = [
+            abs(parameter.value / true[parameter.name] - 1.0)
+            for parameter in self.result.parameters
+            if parameter.name in true and parameter.relative_std < WELL_KNOWN
+        ]
+        return max(errors, default=float("nan"))
+
+    def parameters_within(self) -> float:
+        """Share of the parameters whose 95 % interval holds the truth; NaN without any."""
+        true = self.true_parameters
+        within = [
+            abs(parameter.value - true[parameter.name]) <= WITHIN_95 * parameter.std
+            for parameter in self.result.parameters
+            if parameter.name in true
+        ]
+        return float(np.mean(within)) if within else float("nan")
+
+    def parameter_columns(self) -> dict[str, float]:
+        """Every base parameter with its standard error and its true value, by what stands behind the dot."""
+        columns = {}
+        for parameter in self.result.parameters:
+            columns[parameter.name] = parameter.value
+            columns[f"{parameter.name}.std"] = parameter.std
+            if parameter.name in self.true_parameters:
+                columns[f"{parameter.name}.true"] = self.true_parameters[parameter.name]
+        return columns
+
+    def effect_columns(self) -> dict[str, float]:
+        """Every parameter of an effect with its standard error, likewise."""
+        columns = {}
+        for effect, by_joint in self.result.effect_parameters.items():
+            for joint, values in by_joint.items():
+                for name, quantity in values.items():
+                    columns[f"{effect}.{joint}.{name}"] = quantity.value
+                    columns[f"{effect}.{joint}.{name}.std"] = quantity.std
+        return columns
