@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
+    from bench.identification.prepare import Prepared
     from bench.truth.simulate import Simulation
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores
@@ -18,12 +19,16 @@ os.environ.setdefault("RERUN_STRICT", "1")  # errors in what is logged are raise
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Nothing is garbage while tests are collected, nor afterwards of what that leaves: a third of the time."""
+    """Nothing is garbage while tests are collected, nor afterwards of what that leaves: a third of the time.
+
+    Afterwards it is looked for more seldom, since what tests share is much and stays.
+    """
     gc.disable()
     try:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(20_000, 20, 50)
         gc.enable()
 
 
@@ -43,6 +48,40 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def blank_pictures() -> Generator[pytest.MonkeyPatch, None, None]:
+    """Pictures that a command writes beside what a test is about are put together, but stay blank files.
+
+    Drawing them takes a tenth of all tests' time. In files marked `pictures` they are drawn.
+    """
+    from matplotlib.figure import Figure
+
+    draw = Figure.savefig
+
+    def blank(_: Figure, path: object, **options: object) -> None:
+        draw(Figure(figsize=(1.0, 1.0)), path, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", blank)
+        yield patch
+
+
+@pytest.fixture(scope="module", autouse=True)
+def pictures(
+    request: pytest.FixtureRequest, blank_pictures: pytest.MonkeyPatch
+) -> Generator[None, None, None]:
+    """In files marked `pictures` they are drawn."""
+    from matplotlib.figure import Figure
+
+    if request.node.get_closest_marker("pictures") is None:
+        yield
+        return
+    blank = Figure.savefig
+    blank_pictures.undo()
+    yield
+    blank_pictures.setattr(Figure, "savefig", blank)
+
+
 @pytest.fixture(scope="session")
 def project_root() -> Path:
     """The checkout: the folder of pyproject.toml."""
@@ -60,13 +99,23 @@ def measured_data(project_root: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def five_bar_simulation() -> "Simulation":
-    """The scenario `five_bar` as it comes along, with nothing hidden; never changed."""
+    """The scenario `five_bar` as it comes along but for a larger step, with nothing hidden; never changed."""
     from bench.excitation.scenario import designer
     from bench.scenario.scenario import load_scenario, resolve_trajectories
     from bench.truth.simulate import simulate
 
-    scenario = load_scenario("five_bar")
+    scenario = load_scenario("five_bar", {"step": 0.0005})
     return simulate(scenario, resolve_trajectories(scenario, designer))
+
+
+@pytest.fixture(scope="session")
+def five_bar_equations(five_bar_simulation: "Simulation") -> "Prepared":
+    """Of its recordings, with no effects; never changed."""
+    from bench.identification.prepare import prepare
+    from bench.identification.problem import problem_of
+    from bench.truth.dataset import as_dataset
+
+    return prepare(problem_of(as_dataset(five_bar_simulation)))
 
 
 @pytest.fixture(scope="session")

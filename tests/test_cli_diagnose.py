@@ -35,6 +35,8 @@ from bench.identification.result import Quantity, relative_error
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
 
+pytestmark = pytest.mark.pictures
+
 
 @pytest.fixture(scope="module")
 def dataset():
@@ -292,9 +294,17 @@ def test_pictures_are_whole_files_and_no_window_is_prepared(found, nothing, data
         "errors_right.png",
     ]
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
+    assert plt.get_fignums() == []
+
+
+def test_where_nothing_is_missing_there_are_pictures_of_errors_alone(nothing, dataset, tmp_path, monkeypatch):
+    written = []
+    monkeypatch.setattr(
+        "matplotlib.figure.Figure.savefig", lambda _, path, **__: written.append(path.touch())
+    )
     paths = write_diagnosis_figures(tmp_path / "none", nothing, dataset)
     assert [path.name for path in paths] == ["errors.png", "errors_left.png", "errors_right.png"]
-    assert plt.get_fignums() == []
+    assert len(written) == len(paths)
 
 
 def test_the_command_finds_what_was_hidden(diagnosed_arm):

@@ -29,6 +29,8 @@ from bench.truth.dataset import write_simulation
 from tests.compared_kit import ROWS, SETTINGS, made, one_recording, robot, white
 from tests.hidden_kit import scenario, simulate
 
+pytestmark = pytest.mark.pictures
+
 
 @pytest.fixture(scope="module")
 def what():

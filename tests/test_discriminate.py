@@ -24,6 +24,8 @@ from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import simulate
 
+pytestmark = pytest.mark.pictures
+
 PAIR = ("coulomb_friction", "position_dependent_friction")
 RIVALS = {name: CATALOGUE[name] for name in (*PAIR, "viscous_friction", "constant_offset")}
 NARROW = {"span": 0.1, "velocity_limit": 0.5, "acceleration_limit": 8.0, "harmonics": 3, "duration": 8.0}

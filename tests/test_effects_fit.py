@@ -12,8 +12,6 @@ from bench.identification.model_json import to_json
 from bench.identification.prepare import Prepared, prepare, with_effects, with_gains
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
-from bench.truth.dataset import as_dataset
-from bench.truth.simulate import Simulation
 
 MOST_DEVIATIONS = 4.5
 ABSORBED = {("rotor_inertia", "Ia"), ("payload_mass_error", "dm")}
@@ -25,8 +23,8 @@ WITHOUT_COLUMN = {
 
 
 @pytest.fixture(scope="module")
-def prepared(five_bar_simulation: Simulation) -> Prepared:
-    return prepare(problem_of(as_dataset(five_bar_simulation)))
+def prepared(five_bar_equations: Prepared) -> Prepared:
+    return five_bar_equations
 
 
 @pytest.fixture(scope="module")

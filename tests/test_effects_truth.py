@@ -20,7 +20,8 @@ from bench.truth.simulate import simulate
 CURRENT_NOISE = 0.01  # of the RMS current, in the scenario five_bar
 GAINS = {"left": 3.0 * 1.10, "right": 3.0 * 0.92}
 MOST_DEVIATIONS = 4.5
-STEP, DURATION = 0.0005, 12.0  # s, of the simulation and of each of its recordings
+STEP, DURATION = 0.001, 12.0  # s, of the simulation and of each of its recordings
+FINER = 0.0005  # s, where what is hidden swings faster
 
 Values = dict[str, float]
 
@@ -30,7 +31,7 @@ class Case:
     """What the machine has, and what a fit of the effect must find wherever it sits, or at one place.
 
     share: by how much of its value a parameter may be off in addition to its deviation. floor: how many times the
-    noise floor the error may be on recordings that were not fitted.
+    noise floor the error may be on recordings that were not fitted. step: of the simulation, s.
     """
 
     hidden: dict[str, float | str]
@@ -39,6 +40,7 @@ class Case:
     share: float = 0.01
     floor: float = 1.1
     beside: tuple[dict[str, float | str], ...] = ()
+    step: float = STEP
 
 
 COULOMB: dict[str, float | str] = {"effect": "coulomb_friction", "Fc": 0.15}
@@ -49,7 +51,7 @@ CASES = {
     ),
     # flanks that give way add 2 tau / stiffness to the play
     "backlash": Case(
-        {"play": 0.01, "stiffness": 2000.0, "damping": 2.0, **ROTOR}, {"b": 0.0125}, "left", 0.2
+        {"play": 0.01, "stiffness": 2000.0, "damping": 2.0, **ROTOR}, {"b": 0.0125}, "left", 0.2, step=FINER
     ),
     "base_tilt": Case({"about_y": 0.12}, {"tilt_y": 0.12}),
     "cogging_torque": Case(
@@ -59,7 +61,9 @@ CASES = {
     "coulomb_friction": Case({"Fc": 0.1}, {"Fc": 0.1}),
     "current_delay": Case({"T": -0.004}, {"T": -0.004}),
     "current_loop_lag": Case({"T": 0.006}, {"T": 0.006}, share=0.03),
-    "drive_flexibility": Case({"stiffness": 300.0, "damping": 0.3, **ROTOR}, {"C": 1 / 300}, "left"),
+    "drive_flexibility": Case(
+        {"stiffness": 300.0, "damping": 0.3, **ROTOR}, {"C": 1 / 300}, "left", step=FINER
+    ),
     "encoder_offset": Case({"offset": 0.02, "joint": "left"}, {"offset": 0.02}, "left"),
     "gain_saturation": Case({"k": 0.02}, {"k": 0.02}),
     "geometric_error": Case({"error": 0.004, "joint": "left_elbow"}, {"dl": 0.004}, "left_rod"),
@@ -105,12 +109,12 @@ CASES = {
 ABSORBED = {"payload_mass_error": {"error": 0.03}, "rotor_inertia": {"Ia": 0.01}}
 
 
-def measurements(*hidden: dict[str, float | str], robot: str = "five_bar") -> Dataset:
-    """Three of the scenario's recordings, at twice its step and shorter: one to judge on says what two would."""
+def measurements(*hidden: dict[str, float | str], robot: str = "five_bar", step: float = STEP) -> Dataset:
+    """Three of the scenario's recordings, at a larger step and shorter: one to judge on says what two would."""
     tables = [one.model_dump(exclude_none=True) for one in load_scenario(robot).settings.recordings]
     kept = [one for one in tables if one["use"] == "identify" or "payload" in one]
     short = [{**one, "design": {**one["design"], "duration": DURATION}} for one in kept]
-    scenario = load_scenario(robot, {"hidden": list(hidden), "recordings": short, "step": STEP})
+    scenario = load_scenario(robot, {"hidden": list(hidden), "recordings": short, "step": step})
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
 
 
@@ -127,7 +131,7 @@ def test_every_effect_stands_here() -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_an_effect_finds_what_the_machine_has(name: str) -> None:
     case = CASES[name]
-    dataset = measurements({"effect": name, **case.hidden}, *case.beside)
+    dataset = measurements({"effect": name, **case.hidden}, *case.beside, step=case.step)
     beside = [str(one["effect"]) for one in case.beside]
     prepared = prepare(problem_of(dataset, beside))
     added = select_effects([name], places_in(prepared.model.geometry, dataset.payloads))

@@ -22,6 +22,8 @@ from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.scenario.trajectory import random_trajectory
 from bench.studies.excite_forecast import monte_carlo, pooled
 
+pytestmark = pytest.mark.pictures
+
 BALL = {"mass": 1.0, "center_of_mass": [0.0, 0.0, 0.03], "inertia": [4e-4, 4e-4, 4e-4, 0, 0, 0]}
 QUICK = {"duration": 6.0, "harmonics": 4, "velocity": 4.0, "acceleration": 40.0}
 

@@ -12,6 +12,8 @@ from bench.document.numbers import error_std, percent
 from bench.identification.result import relative_error
 from tests.shown import dataset_of, identification_of
 
+pytestmark = pytest.mark.pictures
+
 # Simulation of full colour blindness in linear RGB (Machado, Oliveira and Fernandes 2009).
 EYES = {
     "normal": np.eye(3),

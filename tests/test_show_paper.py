@@ -29,6 +29,8 @@ from tests.compared_kit import made, white
 from tests.shown import dataset_of, identification_of
 from tests.test_cli_diagnose import dataset, found, nothing  # noqa: F401 - fixtures
 
+pytestmark = pytest.mark.pictures
+
 MM = 72.0 / 25.4  # points
 
 

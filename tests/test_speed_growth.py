@@ -8,6 +8,8 @@ from bench.dataset.dataset import load_dataset
 from bench.speed import growth
 from bench.speed.long_log import write_long_dataset
 
+pytestmark = pytest.mark.pictures
+
 
 def test_the_exponent_is_that_of_the_power_law():
     assert growth.exponent((1, 10, 100), (2.0, 20.0, 200.0)) == pytest.approx(1.0)

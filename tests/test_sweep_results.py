@@ -11,6 +11,8 @@ from bench.studies.sweep.results import write_plots, write_summary
 from bench.studies.sweep.summary import share_interval, summarise, summarise_in_parts
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
+pytestmark = pytest.mark.pictures
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):

@@ -14,6 +14,8 @@ from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.target import Kept, Share, Target, TargetFigure
 from tests.trial_rows import trial_row, trial_rows
 
+pytestmark = pytest.mark.pictures
+
 
 def printed(summary: TrialSummary) -> str:
     console = Console(file=io.StringIO(), width=132)
