@@ -14,6 +14,7 @@ from bench.scenario.scenario import load_scenario
 from bench.truth.assembly import following
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
+from tests.hidden_kit import STEP
 
 ELBOW = '\n[[actuators]]\njoint = "left_elbow"\ngain = 1.0\ngain_unit = "N*m/A"\n'
 GAIN = 1.08  # N m/A, true
@@ -34,7 +35,7 @@ def _plain() -> Simulation:
     """The five-bar as it is, short movements, no noise."""
     design = {"optimise": False, "duration": 6.0, "base_frequency": 0.4}
     sensors = {"encoder_bits": 0, "current_noise_ratio": 0.0}
-    return simulate(load_scenario("five_bar", {"design": design, "sensors": sensors}))
+    return simulate(load_scenario("five_bar", {"design": design, "sensors": sensors, "step": STEP}))
 
 
 @cache

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,22 @@ from rerun.chunk import RrdReader
 
 
 def batches(path, entity, static):
-    stream = RrdReader(path).stream().filter(content=entity, is_static=static)
-    return [chunk.to_record_batch() for chunk in stream]
+    """What an entity has, or with /** at the end of its name, it and those below it."""
+    written = path.stat()
+    chunks = _chunks(path, written.st_mtime_ns, written.st_size)[static]
+    root, below, _ = entity.partition("/**")
+    return [
+        chunk.to_record_batch()
+        for name, chunk in chunks
+        if name == root or (below and name.startswith(f"{root}/"))
+    ]
+
+
+@lru_cache(maxsize=2)
+def _chunks(path, _written, _size):
+    """Names and chunks of a file as it is, which change and which are static; read once for many questions."""
+    found = [(chunk.entity_path, chunk.is_static, chunk) for chunk in RrdReader(path).stream()]
+    return [[(name, chunk) for name, static, chunk in found if static == wanted] for wanted in (False, True)]
 
 
 def columns(path, entity):

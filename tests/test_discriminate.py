@@ -23,6 +23,7 @@ from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 pytestmark = pytest.mark.pictures
 
@@ -35,7 +36,13 @@ HIDDEN = {"effect": "coulomb_friction", "joint": "shoulder", "Fc": 0.3}
 def machine(recordings, hidden=(HIDDEN,)):
     """An arm with dry friction at its shoulder; the recordings carry nothing."""
     design = {"optimise": False, **NARROW}
-    changes = {"design": design, "payloads": {}, "recordings": recordings, "hidden": list(hidden)}
+    changes = {
+        "design": design,
+        "payloads": {},
+        "recordings": recordings,
+        "hidden": list(hidden),
+        "step": STEP,
+    }
     scenario = load_scenario("two_link", changes)
     return simulate(scenario, resolve_trajectories(scenario), threads=1)
 

@@ -15,6 +15,7 @@ from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
 from bench.truth.simulate import Simulation, simulate
+from tests.hidden_kit import STEP
 
 ROWS, UNKNOWNS = 800, 6
 
@@ -72,7 +73,7 @@ def simulations() -> dict[str, Simulation]:
         {"name": "unloaded", "use": "identify", "design": {"seed": 11}},
         {"name": "loaded", "use": "identify", "payload": "disc", "design": {"seed": 12}},
     ]
-    common = {"design": {"optimise": False, "duration": 10.0}, "recordings": recordings}
+    common = {"design": {"optimise": False, "duration": 10.0}, "recordings": recordings, "step": STEP}
     hidden = {
         "noise": [],
         "saturation": [

@@ -13,6 +13,7 @@ from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 SHORT = {"duration": 6.0, "harmonics": 4}
 
@@ -24,7 +25,7 @@ def recorded():
         {"name": "unloaded", "use": "identify", "design": {"seed": 1}},
         {"name": "loaded", "use": "identify", "payload": "ball", "design": {"seed": 2}},
     ]
-    scenario = load_scenario("two_link", {"design": design, "recordings": recordings})
+    scenario = load_scenario("two_link", {"design": design, "recordings": recordings, "step": STEP})
     return simulate(scenario, resolve_trajectories(scenario), threads=1)
 
 

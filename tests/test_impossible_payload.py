@@ -17,6 +17,7 @@ from bench.identification.result import Identification
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 TRUE = np.array([0.02, 0.03, 0.06])
 
@@ -29,7 +30,7 @@ def wrist() -> Dataset:
         {"name": "unloaded", "use": "identify", "design": {"seed": 1}},
         {"name": "loaded", "use": "identify", "payload": "tool", "design": {"seed": 2}},
     ]
-    scenario = load_scenario("wrist", {"recordings": recordings, "design": short})
+    scenario = load_scenario("wrist", {"recordings": recordings, "design": short, "step": STEP})
     return as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
 
 

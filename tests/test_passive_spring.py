@@ -18,6 +18,7 @@ from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
 from tests.effects_kit import moving_robot
+from tests.hidden_kit import STEP
 
 STIFFNESS, RELAXED = 1.5, 0.4
 
@@ -39,7 +40,7 @@ def sprung(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def found(sprung: Path) -> Identification:
     """Measurements of it, identified with the spring as an effect."""
-    scenario = load_scenario("five_bar", {"robot": str(sprung)})
+    scenario = load_scenario("five_bar", {"robot": str(sprung), "step": STEP})
     dataset = as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
     return identify(prepare(problem_of(dataset, ["passive_spring:left_elbow"])))
 

@@ -27,6 +27,7 @@ from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.machine import true_gains
 from bench.truth.simulate import Simulation, simulate
+from tests.hidden_kit import STEP
 from tests.redundant_kit import TRUE, by_hand, with_third_motor
 
 SHORT = {"optimise": False, "duration": 6.0, "span": 0.2}
@@ -42,7 +43,7 @@ def third_motor(project_root: Path, tmp_path_factory: pytest.TempPathFactory) ->
 def friction() -> Dataset:
     """A DualV with viscous friction at its redundant motor."""
     hidden = [{"effect": "viscous_friction", "joint": "motor_4", "Fv": 0.05}]
-    return as_dataset(simulate(load_scenario("dualv", {"design": SHORT, "hidden": hidden})))
+    return as_dataset(simulate(load_scenario("dualv", {"design": SHORT, "hidden": hidden, "step": STEP})))
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +53,7 @@ def found_by_hand(third_motor: Path) -> Identification:
 
 @pytest.fixture(scope="module")
 def simulated() -> Simulation:
-    return simulate(load_scenario("dualv", {"design": SHORT}))
+    return simulate(load_scenario("dualv", {"design": SHORT, "step": STEP}))
 
 
 def test_the_motors_that_the_others_determine_are_redundant(third_motor: Path) -> None:

@@ -17,6 +17,7 @@ from bench.scenario.scenario import load_scenario
 from bench.signals.returning import Course, rows_until_return
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
+from tests.hidden_kit import STEP
 
 ROWS, PERIOD, UNKNOWNS, HARMONICS = 240, 48.4, 4, 16
 
@@ -87,9 +88,8 @@ def five_periods(hidden: list[dict[str, object]]) -> Dataset:
         {"name": "loaded", "use": "identify", "payload": "disc", "design": {"seed": 12}},
     ]
     motion = {"optimise": False, "duration": 10.0, "base_frequency": 0.5, "harmonics": 3}
-    return as_dataset(
-        simulate(load_scenario("five_bar", {"design": motion, "recordings": recordings, "hidden": hidden}))
-    )
+    changes = {"design": motion, "recordings": recordings, "hidden": hidden, "step": STEP}
+    return as_dataset(simulate(load_scenario("five_bar", changes)))
 
 
 def deviations(dataset: Dataset) -> tuple[np.ndarray, np.ndarray]:

@@ -13,6 +13,7 @@ from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
 from bench.workbench.page_data import with_command
 from bench.workbench.page_files import script, style
+from tests.hidden_kit import STEP
 
 FRICTION = (
     {"effect": "coulomb_friction", "joint": "left", "Fc": 0.2},
@@ -46,7 +47,7 @@ def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recor
         for name, use, seed, loaded in recordings
     ]
     design = {"optimise": False, "duration": duration, "ramp": 0.5}
-    changes = {"design": design, "recordings": tables, "hidden": list(hidden)}
+    changes = {"design": design, "recordings": tables, "hidden": list(hidden), "step": STEP}
     write_simulation(simulate(load_scenario(robot, changes), threads=1), folder)
     return folder
 
