@@ -1,8 +1,10 @@
 """Settings that must stand before numpy and rerun are imported, and folders that several tests need."""
 
+import fcntl
 import gc
 import os
-from collections.abc import Generator
+import shutil
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -118,27 +120,49 @@ def five_bar_equations(five_bar_simulation: "Simulation") -> "Prepared":
     return prepare(problem_of(as_dataset(five_bar_simulation)))
 
 
+def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], None]) -> Path:
+    """A folder that the first worker that asks makes, and all others find; one that was not finished is made anew."""
+    root = factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        root = root.parent
+    with (root / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        finished = root / f"{name}.finished"
+        if not finished.exists():
+            shutil.rmtree(root / name, ignore_errors=True)
+            (root / name).mkdir()
+            make(root / name)
+            finished.touch()
+    return root / name
+
+
 @pytest.fixture(scope="session")
 def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with measurements, in `data`, of an arm with friction at one joint; they are never changed."""
+    return made_once(tmp_path_factory, "arm", _measured_arm)
+
+
+def _measured_arm(folder: Path) -> None:
     from bench.truth.dataset import write_simulation
     from tests.hidden_kit import run
 
-    folder = tmp_path_factory.mktemp("arm")
     hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
     design = {"optimise": False, "duration": 10.0, "ramp": 0.5}
     write_simulation(run("two_link", hidden, design=design), folder / "data")
-    return folder
 
 
 @pytest.fixture(scope="session")
-def diagnosed_arm(arm: Path) -> Path:
-    """The same folder, with all that `bench diagnose` writes about the arm: answer.json, model.json, `found`."""
-    from bench.cli import main
+def diagnosed_arm(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, with all that `bench diagnose` writes about the arm: answer.json, model.json, `found`."""
 
-    files = ["--json", str(arm / "answer.json"), "--apply", str(arm / "model.json")]
-    assert main(["diagnose", str(arm / "data"), *files, "-o", str(arm / "found")]) == 0
-    return arm
+    def make(folder: Path) -> None:
+        from bench.cli import main
+
+        shutil.copytree(arm, folder, dirs_exist_ok=True)
+        files = ["--json", str(folder / "answer.json"), "--apply", str(folder / "model.json")]
+        assert main(["diagnose", str(folder / "data"), *files, "-o", str(folder / "found")]) == 0
+
+    return made_once(tmp_path_factory, "diagnosed_arm", make)
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 
 import pytest
 
@@ -14,14 +15,16 @@ DATE_AND_COMMANDS = re.compile(r"<footer>.*?</footer>|<pre tabindex.*?</pre>", f
 
 
 @pytest.fixture(scope="module")
-def runs(diagnosed_arm):
+def runs(diagnosed_arm, tmp_path_factory):
     """Measurements of an arm with friction at one joint, diagnosed, identified, and compared with a model."""
-    data = str(diagnosed_arm / "data")
+    folder = tmp_path_factory.mktemp("runs")
+    shutil.copytree(diagnosed_arm, folder, dirs_exist_ok=True)
+    data = str(folder / "data")
     with_friction = ["--with", "viscous_friction:shoulder"]
-    assert main(["identify", data, *with_friction, "-o", str(diagnosed_arm / "identified")]) == 0
-    model = str(diagnosed_arm / "identified" / "model.json")
-    assert main(["compare", data, "--model", model, "-o", str(diagnosed_arm / "compared")]) == 0
-    return diagnosed_arm
+    assert main(["identify", data, *with_friction, "-o", str(folder / "identified")]) == 0
+    model = str(folder / "identified" / "model.json")
+    assert main(["compare", data, "--model", model, "-o", str(folder / "compared")]) == 0
+    return folder
 
 
 def essence(path):

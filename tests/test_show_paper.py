@@ -241,16 +241,9 @@ def test_ticks_of_wide_intervals_stand_apart(found):  # noqa: F811 - the fixture
 
 
 @pytest.fixture(scope="module")
-def arm(tmp_path_factory):
+def arm(arm):
     """Measurements of a two-link arm."""
-    from bench.truth.dataset import write_simulation
-    from tests.hidden_kit import run
-
-    folder = tmp_path_factory.mktemp("arm") / "data"
-    hidden = {"effect": "viscous_friction", "joint": "shoulder", "Fv": 1.5}
-    longer = {"optimise": False, "duration": 6.0, "ramp": 0.5}
-    write_simulation(run("two_link", hidden, design=longer), folder)
-    return folder
+    return arm / "data"
 
 
 def test_the_command_draws_what_is_asked_for(arm, tmp_path, capsys):
