@@ -19,6 +19,7 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.workbench.page_data import page_data
+from tests.hidden_kit import STEP
 from tests.workbench_kit import diagnosis_of, write_dataset
 from tests.workbench_sets import Carried
 
@@ -31,7 +32,9 @@ PLACES = Places(actuator=("left", "right@2"), passive=("elbow",), body=("rod",),
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory) -> Dataset:
-    folder = write_dataset(tmp_path_factory.mktemp("runs") / "data", hidden=(), recordings=RECORDINGS)
+    folder = write_dataset(
+        tmp_path_factory.mktemp("runs") / "data", hidden=(), recordings=RECORDINGS, step=STEP / 2
+    )
     return with_offsets(load_dataset(folder))
 
 

@@ -18,7 +18,7 @@ from tests.hidden_kit import STEP
 GAIN_ERROR = 0.003
 CURRENT_NOISE = 0.01  # of the RMS current
 OVER_NOISE = 1.1  # error on recordings that were not fitted, over that of the noise
-STEPS = {"three_rrr": 0.00025}  # s, where its loops ask for less
+STEPS = dict.fromkeys(("palletiser", "three_rrr"), 0.00025)  # s, whose loops ask for less
 ROBOTS = ("dualv", "palletiser", "stewart", "three_rrr", "wrist")
 
 

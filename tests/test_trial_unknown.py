@@ -29,7 +29,6 @@ from bench.truth.dataset import as_dataset
 from bench.truth.hidden.movement import rms
 from bench.truth.hidden.reference import Reference
 from bench.truth.simulate import simulate
-from tests.hidden_kit import STEP
 
 ROW = {
     "status": "ok",
@@ -52,7 +51,7 @@ ROW = {
 
 @pytest.fixture(scope="module")
 def reference() -> Reference:
-    scenario = load_scenario("five_bar", {"design": {"optimise": False, "duration": 4.0}, "step": STEP})
+    scenario = load_scenario("five_bar", {"design": {"optimise": False, "duration": 4.0}})
     return Reference(simulate(scenario, resolve_trajectories(scenario, designer)))
 
 
@@ -75,7 +74,7 @@ def test_the_simulated_machine_has_the_law_that_is_judged() -> None:
         "depth": 0.8,
         "wave": 2.0,
     }
-    changes = {"design": {"optimise": False, "duration": 4.0}, "step": STEP}
+    changes = {"design": {"optimise": False, "duration": 4.0}}
     plain = load_scenario("five_bar", changes)
     with_law = load_scenario("five_bar", {**changes, "hidden": [law]})
     motions = resolve_trajectories(plain, designer)
@@ -140,9 +139,7 @@ def test_known_effects_by_their_names_are_no_error_of_a_law(
 def test_a_law_that_is_found_exactly_has_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """A friction jumps where its motor reverses, and the equations leave that out."""
     law = {"effect": "product_law", "joint": "left", "c": 0.02, "direction": 1.0, "a": 1.0}
-    scenario = load_scenario(
-        "five_bar", {"design": {"optimise": False, "duration": 4.0}, "hidden": [law], "step": STEP}
-    )
+    scenario = load_scenario("five_bar", {"design": {"optimise": False, "duration": 4.0}, "hidden": [law]})
     simulation = simulate(scenario, resolve_trajectories(scenario, designer))
     prepared = prepare(problem_of(as_dataset(simulation)))
     friction = Term((Power(V, 0.0), Power(A, 1.0, odd=False)))

@@ -12,13 +12,15 @@ from bench.truth.hidden.reference import Reference
 from bench.truth.hidden.sizes import measured_share, typical
 from bench.truth.inverse import motor_torque
 from tests import hidden_kit
-from tests.hidden_kit import BRIEF, SHORT, cart
+from tests.hidden_kit import BRIEF, SHORT, STEP, cart
 
 run = functools.partial(hidden_kit.run, design=BRIEF)
 plain = functools.partial(hidden_kit.plain, duration=BRIEF["duration"])
 # asked for by default; less where a robot's motors or controller would not stand it
 SHARE = 0.03
 SHARES = {"gain_saturation": 0.01, "current_loop_lag": 0.01, "current_delay": 0.01, "backlash": 0.01}
+COARSE = 0.001  # s, of a simulation of which no more than a share is asked
+STIFF = {"backlash", "drive_flexibility"}  # springs that swing too fast for it
 ROUGH = {"drive_flexibility", "torque_drift"}  # springs that swing; long waves in a second
 SLOW = {"hysteretic_cable"}  # wound up over more than a second's way
 
@@ -54,16 +56,17 @@ def test_every_effect_has_one_rule():
 @pytest.mark.parametrize("robot", ["five_bar", "delta"])
 @pytest.mark.parametrize("effect", HIDDEN_EFFECTS)
 def test_a_simulation_shows_the_share_that_was_asked_for(effect, robot):
-    design = SHORT if effect in SLOW else BRIEF
-    reference, hidden = Reference(plain(robot, duration=design["duration"])), entry(effect, robot)
+    design, step = SHORT if effect in SLOW else BRIEF, STEP if effect in STIFF else COARSE
+    reference = Reference(plain(robot, duration=design["duration"], step=step))
+    hidden = entry(effect, robot)
     share = SHARES.get(effect, SHARE)
     hidden |= typical(effect, reference, share, hidden.get("joint"))
     if "rotor_inertia" in hidden:
-        found = share_of_current(*with_rotor(lambda *h: run(robot, *h), hidden))
+        found = share_of_current(*with_rotor(lambda *h: run(robot, *h, step=step), hidden))
     elif "joint" in hidden:
-        found = measured_share(run(robot, hidden, design=design), reference)[0]
+        found = measured_share(run(robot, hidden, design=design, step=step), reference)[0]
     else:
-        simulation = run(robot, hidden)
+        simulation = run(robot, hidden, step=step)
         weight = np.mean(reference.torque() ** 2, axis=0)
         found = np.sqrt(np.average(measured_share(simulation, reference) ** 2, weights=weight))
     low, high = (0.3, 3.0) if effect in ROUGH else (0.8, 1.25)

@@ -9,8 +9,6 @@ import pytest
 
 from bench.cli import main
 
-pytestmark = pytest.mark.pictures
-
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?")
 DRAWN = re.compile(r"[█-▏─•]+")  # bars, rules and bullets
 CLOSE = 0.05  # relative: the words are held to the letter, numbers to what another rounding may change

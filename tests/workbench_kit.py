@@ -39,7 +39,7 @@ def write_page(path, data, model=None):
     return path
 
 
-def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recordings=RECORDINGS):
+def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recordings=RECORDINGS, step=STEP):
     """A short dataset with two recordings to fit and two to judge on, or others: name, use, seed, loaded."""
     payload = next(iter(load_scenario(robot).settings.payloads))
     tables = [
@@ -47,7 +47,7 @@ def write_dataset(folder, robot="five_bar", hidden=FRICTION, duration=6.0, recor
         for name, use, seed, loaded in recordings
     ]
     design = {"optimise": False, "duration": duration, "ramp": 0.5}
-    changes = {"design": design, "recordings": tables, "hidden": list(hidden), "step": STEP}
+    changes = {"design": design, "recordings": tables, "hidden": list(hidden), "step": step}
     write_simulation(simulate(load_scenario(robot, changes), threads=1), folder)
     return folder
 
