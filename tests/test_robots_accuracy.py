@@ -25,9 +25,7 @@ ROBOTS = ("dualv", "palletiser", "stewart", "three_rrr", "wrist")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
 def test_gains_are_found_and_nothing_is_left_but_noise(name: str) -> None:
-    tables = [one.model_dump(exclude_none=True) for one in load_scenario(name).settings.recordings]
-    kept = [one for one in tables if one["use"] == "identify" or "payload" in one]  # one to judge on
-    scenario = load_scenario(name, {"step": STEPS.get(name, STEP), "recordings": kept})
+    scenario = load_scenario(name, {"step": STEPS.get(name, STEP)})
     dataset = as_dataset(simulate(scenario, resolve_trajectories(scenario, designer)))
     found = identify(prepare(problem_of(dataset)))
     for true, (joint, gain) in zip(true_gains(scenario), found.drive_gains.items(), strict=True):

@@ -23,6 +23,7 @@ seeds = 2
 record = ["accuracy", "gains", "parameters", "effects"]
 [scenario]
 description = "small"
+step = 0.0005
 recordings = [
     { name = "unloaded", use = "identify", design = { seed = 1, optimise = false, duration = 5.0 } },
     { name = "loaded", use = "identify", payload = "disc", design = { seed = 2, optimise = false, duration = 5.0 } },

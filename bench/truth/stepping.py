@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
 from bench.truth.hidden import Clock, Signals
-from bench.truth.indices import live_columns
+from bench.truth.indices import as_slice, live_columns
 from bench.truth.laws import joint_laws
 from bench.truth.loops import POINTS, batch_gaps
 from bench.truth.machine import Machine
@@ -86,6 +86,9 @@ class Stepper:
         ]
         self._dry = dry_friction
         self._own_friction = np.stack([model.dof_frictionloss[machine.motor_dofs] for model in self._models])
+        # the arrays of the models themselves: looking them up takes longer than a law does
+        self._frictions = [model.dof_frictionloss for model in self._models]
+        self._friction_at = as_slice(machine.motor_dofs) or machine.motor_dofs
 
     def advance(self, time: Array, command: Array, every: int) -> States:
         """Take steps at the times (steps,) with command (R, steps, n), and keep one in `every`.
@@ -175,6 +178,6 @@ class Stepper:
                 f" {self._machine.robot.driven[joint]} would be {size.min():.3g} at {self._clock.time:.3f} s:"
                 " it needs a coulomb_friction of at least this size as well"
             )
-        for model, values in zip(self._models, size, strict=True):
-            model.dof_frictionloss[self._machine.motor_dofs] = values
+        for friction, values in zip(self._frictions, size, strict=True):
+            friction[self._friction_at] = values
         self._batch.set_models(self._models)
