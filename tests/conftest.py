@@ -1,14 +1,15 @@
 """Settings that must stand before numpy and rerun are imported, and folders that several tests need."""
 
-import fcntl
 import gc
 import os
 import shutil
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+
+from tests.made_once import made_once
 
 if TYPE_CHECKING:
     from bench.identification.prepare import Prepared
@@ -118,22 +119,6 @@ def five_bar_equations(five_bar_simulation: "Simulation") -> "Prepared":
     from bench.truth.dataset import as_dataset
 
     return prepare(problem_of(as_dataset(five_bar_simulation)))
-
-
-def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], None]) -> Path:
-    """A folder that the first worker that asks makes, and all others find; one that was not finished is made anew."""
-    root = factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        root = root.parent
-    with (root / f"{name}.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        finished = root / f"{name}.finished"
-        if not finished.exists():
-            shutil.rmtree(root / name, ignore_errors=True)
-            (root / name).mkdir()
-            make(root / name)
-            finished.touch()
-    return root / name
 
 
 @pytest.fixture(scope="session")

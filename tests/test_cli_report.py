@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 
 import pytest
 
@@ -10,6 +9,7 @@ from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.page.browser import opened, scrolled
 from bench.page.folder import read_run
+from tests.made_once import made_once
 
 DATE_AND_COMMANDS = re.compile(r"<footer>.*?</footer>|<pre tabindex.*?</pre>", flags=re.DOTALL)
 
@@ -17,14 +17,15 @@ DATE_AND_COMMANDS = re.compile(r"<footer>.*?</footer>|<pre tabindex.*?</pre>", f
 @pytest.fixture(scope="module")
 def runs(diagnosed_arm, tmp_path_factory):
     """Measurements of an arm with friction at one joint, diagnosed, identified, and compared with a model."""
-    folder = tmp_path_factory.mktemp("runs")
-    shutil.copytree(diagnosed_arm, folder, dirs_exist_ok=True)
-    data = str(folder / "data")
-    with_friction = ["--with", "viscous_friction:shoulder"]
-    assert main(["identify", data, *with_friction, "-o", str(folder / "identified")]) == 0
-    model = str(folder / "identified" / "model.json")
-    assert main(["compare", data, "--model", model, "-o", str(folder / "compared")]) == 0
-    return folder
+
+    def make(_):
+        data, model = str(diagnosed_arm / "data"), diagnosed_arm / "identified" / "model.json"
+        with_friction = ["--with", "viscous_friction:shoulder"]
+        assert main(["identify", data, *with_friction, "-o", str(model.parent)]) == 0
+        assert main(["compare", data, "--model", str(model), "-o", str(diagnosed_arm / "compared")]) == 0
+
+    made_once(tmp_path_factory, "runs_of_the_arm", make)
+    return diagnosed_arm
 
 
 def essence(path):
