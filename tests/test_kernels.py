@@ -27,4 +27,4 @@ def test_what_is_left_out_exists_and_what_computes_is_not_left_out(project_root)
     names = [path.stem.removeprefix("test_") for path in (project_root / "tests").glob("test_*.py")]
     numeric = {name for name in names if not any(fnmatch(name, one) for one in kernels.OTHERS)}
     assert all(any(fnmatch(name, one) for name in names) for one in kernels.OTHERS)
-    assert {"identify", "diagnose", "rounding", "workbench_many", "effects_fit", "truth_physics"} <= numeric
+    assert {"identify", "diagnose", "rounding", "workbench", "effects_fit", "truth_physics"} <= numeric
