@@ -28,7 +28,7 @@ from bench.replay.report import replay_report
 from bench.truth.dataset import as_dataset, write_simulation
 from tests.export_kit import FRICTION
 from tests.hidden_kit import run
-from tests.rrd_reader import verified
+from tests.rrd_reader import columns, verified
 
 LADDER = ((), ("coulomb_friction:left",), ("coulomb_friction:left", "viscous_friction:left"))
 BRIEF = {"optimise": False, "duration": 3.0, "ramp": 0.5}
@@ -195,6 +195,11 @@ def test_the_command_tells_one_number_a_motor_and_writes_files(recorded, models,
     assert content["error"]["identify"] == pytest.approx(content["error_of_model"]["identify"], rel=0.05)
     assert np.array(content["recordings"][0]["off"]).shape == (2,)
     assert verified(film)
+    _, machine = columns(film, "/free/robot/bodies/left_crank")
+    _, twin = columns(film, "/free/robot/simulated/left_crank")
+    machine, twin = (np.array([list(row[0]) for row in poses["quaternion"]]) for poses in (machine, twin))
+    assert machine.shape == twin.shape
+    assert 0.0 < np.abs(machine - twin).max() < 1e-3
 
 
 def test_a_model_of_another_robot_is_one_line(recorded, tmp_path, capsys):

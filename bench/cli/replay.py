@@ -76,7 +76,7 @@ def replay(
     from bench.identification.problem import problem_of
     from bench.replay.replay import replay as replayed
     from bench.replay.replay import replay_json
-    from bench.replay.report import replay_report
+    from bench.replay.report import replay_report, replay_sentences
 
     data = load_dataset(dataset)
     identified = load_identified(model_file, data.robot.folder, (*data.effect_files, *effect_files))
@@ -100,10 +100,15 @@ def replay(
         run = CommandRun("replay", str(dataset), (), tuple(map(str, effect_files)), given, str(output))
         written.append(wrote(write_replay_report(output, result, problem, saved, run), "report"))
     if rrd_file is not None:
+        from bench.viewer.context import SimulatedPoses, ViewContext
         from bench.viewer.recording import write_rrd
 
         told = replace(saved, method="twin", recordings=result.twin.recordings, error=result.twin.error)
-        write_rrd(rrd_file, told, data)
+        simulated = {
+            name: SimulatedPoses(motion.time, motion.poses) for name, motion in result.motions.items()
+        }
+        text = "\n\n".join(["In outline: the twin, as MuJoCo simulates it.", *replay_sentences(result)])
+        write_rrd(rrd_file, told, data, context=ViewContext(simulated=simulated, text=text))
         written.append(wrote(rrd_file, "recording"))
     replay_report(result, Console())
     options = [

@@ -1,7 +1,7 @@
 """A saved model's twin beside every recording of a dataset."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -31,11 +31,20 @@ from bench.twin import load_twin
 
 
 @dataclass(frozen=True, eq=False)
+class TwinMotion:
+    """Where the twin was during a recording: time (F,) s, as logged; poses (F, nq), in MuJoCo's coordinates."""
+
+    time: np.ndarray
+    poses: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Replay:
     """twin: measured currents beside those of the twin, at the fit's rate; model: beside those of the model itself.
 
     left_out: effects of the model that the twin does not have. off (recordings, n): RMS distance of the twin's joints
-    from the recorded ones, rad or m. opened: the most by which MuJoCo let a loop or coupling open, m or rad.
+    from the recorded ones, rad or m. opened: the most by which MuJoCo let a loop or coupling open, m or rad. motions:
+    of the twin, by recording.
     """
 
     twin: Comparison
@@ -43,6 +52,7 @@ class Replay:
     left_out: tuple[str, ...]
     off: np.ndarray
     opened: float
+    motions: Mapping[str, TwinMotion]
 
 
 @on_one_thread
@@ -61,6 +71,7 @@ def replay(problem: Problem, physical: PhysicalSet, progress: Progress = SILENT)
     )
     twins: list[CurrentSeries] = []
     off: list[np.ndarray] = []
+    motions: dict[str, TwinMotion] = {}
     opened = 0.0
     left_out: tuple[str, ...] = ()
     with tempfile.TemporaryDirectory() as folder:
@@ -75,6 +86,7 @@ def replay(problem: Problem, physical: PhysicalSet, progress: Progress = SILENT)
             currents = _currents(identified, measurement, tracked)
             twins.append(replace(series, modelled=_at_fit_rate(measurement, currents), by_effect={}))
             off.append(np.sqrt(((tracked.position - measurement.position) ** 2).mean(axis=0)))
+            motions[series.name] = TwinMotion(measurement.time[tracked.frames], tracked.poses)
             opened = max(opened, tracked.opened)
             progress.advance()
     name = str(identified.path)
@@ -84,6 +96,7 @@ def replay(problem: Problem, physical: PhysicalSet, progress: Progress = SILENT)
         left_out=left_out,
         off=np.array(off),
         opened=opened,
+        motions=motions,
     )
 
 

@@ -12,6 +12,7 @@ from bench.twin import Twin
 LONGEST_STEP = 5e-4  # s
 STIFFNESS = 2.0 * np.pi * 15.0  # rad/s: of the controller, critically damped
 FRESH = 0.02  # s: how long an apparent inertia serves
+FRAME = 0.02  # s: between the poses that are kept, to be looked at
 LOST = 0.05  # of a joint's range: farther from the recorded motion it is another motion
 
 
@@ -32,12 +33,15 @@ class TrackingReference:
 @dataclass(frozen=True, eq=False)
 class Tracked:
     """torque (N, n): of the motors, N*m or N; position (N, n): where the twin's joints were; opened: the most by which
-    a loop or coupling was open, m or rad.
+    a loop or coupling was open, m or rad; frames (F,): samples of which the whole pose is kept, in poses (F, nq), in
+    MuJoCo's coordinates.
     """
 
     torque: np.ndarray
     position: np.ndarray
     opened: float
+    frames: np.ndarray
+    poses: np.ndarray
 
 
 def track(twin: Twin, gains: np.ndarray, reference: TrackingReference) -> Tracked:
@@ -63,6 +67,9 @@ def track(twin: Twin, gains: np.ndarray, reference: TrackingReference) -> Tracke
     torque = np.zeros(len(gains))
     torques, positions = np.empty((2, *reference.position.shape))
     opened = 0.0
+    frames_apart = max(1, round(FRAME / interval))
+    frames = np.arange(0, len(reference.time), frames_apart)
+    poses = np.empty((len(frames), model.nq))
     steps = substeps * (len(reference.time) - 1) + 1
     for step in range(steps):
         mujoco.mj_step1(model, data)
@@ -78,9 +85,11 @@ def track(twin: Twin, gains: np.ndarray, reference: TrackingReference) -> Tracke
             sample = step // substeps
             torques[sample], positions[sample] = torque, twin.positions
             opened = max(opened, float(np.abs(data.efc_pos[: data.ne]).max(initial=0.0)))
+            if sample % frames_apart == 0:
+                poses[sample // frames_apart] = data.qpos
         mujoco.mj_step2(model, data)
     _check_followed(twin, reference, positions)
-    return Tracked(torques, positions, opened)
+    return Tracked(torques, positions, opened, frames, poses)
 
 
 def _accelerate(model: mujoco.MjModel, data: mujoco.MjData) -> None:

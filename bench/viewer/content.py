@@ -33,7 +33,8 @@ class ShownContent:
     """One recording. root: the entity below which all lies; deviation (n,): of the fitted errors, drive unit.
 
     steps: words and currents of the models before the one that is shown, whose own word is label.
-    reference_path (F, 3) m: where the controller wanted the tool, in the same frames as the motion.
+    reference_path (F, 3) m: where the controller wanted the tool, in the same frames as the motion. simulated: where a
+    robot is that is drawn in outline.
     """
 
     root: str
@@ -47,6 +48,7 @@ class ShownContent:
     torques: EffectTorques | None = None
     known: KnownTruth | None = None
     reference_path: np.ndarray | None = None
+    simulated: BodyMotion | None = None
 
     @property
     def start(self) -> float:

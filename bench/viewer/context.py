@@ -45,17 +45,27 @@ class LadderModel:
 
 
 @dataclass(frozen=True, eq=False)
+class SimulatedPoses:
+    """Where a simulated robot was during a recording: time (F,) s, as logged; poses (F, nq), MuJoCo's coordinates."""
+
+    time: np.ndarray
+    poses: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class ViewContext:
     """Everything that is shown beside an identification.
 
     steps: the models before it, the first one first. torques: of the model's effects, and known, by recording
-    name. truth: true values to compare with. text: Markdown that stands above the summary. label: of the errors
-    of the model that is shown, where there are steps.
+    name; simulated, likewise: a robot that is drawn in outline in the place of the measured one. truth: true values to
+    compare with. text: Markdown that stands above the summary. label: of the errors of the model that is shown, where
+    there are steps.
     """
 
     steps: tuple[LadderModel, ...] = ()
     torques: Mapping[str, EffectTorques] = field(default_factory=dict)
     known: Mapping[str, KnownTruth] = field(default_factory=dict)
+    simulated: Mapping[str, SimulatedPoses] = field(default_factory=dict)
     truth: Truth | None = None
     text: str = ""
     label: str = "the model shown"

@@ -9,6 +9,7 @@ import rerun as rr
 
 HIDDEN_GROUPS = 3  # geom groups from here on are not drawn by MuJoCo's own viewer: collision shapes, mostly
 DARKEST = 0.30  # luminance below which a colour is lifted, to be seen on a dark ground
+SEEN_THROUGH = 90  # opacity of a mesh in outline, 0 to 255
 PLAIN = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default colour: a material's colour stands in its place
 
 _DRAWN = {
@@ -19,6 +20,9 @@ _DRAWN = {
     int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoids",
     int(mujoco.mjtGeom.mjGEOM_MESH): "mesh",
 }
+
+Colour = tuple[int, int, int, int]
+"""Red, green, blue and opacity, 0 to 255."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +48,11 @@ def visible_geoms(model: mujoco.MjModel) -> np.ndarray:
     )
 
 
-def shapes(model: mujoco.MjModel) -> Iterator[GeomShape]:
-    """The visible geoms of every body, in its frame; all boxes of a body together, and so on."""
+def shapes(model: mujoco.MjModel, outline: Colour | None = None) -> Iterator[GeomShape]:
+    """The visible geoms of every body, in its frame; all boxes of a body together, and so on.
+
+    outline: the colour of lines to draw in place of solids; a mesh is then seen through.
+    """
     geoms = visible_geoms(model)
     for body in range(model.nbody):
         own = geoms[model.geom_bodyid[geoms] == body]
@@ -55,16 +62,16 @@ def shapes(model: mujoco.MjModel) -> Iterator[GeomShape]:
         for kind, members in by_kind.items():
             if kind == "mesh":
                 for number, geom in enumerate(members):
-                    yield GeomShape(body, f"mesh_{number}", _mesh(model, geom))
+                    yield GeomShape(body, f"mesh_{number}", _mesh(model, geom, outline))
             else:
-                yield GeomShape(body, kind, (_solids(model, kind, np.array(members)),))
+                yield GeomShape(body, kind, (_solids(model, kind, np.array(members), outline),))
 
 
-def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray) -> rr.AsComponents:
+def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray, outline: Colour | None) -> rr.AsComponents:
     size, centers = model.geom_size[geoms], model.geom_pos[geoms]
     quaternions = np.roll(model.geom_quat[geoms], -1, axis=1)
-    colors = [_colour(model, geom) for geom in geoms]
-    fill = rr.components.FillMode.Solid
+    colors = [outline or _colour(model, geom) for geom in geoms]
+    fill = rr.components.FillMode.Solid if outline is None else rr.components.FillMode.MajorWireframe
     if kind == "boxes":
         return rr.Boxes3D(
             half_sizes=size, centers=centers, quaternions=quaternions, colors=colors, fill_mode=fill
@@ -96,7 +103,7 @@ def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray) -> rr.AsCompone
     )
 
 
-def _mesh(model: mujoco.MjModel, geom: int) -> tuple[rr.AsComponents, ...]:
+def _mesh(model: mujoco.MjModel, geom: int, outline: Colour | None) -> tuple[rr.AsComponents, ...]:
     mesh = int(model.geom_dataid[geom])
     vertices = slice(model.mesh_vertadr[mesh], model.mesh_vertadr[mesh] + model.mesh_vertnum[mesh])
     faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
@@ -110,7 +117,7 @@ def _mesh(model: mujoco.MjModel, geom: int) -> tuple[rr.AsComponents, ...]:
             vertex_positions=corners.reshape(-1, 3),
             vertex_normals=np.repeat(normals, 3, axis=0),
             triangle_indices=np.arange(3 * len(triangles)).reshape(-1, 3),
-            albedo_factor=_colour(model, geom),
+            albedo_factor=_colour(model, geom) if outline is None else (*outline[:3], SEEN_THROUGH),
         ),
         rr.Transform3D(
             translation=model.geom_pos[geom],
@@ -119,7 +126,7 @@ def _mesh(model: mujoco.MjModel, geom: int) -> tuple[rr.AsComponents, ...]:
     )
 
 
-def _colour(model: mujoco.MjModel, geom: int) -> tuple[int, int, int, int]:
+def _colour(model: mujoco.MjModel, geom: int) -> Colour:
     """Red, green, blue and opacity, 0 to 255, light enough for a dark ground."""
     own, material = model.geom_rgba[geom], int(model.geom_matid[geom])
     rgba = model.mat_rgba[material] if material >= 0 and np.allclose(own, PLAIN) else own

@@ -23,7 +23,7 @@ from bench.files.atomic import atomic_path
 from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
 from bench.viewer.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side
-from bench.viewer.body_motion import BodyMotion, body_motion, tool_path
+from bench.viewer.body_motion import BodyMotion, body_motion, placed, tool_path
 from bench.viewer.content import Motor, ShownContent
 from bench.viewer.context import KnownTruth, ViewContext
 from bench.viewer.scene import TOP, error_share, send_payload, send_robot
@@ -72,8 +72,9 @@ def write_rrd(
 
     Below the name of each recording lie robot (moving at 50 Hz, loops closed), current/JOINT (logged at the
     log's rate; measured and modelled at the fit's), error/JOINT with the deviation of the fitted errors,
-    position/JOINT, phases, tool and loop_gap; with a context steps/JOINT (the errors of earlier models) and
-    torque/JOINT (of effects); /summary and /parameters hold the answer as text. Every recording starts at time 0.
+    position/JOINT, phases, tool and loop_gap; with a context steps/JOINT (the errors of earlier models), torque/JOINT
+    (of effects) and robot/simulated (a simulated robot in outline); /summary and /parameters hold the answer as text.
+    Every recording starts at time 0.
     truth: true values to compare with, by joint, parameter name or EFFECT:JOINT.PARAMETER.
 
     Raises BenchError for another suffix than .rrd, and for a result that is not of this dataset.
@@ -179,6 +180,7 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
         if recording is None or recording.current.shape[1] != series.measured.shape[1]:
             raise BenchError(f"{dataset.folder}: has no recording {series.name!r} as the result does")
         motion = body_motion(model, geometry, recording, result.settings)
+        poses = context.simulated.get(series.name)
         known = context.known.get(series.name) or _logged_reference(recording, dataset.robot.joints)
         shown.append(
             ShownContent(
@@ -193,6 +195,9 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
                 torques=context.torques.get(series.name),
                 known=known,
                 reference_path=_reference_path(model, geometry, motion, known),
+                simulated=None
+                if poses is None
+                else placed(model, geometry.robot.tool_site, poses.time, poses.poses),
             )
         )
     return shown
@@ -259,9 +264,7 @@ def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
             errors=tuple(
                 percent(relative_error([content.series], j)) for j in range(content.series.measured.shape[1])
             ),
-            path=f"path: error from 0 (violet) to {percent(largest)} (yellow)"
-            if content.motion.tool_position is not None
-            else "",
+            path=_key(content, largest),
             eye=eye,
             target=target,
             low=float(low[2]),
@@ -275,6 +278,14 @@ def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
         )
         for content in run.shown
     ]
+
+
+def _key(content: ShownContent, largest: float) -> str:
+    """How colours and outlines read."""
+    told = [] if content.simulated is None else ["outlined: simulated"]
+    if content.motion.tool_position is not None:
+        told.append(f"path: error from 0 (violet) to {percent(largest)} (yellow)")
+    return ", ".join(told)
 
 
 def _send_text(

@@ -8,11 +8,13 @@ from bench.dataset.payload import Payload
 from bench.document.colours import scale_colours
 from bench.document.numbers import judged_error
 from bench.identification.result import CurrentSeries
+from bench.viewer.body_motion import BodyMotion
 from bench.viewer.content import ShownContent
-from bench.viewer.geoms import shapes
+from bench.viewer.geoms import Colour, shapes
 
 PAYLOAD_DENSITY = 7850.0  # kg/m^3: a payload is drawn as a ball of steel that weighs the same
 PAYLOAD_COLOUR = (250, 214, 92)
+OUTLINE = (250, 214, 92, 255)
 REFERENCE_COLOUR = (120, 134, 150)
 PATH_RADIUS = 0.0015  # of the box that the robot stays in
 TOP = 99.0  # percentile of the errors that takes the far end of the colour scale
@@ -33,26 +35,43 @@ def error_share(series: CurrentSeries) -> np.ndarray:
 def send_robot(
     stream: rr.RecordingStream, content: ShownContent, model: mujoco.MjModel, largest: float
 ) -> None:
-    """Bodies, loops closed, and the tool's path. largest: the error share at the far end of the colour scale."""
+    """Bodies, loops closed, a simulated robot in outline, and the tool's path.
+
+    largest: the error share at the far end of the colour scale.
+    """
     robot = f"{content.root}/robot"
     stream.log(robot, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    _send_bodies(stream, content, model, f"{robot}/bodies", content.motion)
+    if content.simulated is not None:
+        _send_bodies(stream, content, model, f"{robot}/simulated", content.simulated, OUTLINE)
+    if content.motion.tool_position is not None:
+        _send_path(stream, content, content.motion.tool_position, largest)
+
+
+def _send_bodies(
+    stream: rr.RecordingStream,
+    content: ShownContent,
+    model: mujoco.MjModel,
+    root: str,
+    motion: BodyMotion,
+    outline: Colour | None = None,
+) -> None:
+    """The shapes of every body and where it goes, below an entity."""
     names = [
         mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
         for body in range(model.nbody)
     ]
-    entities = [f"{robot}/bodies/{rr.escape_entity_path_part(name)}" for name in names]
-    for shape in shapes(model):
+    entities = [f"{root}/{rr.escape_entity_path_part(name)}" for name in names]
+    for shape in shapes(model, outline):
         stream.log(f"{entities[shape.body]}/{shape.name}", *shape.archetypes, static=True)
-    column = content.column(content.motion.time)
+    column = content.column(motion.time)
     for body in range(1, model.nbody):
-        positions, quaternions = content.motion.positions[:, body], content.motion.quaternions[:, body]
+        positions, quaternions = motion.positions[:, body], motion.quaternions[:, body]
         if model.body_weldid[body] == 0:  # fixed to the world
             fixed = rr.Transform3D(translation=positions[0], quaternion=rr.Quaternion(xyzw=quaternions[0]))
             stream.log(entities[body], fixed, static=True)
         else:
             _send_poses(stream, entities[body], column, positions, quaternions)
-    if content.motion.tool_position is not None:
-        _send_path(stream, content, content.motion.tool_position, largest)
 
 
 def _send_path(stream: rr.RecordingStream, content: ShownContent, tool: np.ndarray, largest: float) -> None:
