@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -92,6 +93,8 @@ def test_a_report_shows_machine_model_and_twin(recorded, models, tmp_path, capsy
     page = (tmp_path / "page" / "report.html").read_text(encoding="utf-8")
     assert "Simulated by MuJoCo along 2 recorded motions" in page
     assert "error of the twin" in page
+    assert "Thin lines: the simulated twin" in page
+    assert re.search(r'"simulated":\s*\[\s*\{', page)
     assert f"wrote {tmp_path / 'page' / 'report.html'} (report)" in capsys.readouterr().out
 
 

@@ -11,7 +11,8 @@ from bench.identification.result import CurrentSeries
 from bench.model.geometry import read_geometry
 from bench.page.thinned import significant
 from bench.signals.settings import FilterSettings
-from bench.viewer.body_motion import BodyMotion, body_motion
+from bench.viewer.body_motion import BodyMotion, body_motion, placed
+from bench.viewer.context import SimulatedPoses
 from bench.viewer.geoms import visible_geoms
 from bench.viewer.scene import TOP, error_share
 
@@ -23,11 +24,17 @@ Array = npt.NDArray[np.float64]
 
 
 def mechanism(
-    data: Dataset, recording: Recording, series: CurrentSeries, settings: FilterSettings, frames: int = FRAMES
+    data: Dataset,
+    recording: Recording,
+    series: CurrentSeries,
+    settings: FilterSettings,
+    frames: int = FRAMES,
+    simulated: SimulatedPoses | None = None,
 ) -> dict[str, Any]:
     """The bodies of a robot in a recording, loops closed, and its tool's path with the error of a model, 0 to 1.
 
-    series: of the model in this recording. Raises BenchError where a sample is out of reach.
+    series: of the model in this recording; simulated: a twin to be drawn with it. Raises BenchError where a sample is
+    out of reach.
     """
     mjcf = data.robot.mjcf_model()
     motion = body_motion(mjcf, read_geometry(data.robot), recording, settings)
@@ -44,12 +51,20 @@ def mechanism(
         "low": motion.low.tolist(),
         "high": motion.high.tolist(),
         "bars": _bars(mjcf, motion, every),
+        "simulated": [] if simulated is None else _simulated(mjcf, simulated, time),
         "path": None if tool is None else significant(tool.ravel(), DIGITS),
         "error": significant(
             np.clip(errors / largest, 0.0, 1.0) if largest > 0.0 else np.zeros(len(time)), 3
         ),
         "largest": largest,
     }
+
+
+def _simulated(mjcf: Any, simulated: SimulatedPoses, time: Array) -> list[dict[str, Any]]:
+    """The bars of a twin in the frames that are next to these times, those that are fixed to the world left out."""
+    nearest = np.searchsorted(0.5 * (simulated.time[1:] + simulated.time[:-1]), time)
+    motion = placed(mjcf, None, time, simulated.poses[nearest])
+    return [bar for bar in _bars(mjcf, motion, 1) if len(bar["from"]) > 3]
 
 
 def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:

@@ -1,6 +1,6 @@
 """The pages: of a diagnosis, of an identification, of a saved model beside recordings."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 
 from bench.basics.errors import BenchError
@@ -31,10 +31,11 @@ from bench.page.verdict import (
     identification_verdict,
     replay_tiles,
 )
-from bench.replay.replay import Replay
+from bench.replay.replay import Replay, TwinMotion
 from bench.replay.report import replay_sentences
 from bench.signals.settings import FilterSettings
 from bench.studies.sweep.versions import versions
+from bench.viewer.context import SimulatedPoses
 
 FRAMES = 150  # of the robot in motion: enough for the eye, and small
 AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
@@ -149,7 +150,9 @@ def replay_page(result: Replay, problem: Problem, saved: Identification, made: M
         tiles=replay_tiles(result, twin.where, noise),
         sections=(
             errors_section(twin, result.twin.recordings, noise),
-            currents_section([model, twin], _moving(dataset, result.twin.recordings, settings)),
+            currents_section(
+                [model, twin], _moving(dataset, result.twin.recordings, settings, result.motions)
+            ),
             where_section([model, twin]),
             gains_section(saved, None),
             run_section(dataset, settings, None, made),
@@ -160,9 +163,12 @@ def replay_page(result: Replay, problem: Problem, saved: Identification, made: M
 
 
 def _moving(
-    dataset: Dataset, recordings: Sequence[CurrentSeries], settings: FilterSettings
+    dataset: Dataset,
+    recordings: Sequence[CurrentSeries],
+    settings: FilterSettings,
+    twins: Mapping[str, TwinMotion] | None = None,
 ) -> Callable[[str, str], Mechanism | Text]:
-    """What draws the robot in one of the recordings, or says why it cannot be drawn."""
+    """What draws the robot in one of the recordings, with its simulated twin, or says why it cannot be drawn."""
     logged = dataset_of(dataset, recordings)
 
     def moving(name: str, option: str) -> Mechanism | Text:
@@ -171,10 +177,13 @@ def _moving(
         recording = next(log for log in logged.recordings if log.name == name)
         series = next(trace for trace in recordings if trace.name == name)
         try:
-            data = mechanism(logged, recording, series, settings, FRAMES)
+            twin = None if twins is None else SimulatedPoses(twins[name].time, twins[name].poses)
+            data = mechanism(logged, recording, series, settings, FRAMES, twin)
         except BenchError as error:
             return Text("The robot", (f"It is not drawn: {error}.",))
         aid = f"In {name}; it follows the time cursor of the curves above where they are of that recording."
+        if twins is not None:
+            aid += " Thin lines: the simulated twin."
         return Mechanism("The robot", aid, option, finite(data))
 
     return moving

@@ -57,15 +57,15 @@ class ViewContext:
     """Everything that is shown beside an identification.
 
     steps: the models before it, the first one first. torques: of the model's effects, and known, by recording
-    name; simulated, likewise: a robot that is drawn in outline in the place of the measured one. truth: true values to
-    compare with. text: Markdown that stands above the summary. label: of the errors of the model that is shown, where
-    there are steps.
+    name. truth: true values to compare with. text: Markdown that stands above the summary. label: of the errors
+    of the model that is shown, where there are steps. simulated: a robot that is drawn in outline in the place of the
+    measured one, by recording name.
     """
 
     steps: tuple[LadderModel, ...] = ()
     torques: Mapping[str, EffectTorques] = field(default_factory=dict)
     known: Mapping[str, KnownTruth] = field(default_factory=dict)
-    simulated: Mapping[str, SimulatedPoses] = field(default_factory=dict)
     truth: Truth | None = None
     text: str = ""
     label: str = "the model shown"
+    simulated: Mapping[str, SimulatedPoses] = field(default_factory=dict)

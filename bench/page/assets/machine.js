@@ -146,6 +146,10 @@ window.Machine = (() => {
         line(a, b, thick + 2, colour("ground"));
         line(a, b, thick, still ? colour("noise") : colour("measured"));
       }
+      for (const bar of data.simulated) {
+        const [a, b] = [bar.from, bar.to].map((ends) => projected(ends, frame, scale, width, height));
+        line(a, b, 2, colour("modelled"));
+      }
       if (data.path) {
         const tool = projected(data.path, frame, scale, width, height);
         pen.fillStyle = colour("modelled");
