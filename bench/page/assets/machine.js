@@ -148,7 +148,7 @@ window.Machine = (() => {
       }
       for (const bar of data.simulated) {
         const [a, b] = [bar.from, bar.to].map((ends) => projected(ends, frame, scale, width, height));
-        line(a, b, 2, colour("modelled"));
+        line(a, b, 1.2, colour("modelled"));
       }
       if (data.path) {
         const tool = projected(data.path, frame, scale, width, height);
