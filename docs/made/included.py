@@ -21,6 +21,7 @@ PAGES = {
         for path in sorted((ROOT / "results" / kind).glob("*.md"))
     },
 }
+WIDE = ("measured.md",)  # whose tables need the room of the contents
 PICTURES = {"results/pictures": "pictures", "results/trial": "trust", "results/atlas": "atlas"}
 FENCED = re.compile(r"(^```.*?^```$)", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"(?<!!)\[([^\][]+)\]\(([^)#\s]+)(#[^)]*)?\)")
@@ -49,6 +50,7 @@ def unbroken(text: str) -> str:
 
 for source, page in PAGES.items():
     with mkdocs_gen_files.open(page, "w") as written:
+        written.write("---\nhide: [toc]\n---\n\n" if page in WIDE else "")
         written.write(turned((ROOT / source).read_text(encoding="utf-8"), Path(source), Path(page)))
 for folder, there in PICTURES.items():
     for picture in sorted((ROOT / folder).glob("*.png")):

@@ -78,7 +78,7 @@ def trial_table(summaries: list[TrialSummary]) -> str:
 def _with_cases(cells: tuple[object, ...]) -> str:
     _, reached, _, _, cases, _ = cells
     text = f"{reached} of {cases}" if cases else str(reached)
-    return text.replace(" ", "&nbsp;")
+    return text.replace(" of ", " of&nbsp;").replace(" %", "&nbsp;%")
 
 
 def gains_table() -> str:
