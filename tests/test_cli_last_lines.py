@@ -184,7 +184,7 @@ def test_the_help_has_its_commands_in_groups(capsys):
 
 
 def test_a_simulation_does_not_replace_a_dataset_unasked(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("bench.truth.simulate.simulate", lambda *_, **__: pytest.fail("simulated"))
+    monkeypatch.setattr("bench.api.simulate.run", lambda *_, **__: pytest.fail("simulated"))
     (tmp_path / "dataset.toml").write_text("")
     assert main(["simulate", "five_bar", "-o", str(tmp_path)]) == 2
     assert "--overwrite replaces it" in capsys.readouterr().err

@@ -14,7 +14,7 @@ from bench.diagnosis.diagnose import diagnose
 from bench.effects import CATALOGUE
 from bench.excitation.discrimination.discriminate import discriminate
 from bench.excitation.discrimination.figure import discrimination_figure, write_discrimination_figure
-from bench.excitation.discrimination.files import write_discrimination
+from bench.excitation.discrimination.files import Told, write_discrimination
 from bench.excitation.discrimination.sentences import motion_words, next_step, sentences, warnings
 from bench.identification.problem import Problem, problem_of
 from bench.model.geometry import read_geometry
@@ -162,7 +162,7 @@ def test_a_model_that_fits_is_no_cause_for_doubt(found):
     assert 0.8 < found.error_over_noise < 1.3
     assert not found.model_is_wrong
     assert warnings(found) == []
-    assert next_step(found, "data", "out").startswith("next: record out/trajectory.csv")
+    assert next_step(found, "bench diagnose data", "out").startswith("next: record out/trajectory.csv")
     loud = replace(found, error_over_noise=8.0)
     (doubt,) = warnings(loud)
     assert sentences(loud)[0] == doubt
@@ -179,6 +179,22 @@ def test_a_model_that_is_known_to_be_wrong_is_told(given, tmp_path, capsys):
     assert answer["error_over_noise"] > 5.0
     assert "something else is missing. Run bench diagnose first" in out
     assert f"next: bench diagnose {tmp_path / 'data'}" in out
+    readme = (tmp_path / "out" / "README.md").read_text()
+    asked = f"current_delay current_loop_lag --duration 5.0 -o {tmp_path / 'out'}"
+    assert f"`bench discriminate {tmp_path / 'data'} {asked}`" in readme
+
+
+def test_the_readme_repeats_what_was_asked_and_of_which_data(found, tmp_path):
+    told = Told("bench discriminate data a b --with c", "bench diagnose data --with c", "data", "robots/arm")
+    write_discrimination(tmp_path / "out", found, write_discrimination_figure, told=told)
+    readme = (tmp_path / "out" / "README.md").read_text()
+    for line in (
+        "bench import first.csv --robot robots/arm -o data --name telling.csv",
+        "bench import second.csv --robot robots/arm -o data --name telling_check.csv --use validate",
+        "bench diagnose data --with c",
+        "`bench discriminate data a b --with c`",
+    ):
+        assert line in readme
 
 
 def test_where_neither_effect_shows_there_is_nothing_to_tell_apart(tmp_path):
@@ -205,7 +221,7 @@ def test_given_data_that_are_enough_need_no_motion(found):
     enough = replace(found, questions=asked)
     assert enough.given_tells
     assert "That is enough: bench diagnose can tell them apart" in " ".join(sentences(enough))
-    assert next_step(enough, "data", "out") == "next: bench diagnose data"
+    assert next_step(enough, "bench diagnose data", "out") == "next: bench diagnose data"
 
 
 def test_a_picture_shows_each_motor_and_both_models(found):

@@ -19,6 +19,9 @@ from bench.cli.progress import quiet_option, shown_progress
 POSITIVE = click.FloatRange(min=0.0, min_open=True)
 
 
+WIDEN, RATE = 1.0, 1000.0
+
+
 @click.command("discriminate")
 @dataset_argument
 @click.argument("effect_a", metavar="EFFECT_A", shell_complete=effect_names)
@@ -39,7 +42,7 @@ POSITIVE = click.FloatRange(min=0.0, min_open=True)
 @click.option(
     "--widen",
     type=POSITIVE,
-    default=1.0,
+    default=WIDEN,
     show_default=True,
     metavar="FACTOR",
     help="Largest speeds, accelerations and currents, in those of the recordings.",
@@ -47,7 +50,7 @@ POSITIVE = click.FloatRange(min=0.0, min_open=True)
 @click.option(
     "--rate",
     type=POSITIVE,
-    default=1000.0,
+    default=RATE,
     show_default=True,
     metavar="HZ",
     help="Rows a second of the table.",
@@ -75,17 +78,22 @@ def discriminate(
     """
     duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
     with shown_progress(quiet) as progress:
+        from bench.dataset.catalogue import built_in_robots
         from bench.dataset.dataset import load_dataset
         from bench.excitation.discrimination.discriminate import discriminate as run
         from bench.excitation.discrimination.figure import write_discrimination_figure
-        from bench.excitation.discrimination.files import check_folder, write_discrimination
+        from bench.excitation.discrimination.files import Told, check_folder, write_discrimination
         from bench.identification.problem import problem_of
+        from bench.page.section_run import CommandRun, quoted
 
         check_folder(output)
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
+        given = given_filters(**options)
+        files = tuple(map(str, effect_files))
+        diagnose = CommandRun("diagnose", str(dataset), effects, files, given).line()
         found = run(
-            problem_of(data, effects, given_filters(**options), effect_files=effect_files),
+            problem_of(data, effects, given, effect_files=effect_files),
             (effect_a, effect_b),
             duration=duration,
             widen=widen,
@@ -93,7 +101,19 @@ def discriminate(
             progress=progress,
         )
         progress.phase("writing the motion and its picture")
-        paths = write_discrimination(output, found, write_discrimination_figure, rate=rate)
+        motion = {
+            "duration": duration,
+            "widen": None if widen == WIDEN else widen,
+            "rate": None if rate == RATE else rate,
+            "seed": seed or None,
+        }
+        run_of = CommandRun("discriminate", str(dataset), effects, files, {**given, **motion}, str(output))
+        words = ["bench", "discriminate", str(dataset), effect_a, effect_b, *run_of.option_words()]
+        own = data.robot.folder.resolve()
+        built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == own]
+        robot = quoted(built_in[0] if built_in else own)
+        told = Told(" ".join(map(quoted, words)), diagnose, quoted(dataset), robot)
+        paths = write_discrimination(output, found, write_discrimination_figure, rate=rate, told=told)
     from rich.console import Console
     from rich.text import Text
 
@@ -105,6 +125,6 @@ def discriminate(
         console.print(Text(sentence, "yellow" if sentence in doubts else ""))
     for path in paths:
         say([wrote(path)])
-    step = next_step(found, dataset, output)
+    step = next_step(found, diagnose, output)
     if step is not None:
         click.echo(step)

@@ -31,6 +31,10 @@ OPTIONS = {
     "no_cad": "--no-cad",
     "nearest": "--nearest",
     "data": "--data",
+    "duration": "--duration",
+    "widen": "--widen",
+    "rate": "--rate",
+    "seed": "--seed",
 }
 
 
@@ -47,8 +51,12 @@ class CommandRun:
 
     def line(self) -> str:
         """The command line."""
-        words = ["bench", self.command, self.dataset]
-        words += [word for effect in self.effects for word in ("--with", effect)]
+        words = ["bench", self.command, self.dataset, *self.option_words()]
+        return " ".join(quoted(word) for word in words)
+
+    def option_words(self) -> list[str]:
+        """All that stands behind the dataset."""
+        words = [word for effect in self.effects for word in ("--with", effect)]
         words += [word for file in self.effect_files for word in ("--effect-file", file)]
         for name, value in self.options.items():
             if value is True:
@@ -56,9 +64,7 @@ class CommandRun:
             elif value not in (None, False):
                 text = ",".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
                 words += [OPTIONS[name], text]
-        if self.output:
-            words += ["-o", self.output]
-        return " ".join(quoted(word) for word in words)
+        return [*words, "-o", self.output] if self.output else words
 
 
 @dataclass(frozen=True)

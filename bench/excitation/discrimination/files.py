@@ -1,13 +1,13 @@
 """The motion as files: for a robot's controller, for a scenario, and for people."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.catalogue import built_in_robots
 from bench.dataset.recording import write_table
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
 from bench.excitation.discrimination.sentences import length_unit, sentences
@@ -25,17 +25,34 @@ TRAJECTORY, COEFFICIENTS, SUMMARY, ANSWER, PICTURE = (
 Draw = Callable[[Path, Discrimination], None]
 
 
+@dataclass(frozen=True)
+class Told:
+    """What commands are told of, as a shell takes it. designed: the one that designed the motion; diagnose: with the
+    same model, once its logs are there; robot: a name or a folder.
+    """
+
+    designed: str
+    diagnose: str
+    dataset: str
+    robot: str
+
+
+PLAIN = Told(
+    "bench discriminate DATASET EFFECT_A EFFECT_B -o DIR", "bench diagnose DATASET", "DATASET", "ROBOT"
+)
+
+
 def write_discrimination(
-    folder: str | Path, found: Discrimination, draw: Draw, *, rate: float = 1000.0
+    folder: str | Path, found: Discrimination, draw: Draw, *, rate: float = 1000.0, told: Told = PLAIN
 ) -> list[Path]:
     """Write the folder, whole or not at all, and tell its files; one that an earlier call wrote is replaced.
 
-    rate: samples a second, Hz, of the trajectory as a table. draw: draws the picture at a path. Raises BenchError
-    if the folder holds anything else, or cannot be written.
+    rate: samples a second, Hz, of the trajectory as a table. draw: draws the picture at a path. told: of the commands
+    that the README names. Raises BenchError if the folder holds anything else, or cannot be written.
     """
     check_folder(folder)
     with whole_folder(folder) as partial:
-        _write(partial, found, draw, rate)
+        _write(partial, found, draw, rate, told)
         names = sorted(path.name for path in partial.iterdir())
     return [Path(folder) / name for name in names]
 
@@ -83,13 +100,13 @@ def discrimination_json(found: Discrimination) -> dict[str, Any]:
     return dict(finite(answer))
 
 
-def _write(folder: Path, found: Discrimination, draw: Draw, rate: float) -> None:
+def _write(folder: Path, found: Discrimination, draw: Draw, rate: float, told: Told) -> None:
     if found.motion is not None:
         trajectory, joints = found.motion.trajectory, list(found.joints)
         write_table(folder / TRAJECTORY, trajectory_table(trajectory, joints, rate))
         write_text_atomically(folder / COEFFICIENTS, _coefficients(found, trajectory))
         draw(folder / PICTURE, found)
-    write_text_atomically(folder / SUMMARY, _readme(found, rate))
+    write_text_atomically(folder / SUMMARY, _readme(found, rate, told))
     write_json_atomically(folder / ANSWER, discrimination_json(found))
 
 
@@ -101,13 +118,12 @@ def _coefficients(found: Discrimination, trajectory: FourierTrajectory) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _readme(found: Discrimination, rate: float) -> str:
-    first, second = (effect.partition(":")[0] for effect in found.effects)
+def _readme(found: Discrimination, rate: float, told: Told) -> str:
     lines = [f"# {found.robot}: {' or '.join(found.effects)}?", ""]
     lines += [f"- {sentence}" for sentence in sentences(found)]
     if found.motion is None:
-        return "\n".join(lines) + "\n"
-    robot = found.robot if found.robot in built_in_robots() else "ROBOT"
+        return "\n".join([*lines, "", f"Asked by `{told.designed}`."]) + "\n"
+    into = f"--robot {told.robot} -o {told.dataset}"
     payload = f" --payload {found.motion.payload}" if found.motion.payload else ""
     inside = f'\npayload = "{found.motion.payload}"' if found.motion.payload else ""
     lines += ["", f"![The motion, and where the models differ]({PICTURE})", "", *_table(found), ""]
@@ -119,9 +135,9 @@ def _readme(found: Discrimination, rate: float) -> str:
         "2. Add both to the dataset:",
         "",
         "   ```sh",
-        f"   bench import first.csv --robot {robot} -o DATASET --name telling.csv{payload}",
-        f"   bench import second.csv --robot {robot} -o DATASET --name telling_check.csv --use validate{payload}",
-        "   bench diagnose DATASET",
+        f"   bench import first.csv {into} --name telling.csv{payload}",
+        f"   bench import second.csv {into} --name telling_check.csv --use validate{payload}",
+        f"   {told.diagnose}",
         "   ```",
         "",
         "To see it in simulation first, give a scenario this recording, and a second one with `validate`:",
@@ -133,7 +149,7 @@ def _readme(found: Discrimination, rate: float) -> str:
         f'trajectory_file = "{COEFFICIENTS}"',
         "```",
         "",
-        f"The motion was designed by `bench discriminate DATASET {first} {second} -o DIR`.",
+        f"The motion was designed by `{told.designed}`.",
     ]
     return "\n".join(lines) + "\n"
 

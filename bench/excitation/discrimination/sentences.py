@@ -32,17 +32,17 @@ def warnings(found: Discrimination) -> list[str]:
     return [doubt]
 
 
-def next_step(found: Discrimination, dataset: str | Path, folder: str | Path) -> str | None:
-    """What to do with the answer that `folder` holds; None where there is nothing to do."""
+def next_step(found: Discrimination, diagnose: str, folder: str | Path) -> str | None:
+    """What to do with the answer that `folder` holds; None where there is nothing to do. diagnose: that command."""
     if found.model_is_wrong:
-        return f"next: bench diagnose {dataset}, then this command again with what it finds (--with EFFECT)"
+        return f"next: {diagnose}, then this command again with what it finds (--with EFFECT)"
     if found.motion is None:
         return None
     if found.given_tells:
-        return f"next: bench diagnose {dataset}"
+        return f"next: {diagnose}"
     return (
         f"next: record {Path(folder) / 'trajectory.csv'} twice, add both logs with bench import (how: "
-        f"{Path(folder) / 'README.md'}), then bench diagnose {dataset}"
+        f"{Path(folder) / 'README.md'}), then {diagnose}"
     )
 
 
