@@ -191,7 +191,7 @@ def test_the_command_writes_everything(tmp_path, capsys):
         ("[velocity]\nshoulder = 3.0", "velocity: joint 'elbow' is missing"),
         ("velocity = -3.0", "greater than 0"),
         ("[[workspace]]\nlow = [5, 5, 5]\nhigh = [6, 6, 6]", "workspace[0]: the tool is at"),
-        ("current = 0.01", "current or torque of shoulder: 0.01 A leave no room, standing at home takes"),
+        ("current = 0.01", "current or torque of shoulder: 0.01 A leaves no room, standing at home takes"),
         ("speed = 3.0", "speed: unknown key"),
         ("duration = 1.0", "too short for two ramps"),
         ("[payload]\ncenter_of_mass = [0, 0, 0.1]", "its mass is missing"),

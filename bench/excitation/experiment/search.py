@@ -121,7 +121,7 @@ def check_standing(search: Search) -> None:
                 unit = actuator.gain_unit.partition("/")[2]
                 carrying = "" if load is None else " with the payload"
                 raise BenchError(
-                    f"current or torque of {actuator.joint}: {most:.3g} {unit} leave no room, "
+                    f"current or torque of {actuator.joint}: {most:.3g} {unit} leaves no room, "
                     f"standing at home{carrying} takes {needed:.3g} already"
                 )
 
