@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,6 +20,7 @@ from bench.dataset.recording_window import Spans
 from bench.dataset.robot import Robot, load_robot
 from bench.files.atomic import write_text_atomically
 from bench.files.toml_input import UserTable, read_toml
+from bench.files.toml_output import toml_header, toml_line
 
 DATASET_FILE = "dataset.toml"
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -92,9 +91,9 @@ def write_dataset_toml(
 
     robot is a built-in name or a path (absolute, or relative to `folder`). joints: of the controller's law.
     """
-    lines = [f"robot = {_text(robot)}"]
+    lines = [toml_line("robot", robot)]
     if effects:
-        lines.append(f"effects = [{', '.join(map(_text, effects))}]")
+        lines.append(toml_line("effects", list(effects)))
     if controller is not None:
         lines += ["", *_controller_table(controller, joints)]
     path = Path(folder) / DATASET_FILE
@@ -107,18 +106,18 @@ def toml_tables(recordings: Sequence[RecordingEntry], payloads: Sequence[Payload
     """The lines of [payloads.NAME] and [[recordings]] tables, each after an empty line."""
     lines: list[str] = []
     for payload in payloads:
-        lines += ["", f"[payloads.{_key(payload.name)}]"]
+        lines += ["", toml_header("payloads", payload.name)]
         if payload.mass is not None:
-            lines.append(f"mass = {float(payload.mass)!r}")
+            lines.append(toml_line("mass", float(payload.mass)))
         for key, values in (("center_of_mass", payload.center_of_mass), ("inertia", payload.inertia)):
             if values is not None:
-                lines.append(f"{key} = {np.asarray(values, dtype=np.float64).tolist()!r}")
+                lines.append(toml_line(key, np.asarray(values, dtype=np.float64).tolist()))
     for entry in recordings:
-        lines += ["", "[[recordings]]", f"file = {_text(entry.file)}", f"use = {_text(entry.use)}"]
+        lines += ["", "[[recordings]]", toml_line("file", entry.file), toml_line("use", entry.use)]
         if entry.payload is not None:
-            lines.append(f"payload = {_text(entry.payload)}")
+            lines.append(toml_line("payload", entry.payload))
         if entry.accept:
-            lines.append(f"accept = [{', '.join(map(_text, entry.accept))}]")
+            lines.append(toml_line("accept", list(entry.accept)))
     return lines
 
 
@@ -140,7 +139,7 @@ def extended_toml(
         if (other := load_robot(spec.robot, relative_to=folder)).folder != robot.folder:
             raise BenchError(f"{path}: robot: is {other.name!r} in {other.folder}, not {robot.name!r}")
     else:
-        text, defined, listed = f"robot = {_text(reference)}\n", {}, []
+        text, defined, listed = toml_line("robot", reference) + "\n", {}, []
     for entry in entries:
         known = entry.file in [recording.file for recording in listed]
         if known or (folder / entry.file).exists():
@@ -171,16 +170,8 @@ def extended_toml(
 
 
 def _controller_table(controller: ControlLaw, joints: Sequence[str]) -> list[str]:
-    lines = ["[controller]"]
-    for key in ("kp", "kv", "ka"):
-        pairs = zip(joints, getattr(controller, key).tolist(), strict=True)
-        lines.append(f"{key} = {{ {', '.join(f'{_key(joint)} = {value!r}' for joint, value in pairs)} }}")
-    return [*lines, f"velocity_delay = {controller.velocity_delay!r}"]
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
-
-
-def _text(value: str) -> str:
-    return json.dumps(value, ensure_ascii=False)  # a JSON string is a TOML basic string
+    lines = [
+        toml_line(key, dict(zip(joints, getattr(controller, key).tolist(), strict=True)))
+        for key in ("kp", "kv", "ka")
+    ]
+    return ["[controller]", *lines, toml_line("velocity_delay", controller.velocity_delay)]

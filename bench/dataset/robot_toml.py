@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 from bench.basics.errors import BenchError, meant
 from bench.dataset.robot import compiler_message, load_robot
 from bench.files.atomic import atomic_path
+from bench.files.toml_output import toml_line
 
 if TYPE_CHECKING:
     import mujoco
@@ -71,7 +71,7 @@ def robot_toml(
 
     Raises BenchError for a motor or a site that the MJCF has not.
     """
-    lines = [f"name = {_text(name)}", f"model = {_text(model)}"]
+    lines = [toml_line("name", name), toml_line("model", model)]
     for motor, gain in motors:
         if motor not in parts.named:
             hint = meant(motor, parts.named, f"{parts.path.name} has")
@@ -81,14 +81,14 @@ def robot_toml(
         lines += [
             "",
             "[[actuators]]",
-            f"{part.drives} = {_text(motor)}",
-            f"gain = {gain!r}",
-            f"gain_unit = {_text(gain_unit)}",
+            toml_line(part.drives, motor),
+            toml_line("gain", gain),
+            toml_line("gain_unit", gain_unit),
         ]
     if tool is not None:
         if tool not in parts.sites:
             raise BenchError(f"tool {tool!r}: no site: {meant(tool, parts.sites, f'{parts.path.name} has')}")
-        lines += ["", "[tool]", f"site = {_text(tool)}"]
+        lines += ["", "[tool]", toml_line("site", tool)]
     return "\n".join(lines) + "\n"
 
 
@@ -170,7 +170,3 @@ def _tendon_effort(
     if any(int(model.wrap_type[w]) != int(mujoco.mjtWrap.mjWRAP_JOINT) for w in wraps):
         return None
     return "N" if all(joints.get(int(model.wrap_objid[w])) == "N" for w in wraps) else "N*m"
-
-
-def _text(value: str) -> str:
-    return json.dumps(value, ensure_ascii=False)  # a JSON string is a TOML basic string

@@ -16,6 +16,7 @@ from bench.excitation.experiment.forecast import Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.sentences import sentences
 from bench.files.atomic import finite, whole_folder, write_json_atomically, write_text_atomically
+from bench.files.toml_output import toml_header, toml_line
 from bench.identification.wording import in_percent
 from bench.scenario.trajectory import FourierTrajectory
 
@@ -133,7 +134,7 @@ def _coefficients(plan: ExperimentPlan, trajectory: FourierTrajectory) -> str:
         "# q(t) = center + s(t) sum_k (a_k sin k w t + b_k cos k w t) with w = 2 pi base_frequency;",
         "# s rises in the first `ramp` seconds as 35x^4 - 84x^5 + 70x^6 - 20x^7 and falls in the last.",
     ]
-    lines += [f"{key} = {value!r}" for key, value in trajectory.to_dict().items()]
+    lines += [toml_line(key, value) for key, value in trajectory.to_dict().items()]
     return "\n".join(lines) + "\n"
 
 
@@ -142,14 +143,14 @@ def scenario_text(plan: ExperimentPlan) -> str:
     robot = plan.robot
     reference = robot.name if built_in_robots().get(robot.name) == robot.folder else str(robot.folder)
     lines = [
-        f'description = "Planned by bench excite for {robot.name}"',
-        f"robot = {_quoted(reference)}",
-        f"seed = {plan.aim.seed}",
-        f"log_rate = {plan.nominal.noise.rate!r}",
+        toml_line("description", f"Planned by bench excite for {robot.name}"),
+        toml_line("robot", reference),
+        toml_line("seed", plan.aim.seed),
+        toml_line("log_rate", plan.nominal.noise.rate),
         "",
         "[controller]  # stiff, so that the motion is the planned one",
-        f"natural_frequency = {STIFF!r}",
-        'feedforward = "acceleration"',
+        toml_line("natural_frequency", STIFF),
+        toml_line("feedforward", "acceleration"),
         "",
         "[sensors]",
         *_sensors(plan),
@@ -157,50 +158,43 @@ def scenario_text(plan: ExperimentPlan) -> str:
     for name, payload in plan.nominal.payloads.items():
         if name not in plan.search.loads:
             continue
-        lines += ["", f"[payloads.{_quoted(name)}]", *_payload(payload)]
+        lines += ["", toml_header("payloads", name), *_payload(payload)]
     for use in ("identify", "validate"):
         for name, load in zip(plan.names, plan.search.loads, strict=True):
-            lines += ["", "[[recordings]]", f'name = "{name}{"_check" if use == "validate" else ""}"']
-            lines += [f'use = "{use}"', *([] if load is None else [f"payload = {_quoted(load)}"])]
-            lines.append(f'trajectory_file = "{name}.toml"')
+            shown = f"{name}_check" if use == "validate" else name
+            lines += ["", "[[recordings]]", toml_line("name", shown), toml_line("use", use)]
+            lines += [] if load is None else [toml_line("payload", load)]
+            lines.append(toml_line("trajectory_file", f"{name}.toml"))
     return "\n".join(lines) + "\n"
 
 
 def _sensors(plan: ExperimentPlan) -> list[str]:
     noise, joints = plan.nominal.noise, plan.robot.joints
+
+    def by_joint(values: np.ndarray) -> dict[str, float]:
+        return dict(zip(joints, values.tolist(), strict=True))
+
     lines = (
-        [f"current_noise_ratio = {noise.ratio!r}"]
+        [toml_line("current_noise_ratio", noise.ratio)]
         if noise.current is None
-        else [f"current_noise = {_table(joints, noise.current)}"]
+        else [toml_line("current_noise", by_joint(noise.current))]
     )
     if noise.encoder.any():
-        lines.append(f"encoder_resolution = {_table(joints, noise.encoder)}")
+        lines.append(toml_line("encoder_resolution", by_joint(noise.encoder)))
     return lines
 
 
 def _payload(payload: Payload) -> list[str]:
     """What is declared of a payload; where its centre is unknown, the simulated one is a point at the tool."""
-    lines = [f"mass = {payload.mass!r}"]
+    known: dict[str, float | list[float]] = {} if payload.mass is None else {"mass": float(payload.mass)}
     if payload.center_of_mass is not None:
-        lines.append(f"center_of_mass = {payload.center_of_mass.tolist()}")
+        known["center_of_mass"] = payload.center_of_mass.tolist()
+    lines = [toml_line(key, value) for key, value in known.items()]
     if payload.inertia is not None:
-        lines.append(f"inertia = {payload.inertia.tolist()}")
+        lines.append(toml_line("inertia", payload.inertia.tolist()))
     if payload.center_of_mass is None or payload.inertia is None:
-        known = (
-            "" if payload.center_of_mass is None else f", center_of_mass = {payload.center_of_mass.tolist()}"
-        )
-        lines.append(f"declared = {{ mass = {payload.mass!r}{known} }}")
+        lines.append(toml_line("declared", known))
     return lines
-
-
-def _table(joints: tuple[str, ...], values: np.ndarray) -> str:
-    inside = ", ".join(f"{_quoted(joint)} = {float(x)!r}" for joint, x in zip(joints, values, strict=True))
-    return f"{{ {inside} }}"
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
 
 
 def _readme(plan: ExperimentPlan, told: Forecast, drawn: tuple[str, ...]) -> str:
