@@ -119,9 +119,7 @@ def _with_values(result: Identification, other: Identification, known: Mapping[s
     before = estimates(result)
     moved = changed(result, lambda unknown, estimate: (values[unknown], estimate.std))
     apart = {unknown: abs(values[unknown] - estimate.value) for unknown, estimate in before.items()}
-    return replace(
-        widened(moved, apart, "payload"), error=other.error, recordings=other.recordings, std_from="payload"
-    )
+    return replace(widened(moved, apart, "payload"), error=other.error, recordings=other.recordings)
 
 
 def _with_payloads(prepared: Prepared, payloads: Mapping[str, Payload]) -> Prepared:

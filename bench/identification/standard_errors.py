@@ -8,12 +8,18 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from bench.identification.blocks import Block, block_scatter, blocks_in
 from bench.identification.compressed import Stack
-from bench.identification.repeated_errors import Returns, repeated_covariances, repeated_score, times_repeated
+from bench.identification.repeated_errors import (
+    ALIKE,
+    Returns,
+    repeated_covariances,
+    repeated_score,
+    times_repeated,
+)
 from bench.identification.solution import Solution
+from bench.signals.returning import lagged_products
 
 FEWEST_LAGS = 6  # of the autocovariance; what the low-pass of the fit makes of white noise dies out sooner
 MOST_LAGS = 64  # rows: 25 periods of the fit's highest frequency, and more than one of the movement
-ALIKE = 3.0  # deviations of a correlation that is none
 MATERIAL = 1.2  # rows of different periods that count as one: more are worth a word
 
 Deviations = Literal["autocorrelated", "independent"]
@@ -202,14 +208,11 @@ def _covariances(residual: np.ndarray, moving: np.ndarray, starts: tuple[int, ..
     ends = (*starts[1:], len(residual))
     shortest = min(b - a for a, b in zip(starts, ends, strict=True))
     most = min(int(np.ceil(1.5 * len(residual) ** (1 / 3))), MOST_LAGS, shortest - 1)
-    values, counts = np.zeros(most + 1), np.ones(most + 1)
-    counted = moving.astype(float)
-    for lag in range(most + 1):
-        pairs = count = 0.0
-        for a, b in zip(starts, ends, strict=True):
-            pairs += float(residual[a : b - lag] @ residual[a + lag : b])
-            count += float(counted[a : b - lag] @ counted[a + lag : b])
-        values[lag], counts[lag] = pairs / max(count, 1.0), max(count, 1.0)
+    signals = np.column_stack((residual, moving))
+    products = sum(lagged_products(signals[a:b])[: most + 1] for a, b in zip(starts, ends, strict=True))
+    pairs, counts = np.asarray(products).T
+    counts = np.maximum(counts, 1.0)
+    values = pairs / counts
     alike = np.abs(values) > ALIKE * values[0] / np.sqrt(counts)
     lags = min(FEWEST_LAGS, most)
     while lags < most and alike[lags + 1 : lags + 4].any():
