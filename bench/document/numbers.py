@@ -152,15 +152,15 @@ def fit_rate(result: Identification) -> float | None:
     return None
 
 
-def judged_error(series: CurrentSeries) -> np.ndarray:
+def error_where_moving(series: CurrentSeries) -> np.ndarray:
     """Measured minus modelled current (M, n), NaN where a joint stands still: the model says nothing there."""
     return np.where(series.moving, series.error, np.nan)
 
 
 def error_std(result: Identification) -> np.ndarray:
     """Standard deviation of the error on the fitted recordings, (n,), in the drives' units."""
-    fitted = [judged_error(trace) for trace in result.recordings if trace.use == "identify"]
-    errors = np.concatenate(fitted or [judged_error(trace) for trace in result.recordings])
+    fitted = [error_where_moving(trace) for trace in result.recordings if trace.use == "identify"]
+    errors = np.concatenate(fitted or [error_where_moving(trace) for trace in result.recordings])
     count = np.maximum(np.isfinite(errors).sum(axis=0), 1)
     return np.asarray(np.sqrt(np.nansum(errors**2, axis=0) / count))
 

@@ -109,12 +109,12 @@ def diagnosis_tiles(diagnosis: Diagnosis) -> tuple[Tile, ...]:
 
 def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ...]:
     """The numbers that count of an identification."""
-    checked = result.error.validate
-    error = checked if checked is not None else result.error.identify
+    judged = result.error.validate
+    error = judged if judged is not None else result.error.identify
     fitted = share(result.error.identify)
-    note = f"fitted {fitted}" if checked is not None else "no recording kept for validation"
+    note = f"fitted {fitted}" if judged is not None else "no recording kept for validation"
     return (
-        Tile("Error, not fitted" if checked is not None else "Error, fitted", share(error), note),
+        Tile("Error, not fitted" if judged is not None else "Error, fitted", share(error), note),
         Tile("Noise floor", share(noise), "of the currents, as an error"),
         _gain_tile(result, None),
         Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),
@@ -164,10 +164,10 @@ def _gain_tile(result: Identification, before: Identification | None) -> Tile:
 
 
 def _level(error: ErrorSummary, noise: float, subject: str) -> tuple[str]:
-    fitted, checked = error.identify, error.validate
+    fitted, judged = error.identify, error.validate
     parts = []
-    if checked is not None:
-        parts.append(f"{share(checked)} on recordings that were not fitted")
+    if judged is not None:
+        parts.append(f"{share(judged)} on recordings that were not fitted")
     if fitted is not None:
         parts.append(f"{share(fitted)} on those for identification")
     size = " and ".join(parts) or "no error: no recording"

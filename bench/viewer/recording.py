@@ -18,7 +18,7 @@ from bench.dataset.dataset import Dataset
 from bench.dataset.joint_units import drive_unit, joint_units
 from bench.dataset.recording import Recording
 from bench.document.markdown.identification import parameters_markdown, summary_markdown
-from bench.document.numbers import USES, Truth, error_std, judged_error, percent
+from bench.document.numbers import USES, Truth, error_std, error_where_moving, percent
 from bench.files.atomic import atomic_path
 from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
@@ -112,7 +112,7 @@ def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
     for run in runs:
         for content, scene in zip(run.shown, _scenes(run, largest, run.viewed.title), strict=True):
             by_name.setdefault(PurePath(content.series.name).stem, []).append(scene)
-    errors = [np.concatenate([judged_error(shown.series) for shown in run.shown]) for run in runs]
+    errors = [np.concatenate([error_where_moving(shown.series) for shown in run.shown]) for run in runs]
     reach = 1.05 * np.nanmax(np.abs(np.concatenate(errors)), axis=0, initial=1e-12)
     views = side_by_side(list(by_name.items()), runs[0].motors, reach)
     with _stream(path, f"{len(runs)} identifications", runs, views) as stream:

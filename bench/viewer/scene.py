@@ -6,7 +6,7 @@ import rerun as rr
 
 from bench.dataset.payload import Payload
 from bench.document.colours import scale_colours
-from bench.document.numbers import judged_error
+from bench.document.numbers import error_where_moving
 from bench.identification.result import CurrentSeries
 from bench.viewer.body_motion import BodyMotion
 from bench.viewer.content import ShownContent
@@ -23,7 +23,7 @@ TOP = 99.0  # percentile of the errors that takes the far end of the colour scal
 def error_share(series: CurrentSeries) -> np.ndarray:
     """Error of all motors together in every row (M,), each relative to the RMS of its current; NaN at standstill."""
     size = np.sqrt(np.mean(series.measured**2, axis=0))
-    relative = judged_error(series) / np.where(size > 0.0, size, np.nan)
+    relative = error_where_moving(series) / np.where(size > 0.0, size, np.nan)
     known = np.isfinite(relative)
     squares = np.where(known, relative, 0.0) ** 2
     with np.errstate(invalid="ignore"):

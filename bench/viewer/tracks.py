@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 
 from bench.document.colours import LADDER_ON_DARK, ON_DARK, rgb
-from bench.document.numbers import effect_name, judged_error
+from bench.document.numbers import effect_name, error_where_moving
 from bench.identification.result import CurrentSeries
 from bench.viewer.content import Curve, Motor, ShownContent, send_line
 from bench.viewer.phases import lanes
@@ -29,7 +29,7 @@ CLOSED = Curve("as drawn", ON_DARK.modelled, 1.6)
 def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """Currents logged, measured and modelled, and the errors with their deviation, of every motor."""
     recording, series = content.recording, content.series
-    errors = judged_error(series)
+    errors = error_where_moving(series)
     logged, fitted, ends = (
         content.column(recording.time),
         content.column(series.time),
@@ -64,7 +64,7 @@ def send_steps(stream: rr.RecordingStream, content: ShownContent, motors: Sequen
     if not content.steps:
         return
     for number, (label, series) in enumerate((*content.steps, (content.label, content.series))):
-        column, errors = content.column(series.time), judged_error(series)
+        column, errors = content.column(series.time), error_where_moving(series)
         colour = ON_DARK.error if series is content.series else LADDER_ON_DARK[number % len(LADDER_ON_DARK)]
         for j, motor in enumerate(motors):
             entity = f"{content.root}/steps/{motor.entity}/{number}"
@@ -75,7 +75,7 @@ def send_torques(stream: rr.RecordingStream, content: ShownContent, motors: Sequ
     """Torque of hidden effects where it is known, of the model's effects, and what the model leaves over."""
     if not content.has_torques:
         return
-    errors = judged_error(content.series)
+    errors = error_where_moving(content.series)
     for j, motor in enumerate(motors):
         entity = f"{content.root}/torque/{motor.entity}"
         if content.known is not None and content.known.torque is not None:

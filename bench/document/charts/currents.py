@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.document.charts.chart import Axis, Band, Chart, Line, Panel, Role
 from bench.document.charts.motor import NOISE_BAND
-from bench.document.numbers import judged_error
+from bench.document.numbers import error_where_moving
 from bench.identification.result import CurrentSeries
 from bench.residuals.motor import MotorSeries
 
@@ -48,7 +48,7 @@ def fitted_currents_chart(series: CurrentSeries, motor: int, spread: float, unit
         Line("measured", "measured", time, series.measured[:, motor]),
         Line("modelled", "modelled", time, series.modelled[:, motor]),
     )
-    error = Line("error", "error", time, 1e3 * judged_error(series)[:, motor])
+    error = Line("error", "error", time, 1e3 * error_where_moving(series)[:, motor])
     panels = (Panel(Axis("current", unit), currents, 1.5), Panel(Axis("error", f"m{unit}"), (band, error)))
     return Chart(title, Axis(TIME, "s"), panels)
 
@@ -62,7 +62,7 @@ def before_after_chart(
     if before is not None:
         models.insert(0, ("the model as it is", "before", before))
     lines = tuple(
-        Line(name, role, model.time - model.time[0], judged_error(model)[:, motor])
+        Line(name, role, model.time - model.time[0], error_where_moving(model)[:, motor])
         for name, role, model in models
     )
     return Chart(title, Axis(TIME, "s"), (Panel(Axis("error", unit), lines),))

@@ -15,7 +15,7 @@ from bench.document.charts.models import gains_chart, ladder_chart
 from bench.document.figures.diagnosis_panels import Moved, draw_moved, draw_ranking, moved
 from bench.document.figures.draw import draw
 from bench.document.figures.paper import SCALE, Numbers, PaperFigure, PaperPanel, file_part
-from bench.document.numbers import judged_error
+from bench.document.numbers import error_where_moving
 from bench.identification.result import CurrentSeries, Identification
 
 FOOT = 18.0  # mm that an axis with its label takes
@@ -126,8 +126,8 @@ def _before_after(diagnosis: Diagnosis, before: CurrentSeries, after: CurrentSer
     panels = []
     for j, (joint, gain) in enumerate(gains.items()):
         unit = drive_unit(gain.unit)
-        numbers[f"error of {joint} before [{unit}]"] = judged_error(before)[:, j].tolist()
-        numbers[f"error of {joint} after [{unit}]"] = judged_error(after)[:, j].tolist()
+        numbers[f"error of {joint} before [{unit}]"] = error_where_moving(before)[:, j].tolist()
+        numbers[f"error of {joint} after [{unit}]"] = error_where_moving(after)[:, j].tolist()
         last = j == len(gains) - 1
         chart = before_after_chart(before, after, j, unit, after.name)
         panels.append(PaperPanel(partial(_draw_before_after, chart, f"{joint} [{unit}]", last), ERRORS))
