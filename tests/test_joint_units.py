@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.dataset.joint_units import HINGE, SLIDE, drive_unit, joint_units, units_of_gain
+from bench.basics.joint_units import HINGE, SLIDE, drive_unit, joint_units, units_of_gain
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from bench.basics.joint_units import joint_units
 from bench.dataset.joint_facts import JointFacts
-from bench.dataset.joint_units import joint_units
 from bench.files.recording_fault import Remedy
 
 Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated"]

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.dataset.joint_units import joint_units
+from bench.basics.joint_units import joint_units
 from bench.discovery.units import Unit
 
 Kind = Literal["position", "velocity", "acceleration", "load", "time", "tool_speed"]

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.joint_units import joint_units
+from bench.basics.joint_units import joint_units
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals, RobotSignals
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.dataset.joint_units import joint_units
+from bench.basics.joint_units import joint_units
 from bench.dataset.recording import position_column
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding

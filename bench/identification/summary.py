@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.dataset.joint_units import drive_unit
+from bench.basics.joint_units import drive_unit
 from bench.effects import EffectInstance
 from bench.effects.select import ROBOT as ROBOT
 from bench.identification.by_recording import without_own_values

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.dataset.joint_units import drive_unit
+from bench.basics.joint_units import drive_unit
 from bench.identification.finding import Code, Finding
 from bench.identification.result import CurrentSeries, Identification
 

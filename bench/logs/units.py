@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import pi
 
 from bench.basics.errors import BenchError
-from bench.dataset.joint_units import drive_unit, units_of_gain
+from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.dataset.robot import Actuator, Robot
 
 TURN = 2.0 * pi

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.dataset.joint_units import JointUnits, units_of_gain
+from bench.basics.joint_units import JointUnits, units_of_gain
 from bench.diagnosis.law_words import WHAT, law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Discovered, LooksAt
 from bench.document.charts.chart import Axis, Binned, Chart, Line, Panel, Series

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from bench.dataset.joint_units import drive_unit, units_of_gain
+from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.document.charts.chart import Axis, Chart, Panel, Rule, Spans
 from bench.document.identification import effects_table, parameters_table
 from bench.document.numbers import (

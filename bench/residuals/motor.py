@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.dataset.joint_units import drive_unit, units_of_gain
+from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.dataset.recording import Recording
 from bench.dataset.robot import Robot
 from bench.identification.result import CurrentSeries

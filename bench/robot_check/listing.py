@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from bench.dataset.joint_units import joint_units
+from bench.basics.joint_units import joint_units
 from bench.dataset.robot import Robot
 from bench.model.geometry import Geometry
 from bench.model.supported import label_of

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_robots
-from bench.dataset.joint_units import units_of_gain
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot, load_robot
 from bench.files.toml_input import UserTable, first_mistake

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import HINGE, SLIDE, units_of_gain
 from bench.basics.progress import SILENT, Progress
-from bench.dataset.joint_units import HINGE, SLIDE, units_of_gain
 from bench.dataset.robot import Robot
 from bench.scenario.scenario import Scenario, per_joint, resolve_trajectories
 from bench.scenario.tables import RecordingTable

@@ -14,8 +14,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import drive_unit, joint_units
 from bench.dataset.dataset import Dataset
-from bench.dataset.joint_units import drive_unit, joint_units
 from bench.dataset.recording import Recording
 from bench.document.markdown.identification import parameters_markdown, summary_markdown
 from bench.document.numbers import USES, Truth, error_std, error_where_moving, percent

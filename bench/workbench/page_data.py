@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from bench.basics.joint_units import drive_unit
 from bench.basics.threads import on_one_thread
-from bench.dataset.joint_units import drive_unit
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import Diagnosis
 from bench.effects import EffectInstance

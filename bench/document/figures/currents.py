@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
-from bench.dataset.joint_units import drive_unit
+from bench.basics.joint_units import drive_unit
 from bench.document.charts.currents import fitted_currents_chart
 from bench.document.figures.draw import draw
 from bench.document.numbers import USES, error_std, percent

@@ -6,8 +6,8 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from bench.basics.joint_units import drive_unit
 from bench.dataset.dataset import Dataset
-from bench.dataset.joint_units import drive_unit
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.document.charts.currents import before_after_chart

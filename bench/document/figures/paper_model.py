@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from bench.basics.chi_squared import WITHIN_95
-from bench.dataset.joint_units import drive_unit
+from bench.basics.joint_units import drive_unit
 from bench.diagnosis.result import Diagnosis
 from bench.document.charts.chart import Chart, Levels
 from bench.document.charts.currents import before_after_chart

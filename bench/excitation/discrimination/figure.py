@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
-from bench.dataset.joint_units import units_of_gain
+from bench.basics.joint_units import units_of_gain
 from bench.document.figures.currents import DPI, STYLE
 from bench.document.numbers import effect_name
 from bench.excitation.discrimination.files import trajectory_table

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from bench.dataset.joint_units import units_of_gain
+from bench.basics.joint_units import units_of_gain
 from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.effects.display_names import begun, spoken

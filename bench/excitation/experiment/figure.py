@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bench.dataset.joint_units import drive_unit, units_of_gain
+from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.document.figures.currents import DPI, STYLE
 from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.plan import ExperimentPlan

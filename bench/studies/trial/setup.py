@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_scenarios
-from bench.dataset.joint_units import units_of_gain
 from bench.dataset.robot import Robot, load_robot
 from bench.effects import CATALOGUE, places_in
 from bench.model.geometry import read_geometry
