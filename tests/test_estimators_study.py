@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.basics.plain_data import finite
 from bench.dataset.dataset import Dataset
-from bench.files.atomic import finite
 from bench.peers.problems import make_problem
 from bench.studies.estimators import (
     CASES,

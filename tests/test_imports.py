@@ -40,7 +40,7 @@ MAY_IMPORT_BY_NAME = {
     "bench.peers.figaroh_arm",  # versions of the peers
     "bench.peers.__main__",  # versions of the peers
     "bench.peers.mujoco_sysid",  # versions of the peers
-    "bench.studies.sweep.versions",  # versions of what is installed
+    "bench.basics.versions",  # versions of what is installed
 }
 
 

@@ -9,8 +9,8 @@ import time
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import Versions
 from bench.studies.sweep.run_sweep import JOURNAL, TABLE
-from bench.studies.sweep.versions import Versions
 from tests.sweep_stand_in import Accidents, StandIn, plan_of, run
 
 STARTING = 60.0  # s

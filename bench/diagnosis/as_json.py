@@ -3,10 +3,10 @@
 from dataclasses import asdict
 from typing import Any
 
+from bench.basics.plain_data import finite
 from bench.diagnosis.reason_words import judged_on, left_words
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, Unexplained
 from bench.diagnosis.summary import error_share, reason, summary_sentences
-from bench.files.atomic import finite
 from bench.identification.model_json import to_json
 from bench.identification.result import Identification
 

@@ -1,7 +1,6 @@
 """Files that are whole or not there: an interrupted command leaves no half-written one."""
 
 import json
-import math
 import secrets
 import shutil
 from collections.abc import Iterator
@@ -72,17 +71,6 @@ def write_text_atomically(path: str | Path, text: str) -> None:
     """Write a UTF-8 text file in one step; see `atomic_path` for the errors."""
     with atomic_path(path) as partial:
         partial.write_text(text, encoding="utf-8")
-
-
-def finite(value: Any) -> Any:
-    """Plain data with null in place of numbers that JSON does not have: NaN and infinity."""
-    if isinstance(value, dict):
-        return {key: finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def write_json_atomically(path: str | Path, value: Any) -> None:

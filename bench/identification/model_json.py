@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.files.atomic import finite
+from bench.basics.plain_data import finite
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.result import (
     CurrentSeries,

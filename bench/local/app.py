@@ -16,9 +16,9 @@ from starlette.responses import FileResponse, JSONResponse, Response, StreamingR
 from starlette.routing import Route
 
 from bench.basics.errors import BenchError
+from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT
 from bench.dataset.dataset_toml import DATASET_FILE
-from bench.files.atomic import finite
 from bench.local.folder import Folder, said_time
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs

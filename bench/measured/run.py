@@ -13,10 +13,10 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import versions
 from bench.files.atomic import write_text_atomically
 from bench.files.toml_input import first_mistake
 from bench.measured.known import AgainstKnown, MachineTable, compared
-from bench.studies.sweep.versions import versions
 
 SUFFIX = ".json"
 

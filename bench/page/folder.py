@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError
+from bench.basics.plain_data import finite
+from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.law_effects import discovered_from, law_effects
 from bench.diagnosis.reason import Because, Doubt, Reason
@@ -29,14 +31,13 @@ from bench.diagnosis.result import (
     Unexplained,
 )
 from bench.diagnosis.split import with_held_out_parts
-from bench.files.atomic import finite, write_json_atomically, write_text_atomically
+from bench.files.atomic import write_json_atomically, write_text_atomically
 from bench.identification.model_file import load_model, read_identification, save_model
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import CurrentSeries, Identification, Quantity
 from bench.page.digest import dataset_digest, file_digest
 from bench.page.section_run import CommandRun
 from bench.page.series_file import read_series, write_series
-from bench.studies.sweep.versions import Versions, versions
 from bench.workbench.page_data import VERSION as WORKBENCH_VERSION
 
 RUN_FILE = "report.json"

@@ -4,13 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 
 from bench.basics.errors import BenchError
+from bench.basics.plain_data import finite
+from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.reason_words import judged_on
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.document.typeset import plural, typeset
-from bench.files.atomic import finite
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
@@ -34,7 +35,6 @@ from bench.page.verdict import (
 from bench.replay.replay import Replay, TwinMotion
 from bench.replay.report import replay_sentences
 from bench.signals.settings import FilterSettings
-from bench.studies.sweep.versions import versions
 from bench.viewer.context import SimulatedPoses
 
 FRAMES = 150  # of the robot in motion: enough for the eye, and small

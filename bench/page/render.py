@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup, escape
 
-from bench.files.atomic import finite
+from bench.basics.plain_data import finite
 from bench.page.parts import Figure, Mechanism, Page, Runs
 
 ASSETS = Path(__file__).with_name("assets")

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.reason_words import judged_on, left_words
 from bench.diagnosis.result import Diagnosis
@@ -13,7 +14,6 @@ from bench.document.typeset import effect_name, short, typeset
 from bench.identification.result import Identification
 from bench.page.parts import Commands, Items, PageColumn, PageTable, Part, Section, row
 from bench.signals.settings import FilterSettings
-from bench.studies.sweep.versions import Versions, versions
 
 OPTIONS = {
     "position_cutoff": "--position-cutoff",

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import versions
 from bench.document.typeset import plural, typeset
 from bench.effects.display_names import begun
 from bench.identification.wording import and_list
@@ -37,7 +38,6 @@ from bench.studies.sweep.summary import Spread, Summary, SummaryLine, summarise
 from bench.studies.sweep.sweep_file import load_sweep
 from bench.studies.sweep.table import column_names, read_table
 from bench.studies.sweep.titles import axis_title, axis_words, metric_title
-from bench.studies.sweep.versions import versions
 
 MOST_LINES = 200  # of a table on the page; the file beside it has all
 MOST_REASONS = 20

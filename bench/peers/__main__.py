@@ -17,6 +17,7 @@ from rich import box
 from rich.table import Table
 
 from bench.basics.chi_squared import WITHIN_95
+from bench.basics.versions import versions
 from bench.files.atomic import write_json_atomically, write_text_atomically
 from bench.peers.own import (
     Answer,
@@ -27,7 +28,6 @@ from bench.peers.own import (
 )
 from bench.peers.problems import COULOMB_SHARE, DURATION, PeerProblem, make_problem
 from bench.studies.sweep.console import table_console
-from bench.studies.sweep.versions import versions
 
 warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
 RESULT = Path("results/peers")

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.effects import JointSignals
@@ -17,7 +18,6 @@ from bench.export.identified import IdentifiedModel
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import PhysicalSet
 from bench.export.sidecar import sidecar, write_sidecar
-from bench.files.atomic import finite
 from bench.identification.filtered import Measured
 from bench.identification.model_file import Comparison, applied
 from bench.identification.observation import all_currents

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
-from bench.files.atomic import finite
+from bench.basics.plain_data import finite
 from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.residuals.words import (
     alike_words,

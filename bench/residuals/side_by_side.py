@@ -10,8 +10,8 @@ from typing import Any
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.errors import BenchError
+from bench.basics.plain_data import finite
 from bench.effects.select import ROBOT
-from bench.files.atomic import finite
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import Problem
 from bench.identification.result import Identification, Quantity

@@ -14,7 +14,7 @@ from rich import box
 from rich.table import Table
 
 from bench.basics.errors import BenchError
-from bench.studies.sweep.versions import versions
+from bench.basics.versions import versions
 
 HISTORY = Path("results/speed/history.jsonl")
 NOTABLE = 0.15  # relative change that is worth a colour; machines are noisier than that below

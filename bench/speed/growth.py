@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure as Drawing
 from rich.table import Table
 
+from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.diagnose import diagnose
 from bench.diagnosis.result import Diagnosis
@@ -27,7 +28,6 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
 from bench.speed.long_log import write_long_dataset
 from bench.studies.sweep.console import table_console
-from bench.studies.sweep.versions import versions
 
 RESULT = Path("results/speed/growth.json")
 PICTURE = Path("results/speed/growth.png")

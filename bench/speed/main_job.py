@@ -15,6 +15,7 @@ import numpy as np
 from mujoco import rollout
 from rich.table import Table
 
+from bench.basics.versions import versions
 from bench.excitation.scenario import designer
 from bench.files.atomic import atomic_path
 from bench.identification.identify import identify
@@ -22,7 +23,6 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.studies.sweep.console import table_console
-from bench.studies.sweep.versions import versions
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import Simulation, simulate
 

@@ -14,6 +14,7 @@ import pinocchio as pin
 from rich.table import Table
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import versions
 from bench.dataset.robot import load_robot
 from bench.files.atomic import atomic_path
 from bench.model.base import base_parameters
@@ -25,7 +26,6 @@ from bench.model.tree import build_tree
 from bench.signals.processing import estimate_motion
 from bench.signals.settings import FilterSettings
 from bench.studies.sweep.console import table_console
-from bench.studies.sweep.versions import versions
 
 LIMITS = {"five_bar": 6.0, "delta": 4.0}  # times Pinocchio's loop
 RATE, DURATION = 1000.0, 20.0  # Hz, s

@@ -18,6 +18,7 @@ from pathlib import Path
 from rich.table import Table
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import versions
 from bench.files.atomic import write_json_atomically
 from bench.speed.figures import SpeedFigure
 from bench.speed.stand_in import NoWork
@@ -28,7 +29,6 @@ from bench.studies.sweep.plan import make_plan
 from bench.studies.sweep.pool import LocalPool, Pool
 from bench.studies.sweep.run_sweep import JOURNAL, run_sweep
 from bench.studies.sweep.sweep_file import load_sweep
-from bench.studies.sweep.versions import versions
 
 RUNS, LOCAL_WORKERS, DASK_WORKERS = 10_000, 2, 64
 COST_LIMIT = 2.0  # ms of the driver's processor time a run

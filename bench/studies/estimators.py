@@ -22,10 +22,12 @@ import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.errors import BenchError
+from bench.basics.plain_data import finite
 from bench.basics.threads import on_one_thread
+from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.excitation.scenario import designer
-from bench.files.atomic import finite, write_json_atomically, write_text_atomically
+from bench.files.atomic import write_json_atomically, write_text_atomically
 from bench.identification.estimators import ESTIMATORS
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -33,7 +35,6 @@ from bench.identification.problem import problem_of
 from bench.identification.wording import in_percent
 from bench.scenario.scenario import Scenario, load_scenario, resolve_trajectories
 from bench.scenario.trajectory import FourierTrajectory
-from bench.studies.sweep.versions import versions
 from bench.truth.dataset import as_dataset
 from bench.truth.machine import true_gains
 from bench.truth.resense import sense_again

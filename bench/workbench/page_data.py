@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from bench.basics.joint_units import drive_unit
+from bench.basics.plain_data import finite
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import Diagnosis
 from bench.effects import EffectInstance
 from bench.effects.display_names import spoken
 from bench.effects.effect import Effect
-from bench.files.atomic import finite
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.workbench.encode import doubles, floats, triangle

@@ -17,6 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from bench.basics.versions import versions
 from bench.dataset.catalogue import built_in_robots, built_in_scenarios
 from bench.diagnosis.diagnose import diagnose
 from bench.document.charts.motor import motor_charts
@@ -36,7 +37,6 @@ from bench.residuals.residuals import errors_by_motor
 from bench.residuals.words import finding_sentences
 from bench.scenario.scenario import resolve_trajectories
 from bench.studies.sweep.accuracy import accuracy
-from bench.studies.sweep.versions import versions
 from bench.studies.trial.cases import SHARES, SHARES_OF, Case, Hide
 from bench.studies.trial.compatible import COMPANIONS
 from bench.studies.trial.realise import hidden_places, realised, reference_scenario

@@ -10,8 +10,8 @@ from importlib import import_module
 from typing import Any
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import versions
 from bench.studies.sweep.pool import Outcome, Shared, Task, attempt
-from bench.studies.sweep.versions import versions
 
 try:
     distributed: Any = import_module("distributed")

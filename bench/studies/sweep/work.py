@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import versions
 from bench.excitation.scenario import designer
 from bench.identification.identify import fit
 from bench.identification.prepare import prepare, with_gains
@@ -23,7 +24,6 @@ from bench.studies.sweep.measure import measure
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Task
 from bench.studies.sweep.settings import flat_settings, plain
-from bench.studies.sweep.versions import versions
 from bench.truth.dataset import as_dataset
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate

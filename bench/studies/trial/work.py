@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bench.basics.errors import BenchError
+from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.discovery.find import find_missing_effects
@@ -22,7 +23,6 @@ from bench.studies.sweep.accuracy import accuracy
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.plan import Run
 from bench.studies.sweep.pool import Task
-from bench.studies.sweep.versions import versions
 from bench.studies.sweep.work import FAILED, OK, Trajectories
 from bench.studies.trial.cases import Case
 from bench.studies.trial.compatible import PARTS, expected

@@ -1,0 +1,15 @@
+"""Plain data for JSON."""
+
+import math
+from typing import Any
+
+
+def finite(value: Any) -> Any:
+    """Plain data with null in place of numbers that JSON does not have: NaN and infinity."""
+    if isinstance(value, dict):
+        return {key: finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
