@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.joint_units import drive_unit
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.experiment.nominal import Equations, Evidence, Nominal, equations, evidence, seen
 from bench.excitation.experiment.room import (
@@ -118,7 +119,7 @@ def check_standing(search: Search) -> None:
             nominal.model.geometry.robot.actuators, current, allowed, strict=True
         ):
             if needed > most:
-                unit = actuator.gain_unit.partition("/")[2]
+                unit = drive_unit(actuator.gain_unit)
                 carrying = "" if load is None else " with the payload"
                 raise BenchError(
                     f"current or torque of {actuator.joint}: {most:.3g} {unit} leaves no room, "
