@@ -6,6 +6,7 @@ import pytest
 from bench.identification.compressed import Stack, compress
 from bench.identification.current_error import REWEIGHTINGS, current_error, minimised, squared_errors
 from bench.identification.least_squares import weighted_least_squares
+from bench.identification.solution import NominalGains
 
 TRUE = np.array([3.3, 2.8, 40.0])
 NOMINAL = np.array([3.0, 3.0, 38.0])
@@ -28,7 +29,7 @@ def stack_of(noise: float) -> Stack:
 @pytest.mark.parametrize("noise", [0.1, 1e-3, 1e-5])
 def test_steps_on_inner_products_lead_where_steps_on_the_equations_do(noise, fit_gains):
     stack = stack_of(noise)
-    start = weighted_least_squares(stack, NOMINAL, fit_gains)
+    start = weighted_least_squares(stack, NominalGains(NOMINAL, fit_gains))
 
     def weights_of(theta, gains):
         return 1.0 / np.sqrt(squared_errors(stack.factors, theta, gains) / len(stack.current))

@@ -56,3 +56,22 @@ def test_in_scripts_too(project_root: Path) -> None:
     apart = re.compile(r"/\*.*?\*/|//[^\n]*|\"[^\"\n]*\"|: one of \$|the ones? ", re.DOTALL)
     for path in (project_root / "bench").glob("*/assets/*.js"):
         assert not re.search(r"\bone\b", apart.sub("", path.read_text(encoding="utf-8"))), path
+
+
+def test_whether_gains_are_fitted_travels_with_what_is_asked(project_root: Path) -> None:
+    """In a Problem, its equations, or the gains themselves; a user's face and numeric kernels aside."""
+    given = {
+        (path.name, node.name)
+        for path in (project_root / "bench").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef)
+        and any(argument.arg == "fit_gains" for argument in (*node.args.args, *node.args.kwonlyargs))
+    }
+    assert given == {
+        ("identify.py", "identify"),
+        ("problem.py", "problem_of"),
+        ("bilinear.py", "normal_equations"),
+        ("centred.py", "minimised"),
+        ("current_error.py", "minimised"),
+        ("robust.py", "_likeliest"),
+    }

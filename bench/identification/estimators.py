@@ -15,22 +15,21 @@ if TYPE_CHECKING:
     import numpy as np
 
     from bench.identification.compressed import Stack
-    from bench.identification.solution import Solution
+    from bench.identification.solution import NominalGains, Solution
 
 DEFAULT_METHOD = "current"
 
 
 @dataclass(frozen=True)
 class Request:
-    """What an estimator may use: the equations, nominal gains (n,), whether to fit the gains, joints (n,).
+    """What an estimator may use: the equations, the gains as they are declared, joints (n,).
 
     Computed only when asked for: the errors of the columns, [phi, kappa] (M, n, p + 1) at the motion of a twin, and the
     terms (M, n, 3) of the controller's law.
     """
 
     stack: Stack
-    nominal: np.ndarray
-    fit_gains: bool
+    gains: NominalGains
     column_errors: Callable[[], np.ndarray]
     simulated: Callable[[], np.ndarray]
     commanded: Callable[[], np.ndarray]
@@ -46,13 +45,13 @@ def _current(request: Request) -> Solution:
 def _robust(request: Request) -> Solution:
     from bench.identification.robust import robust_error
 
-    return robust_error(request.stack, _wls(request), request.nominal)
+    return robust_error(request.stack, _wls(request), request.gains.values)
 
 
 def _iv(request: Request) -> Solution:
     from bench.identification.instrumental import instrumental_variables
 
-    return instrumental_variables(request.stack, _wls(request), request.nominal, request.simulated())
+    return instrumental_variables(request.stack, _wls(request), request.gains.values, request.simulated())
 
 
 def _oe(request: Request) -> Solution:
@@ -61,7 +60,7 @@ def _oe(request: Request) -> Solution:
     return output_error(
         request.stack,
         _wls(request),
-        request.nominal,
+        request.gains.values,
         request.commanded(),
         request.simulated(),
         request.joints,
@@ -83,13 +82,13 @@ def _tls(request: Request) -> Solution:
 def _wls(request: Request) -> Solution:
     from bench.identification.least_squares import weighted_least_squares
 
-    return weighted_least_squares(request.stack, request.nominal, request.fit_gains)
+    return weighted_least_squares(request.stack, request.gains)
 
 
 def _ls(request: Request) -> Solution:
     from bench.identification.least_squares import least_squares
 
-    return least_squares(request.stack, request.nominal, request.fit_gains)
+    return least_squares(request.stack, request.gains)
 
 
 ESTIMATORS: dict[str, Callable[[Request], Solution]] = {
@@ -110,7 +109,7 @@ def solve(method: str, request: Request) -> Solution:
     """Run the estimator `method`. Raises BenchError for an unknown one, or one that needs a known payload."""
     if method not in ESTIMATORS:
         raise BenchError(f"unknown method {method!r}; known: {', '.join(ESTIMATORS)}")
-    if method in NEED_SCALE and not request.fit_gains:
+    if method in NEED_SCALE and not request.gains.fitted:
         raise BenchError(
             f"method {method!r} needs a fitted recording with a payload of known mass; use current, robust, ls or wls"
         )

@@ -4,12 +4,13 @@ import numpy as np
 
 from bench.identification.compressed import Stack
 from bench.identification.layout import ParameterLayout
+from bench.identification.solution import NominalGains
 
 DEPENDENT = 1e-7  # share of a column that the model must leave for it to count as independent
 NOTHING = 1e-9  # of the motors' torque: a smaller column is rounding
 
 
-def identifiable_columns(stack: Stack, layout: ParameterLayout, fit_gains: bool) -> np.ndarray:
+def identifiable_columns(stack: Stack, layout: ParameterLayout, gains: NominalGains) -> np.ndarray:
     """Indices of the columns of phi without those of effects that depend on the columns before them.
 
     Those of redundant motors' gains are left out where gains are known. With unknown gains the torque of the known
@@ -17,11 +18,11 @@ def identifiable_columns(stack: Stack, layout: ParameterLayout, fit_gains: bool)
     mass of the only payload, would leave none.
     """
     p, first = layout.size, layout.size - layout.effects
-    kept = list(range(first if fit_gains else first - layout.redundant))
+    kept = list(range(first if gains.fitted else first - layout.redundant))
     if not layout.effects:
         return np.array(kept, dtype=int)
     rows = stack.factors.reshape(-1, p + 2)
-    own = np.append(kept, [p] if fit_gains else [])
+    own = np.append(kept, [p] if gains.fitted else [])
     basis = _orthonormal(rows[:, own.astype(int)])
     scale = np.linalg.norm(rows[:, :first], axis=0).max(initial=0.0)
     for index in range(first, p):

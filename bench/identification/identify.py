@@ -57,25 +57,23 @@ def fit(
 ) -> Identification:
     """Estimate from prepared equations; see `identify`."""
     prepared, outside = within_bounds(prepared)
-    fit_gains = prepared.fit_gains
+    gains = prepared.gains
     dataset, layout = prepared.dataset, prepared.layout
     stack = stack_observations(prepared.fitted, layout, dataset.payloads)
-    kept = np.setdiff1d(identifiable_columns(stack, layout, fit_gains), columns_of(prepared, outside))
-    unknowns = len(kept) + (stack.current.shape[1] if fit_gains else 0)
+    kept = np.setdiff1d(identifiable_columns(stack, layout, gains), columns_of(prepared, outside))
+    unknowns = len(kept) + (stack.current.shape[1] if gains.fitted else 0)
     equations = int(stack.moving.sum())
     if equations < 2 * unknowns:
         raise BenchError(
             f"{dataset.folder}: {equations} equations after decimation are too few for {unknowns} unknowns"
         )
-    nominal = dataset.robot.nominal_gains
-    motors = np.arange(len(nominal))
+    motors = np.arange(len(gains.values))
 
     def solved(system: Stack, columns: np.ndarray) -> Solution:
         errors = np.append(columns, [layout.size, layout.size + 1])
         request = Request(
             stack=system,
-            nominal=nominal,
-            fit_gains=fit_gains,
+            gains=gains,
             column_errors=lambda: _column_errors(prepared)[np.ix_(motors, errors, errors)],
             simulated=lambda: simulated_columns(prepared)[:, :, errors[:-1]],
             commanded=lambda: commanded_currents(prepared),

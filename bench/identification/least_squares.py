@@ -3,26 +3,33 @@
 import numpy as np
 
 from bench.identification.compressed import Stack
-from bench.identification.solution import Solution, scaled_lstsq, torque_residual_rms, torque_system, weighted
+from bench.identification.solution import (
+    NominalGains,
+    Solution,
+    scaled_lstsq,
+    torque_residual_rms,
+    torque_system,
+    weighted,
+)
 
 REWEIGHTINGS = 3
 
 
-def least_squares(stack: Stack, nominal: np.ndarray, fit_gains: bool) -> Solution:
-    """IDIM-LS, equation 10; with `fit_gains` the gains are unknowns of equation 12 beside the parameters.
+def least_squares(stack: Stack, gains: NominalGains) -> Solution:
+    """IDIM-LS, equation 10; with `gains.fitted` they are unknowns of equation 12 beside the parameters.
 
     The currents' noise then stands in the columns of the gains and draws them towards zero; TLS and the
     current-domain estimator do not have that bias.
     """
-    return _solve(stack, nominal, np.ones(len(nominal)), fit_gains)
+    return _solve(stack, gains, np.ones(len(gains.values)))
 
 
-def weighted_least_squares(stack: Stack, nominal: np.ndarray, fit_gains: bool) -> Solution:
+def weighted_least_squares(stack: Stack, gains: NominalGains) -> Solution:
     """IDIM-WLS (Gautier 1997): every motor's equation divided by the deviation of its error."""
-    solution = least_squares(stack, nominal, fit_gains)
+    solution = least_squares(stack, gains)
     for _ in range(REWEIGHTINGS):
         weights = row_weights(stack, solution)
-        solution = _solve(stack, nominal, weights, fit_gains)
+        solution = _solve(stack, gains, weights)
     return solution
 
 
@@ -35,9 +42,9 @@ def row_weights(stack: Stack, solution: Solution) -> np.ndarray:
     return np.asarray(1.0 / np.maximum(rms, 1e-9 * scale.max() + np.finfo(float).tiny))
 
 
-def _solve(stack: Stack, nominal: np.ndarray, weights: np.ndarray, fit_gains: bool) -> Solution:
-    rows, right = torque_system(weighted(stack.factors, weights), None if fit_gains else nominal)
+def _solve(stack: Stack, gains: NominalGains, weights: np.ndarray) -> Solution:
+    rows, right = torque_system(weighted(stack.factors, weights), gains.held)
     x = scaled_lstsq(rows, right)
     p = stack.phi.shape[2]
-    gains = x[p:] if fit_gains else nominal
-    return Solution(x[:p], gains, weights, "torque", fit_gains)
+    found = x[p:] if gains.fitted else gains.values
+    return Solution(x[:p], found, weights, "torque", gains.fitted)

@@ -39,16 +39,16 @@ def stepped(prepared: Prepared) -> tuple[Prepared, Stack, Solution] | None:
     bent, about = _bends(prepared, stack.current.shape, every=False)
     if not shapes and not about.any():
         return None
-    kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
+    kept = identifiable_columns(stack, prepared.layout, prepared.gains)
     linear = prepared.layout.size - prepared.layout.effects
     whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
     system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
     added = np.arange(len(shapes)) + prepared.layout.size
     left = partial_regression(stack, solution)
     reaches = [_reach(prepared, left, i, name) for i, name in shapes]
-    free, nominal = added, prepared.dataset.robot.nominal_gains
+    free = added
     while True:  # the others stay where they are searched no further
-        theta = solved_with(system, np.append(kept, free), nominal, prepared.fit_gains, solution.gains).theta
+        theta = solved_with(system, np.append(kept, free), prepared.gains, solution.gains).theta
         inside = [
             not _leaves(prepared, *shape, *reach, step)
             for shape, reach, step in zip(shapes, reaches, theta[added], strict=True)

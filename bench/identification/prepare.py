@@ -23,6 +23,7 @@ from bench.identification.payload_parameters import payload_columns
 from bench.identification.perturbations import Nearby
 from bench.identification.problem import Problem
 from bench.identification.redundant_encoders import contradicted_closures
+from bench.identification.solution import NominalGains
 from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
 from bench.signals.settings import Bands, FilterSettings, completed, signal_bands
@@ -56,6 +57,11 @@ class Prepared:
     contradicted: tuple[Finding, ...] = ()
     bands: Bands | None = None
     kept: dict[str, FixedColumns | None] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def gains(self) -> NominalGains:
+        """The drive gains as they are declared, and whether they are unknowns."""
+        return NominalGains(self.dataset.robot.nominal_gains, self.fit_gains)
 
     @property
     def left_aside(self) -> tuple[str, ...]:

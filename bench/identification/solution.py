@@ -9,6 +9,19 @@ from scipy.linalg import lstsq
 from bench.identification.compressed import Stack
 
 
+@dataclass(frozen=True, eq=False)
+class NominalGains:
+    """Drive gains (n,) as they are declared; fitted: whether they are unknowns, or taken as they are."""
+
+    values: np.ndarray
+    fitted: bool
+
+    @property
+    def held(self) -> np.ndarray | None:
+        """The gains where they are taken as they are; None where they are unknowns."""
+        return None if self.fitted else self.values
+
+
 @dataclass(frozen=True)
 class Solution:
     """theta (p,) and drive gains (n,) with what their deviations need.

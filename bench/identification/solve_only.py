@@ -14,7 +14,7 @@ from bench.identification.fixed_columns import fits, fixed_columns, stacked_besi
 from bench.identification.identifiability_of_effects import identifiable_columns
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.prepare import Prepared
-from bench.identification.solution import Solution
+from bench.identification.solution import NominalGains, Solution
 
 FIXED = "fixed columns"
 
@@ -22,9 +22,8 @@ FIXED = "fixed columns"
 def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for what is absorbed."""
     stack = _stacked(prepared)
-    kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
-    nominal, present = prepared.dataset.robot.nominal_gains, prepared.present.gains
-    return stack, solved_with(stack, kept, nominal, prepared.fit_gains, present)
+    kept = identifiable_columns(stack, prepared.layout, prepared.gains)
+    return stack, solved_with(stack, kept, prepared.gains, prepared.present.gains)
 
 
 def _stacked(prepared: Prepared) -> Stack:
@@ -38,18 +37,17 @@ def _stacked(prepared: Prepared) -> Stack:
     return stack_observations(*parts) if fixed is None else stacked_beside(fixed, prepared.fitted)
 
 
-def solved_with(
-    stack: Stack, kept: np.ndarray, nominal: np.ndarray, fit_gains: bool, near: np.ndarray
-) -> Solution:
+def solved_with(stack: Stack, kept: np.ndarray, gains: NominalGains, near: np.ndarray) -> Solution:
     """The current-domain solution with some columns of phi only, kept (k,); zero for the others.
 
     near (n,): gains to start from, of a model much like this one.
     """
     size = stack.phi.shape[2]
     smaller = stack if len(kept) == size else reduced(stack, kept)
-    start = weighted_least_squares(smaller, nominal, fit_gains)
-    if fit_gains and not np.array_equal(near, nominal):
-        held = replace(weighted_least_squares(smaller, near, False), gains_fitted=True)
+    start = weighted_least_squares(smaller, gains)
+    if gains.fitted and not np.array_equal(near, gains.values):
+        held = weighted_least_squares(smaller, NominalGains(near, fitted=False))
+        held = replace(held, gains_fitted=True)
         start = min(start, held, key=lambda candidate: _missed(smaller, candidate))
     solution = current_error(smaller, start, to_the_last_digit=False)
     return replace(solution, theta=with_zeros(solution.theta, kept, size))

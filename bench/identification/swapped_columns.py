@@ -72,8 +72,7 @@ class _Trial:
         n = len(prepared.dataset.robot.nominal_gains)
         layout = with_friction(prepared.layout, n)
         self.size = layout.size
-        self.fit_gains = prepared.fit_gains
-        self.nominal = prepared.dataset.robot.nominal_gains
+        self.gains = prepared.gains
         self.parts: dict[str, np.ndarray] = {}
         for observation, measured in zip(prepared.observations, prepared.measured, strict=True):
             if observation.use != "identify":
@@ -86,7 +85,7 @@ class _Trial:
 
     def exchanged(self, names: Sequence[str], a: int, b: int) -> np.ndarray:
         """Factors (n, p + 2, p + 2) of [phi, kappa, current] with two motors' currents exchanged in some recordings."""
-        motors = np.arange(len(self.nominal))
+        motors = np.arange(len(self.gains.values))
         turned = motors.copy()
         turned[[a, b]] = b, a
         p = self.size
@@ -104,9 +103,9 @@ class _Trial:
 
     def error(self, factors: np.ndarray, *, least: bool = False) -> float:
         """Relative error of the currents by least squares in torque; or the least that there can be, from there."""
-        rows, right = torque_system(factors, None if self.fit_gains else self.nominal)
+        rows, right = torque_system(factors, self.gains.held)
         found = scaled_lstsq(rows, right)
-        theta, gains = found[: self.size], found[self.size :] if self.fit_gains else self.nominal
+        theta, gains = found[: self.size], found[self.size :] if self.gains.fitted else self.gains.values
         if least:
-            theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.fit_gains)
+            theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))

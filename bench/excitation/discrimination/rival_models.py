@@ -98,7 +98,7 @@ def _fitted(prepared: Prepared, request: str) -> Rival:
     stack, solution = solved_quickly(prepared)
     own = tuple(instance for instance in prepared.effects if instance.request == request)
     count = sum(len(instance.effect.parameters) for instance in own)  # requests come last
-    kept = identifiable_columns(stack, prepared.layout, prepared.fit_gains)
+    kept = identifiable_columns(stack, prepared.layout, prepared.gains)
     absorbed = not np.any(kept >= prepared.layout.size - count)
     present = present_model(prepared, solution)
     return Rival(
