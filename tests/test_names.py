@@ -5,7 +5,7 @@ import re
 from collections import Counter
 from pathlib import Path
 
-CLASS = re.compile(r"^class ([A-Za-z]\w*)", re.MULTILINE)
+CLASS = re.compile(r"^class ([A-Za-z_]\w*)", re.MULTILINE)
 TWICE = {
     "JointLaw",  # of a twin and of the simulated machine, which share no code
     "Table",  # of a document, and what a law looks its torque up in

@@ -23,7 +23,7 @@ class _Steps(ProgressColumn):
         return Text("" if task.total is None else f"{task.completed:g}/{task.total:g}", "dim")
 
 
-class _Left(TimeRemainingColumn):
+class _TimeLeft(TimeRemainingColumn):
     def render(self, task: Task) -> Text:
         """Time left of the phase, once its steps tell."""
         if task.time_remaining is None:
@@ -41,7 +41,7 @@ class ProgressBar:
             BarColumn(),
             _Steps(),
             TimeElapsedColumn(),
-            _Left(compact=True),
+            _TimeLeft(compact=True),
             console=Console(stderr=True),
             transient=True,
             redirect_stdout=False,

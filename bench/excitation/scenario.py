@@ -19,10 +19,10 @@ def designer(
 ) -> dict[str, FourierTrajectory]:
     """Trajectories for the recordings of a scenario that ask for an optimised one, by recording name."""
     movements = tuple(_movement(scenario, recording) for recording in recordings)
-    return dict(_designed(_Request(scenario.robot, _Key(movements), progress)).trajectories)
+    return dict(_designed(_Request(scenario.robot, _DesignKey(movements), progress)).trajectories)
 
 
-class _Key(tuple[Movement, ...]):
+class _DesignKey(tuple[Movement, ...]):
     """Movements, compared by what they print: arrays do not hash."""
 
     def __hash__(self) -> int:
@@ -37,7 +37,7 @@ class _Request:
     """What is designed; requests of which only the progress differs are the same."""
 
     robot: Robot
-    movements: _Key
+    movements: _DesignKey
     progress: Progress = field(compare=False)
 
 

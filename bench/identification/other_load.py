@@ -38,7 +38,7 @@ def other_load(problem: Problem, result: Identification, prepared: Prepared | No
         return []
     if prepared is None:
         prepared = prepare(replace(problem, effects=(), filters=result.settings, fit_gains=True))
-    trial = _Trial(prepared)
+    trial = _LoadTrial(prepared)
     declared = {
         measurement.recording.name: measurement.recording.payload for measurement in prepared.measured
     }
@@ -68,7 +68,7 @@ def _large(result: Identification) -> bool:
     return any((relative_error([trace], j) or 0.0) > LARGE for trace in result.recordings for j in motors)
 
 
-class _Trial:
+class _LoadTrial:
     """The equations of every recording with each load, formed once each, as triangular factors (n, p + 2, p + 2) of
     [phi, kappa, current].
     """

@@ -42,7 +42,7 @@ def swapped_columns(
         prepared = prepare(
             replace(problem, effects=(), filters=result.settings, fit_gains=result.gains_fitted)
         )
-    trial = _Trial(prepared)
+    trial = _ColumnsTrial(prepared)
     names, a, b = min(
         _swaps(tuple(trial.parts), len(joints)), key=lambda swap: trial.error(trial.exchanged(*swap))
     )
@@ -61,7 +61,7 @@ def _swaps(names: tuple[str, ...], motors: int) -> Iterator[tuple[tuple[str, ...
             yield chosen, a, b
 
 
-class _Trial:
+class _ColumnsTrial:
     """The equations of all fitted recordings with every motor's current beside every motor's rows, and friction.
 
     parts: for each recording triangular factors (n, r, p + 1 + n) of [phi, kappa, all currents], formed once: an

@@ -43,7 +43,7 @@ def with_sized_effect(
     if not content.get("hidden_share"):
         return plain
     effect, share = content["hidden_effect"], content["hidden_share"]
-    reference = _reference(_Key({**plain, "hidden": []}), name, _Key(trajectories))
+    reference = _reference(_ShareKey({**plain, "hidden": []}), name, _ShareKey(trajectories))
     kind = HIDDEN_EFFECTS[effect]
     joints: tuple[str | None, ...] = reference.simulation.robot.joints
     if content.get("hidden_joint") is not None:
@@ -57,7 +57,7 @@ def with_sized_effect(
     return {**plain, "hidden": [*plain.get("hidden", []), *entries]}
 
 
-class _Key(dict[str, Any]):
+class _ShareKey(dict[str, Any]):
     """A mapping compared by what it prints."""
 
     def __hash__(self) -> int:  # type: ignore[override]
@@ -68,5 +68,5 @@ class _Key(dict[str, Any]):
 
 
 @lru_cache(maxsize=2)
-def _reference(content: _Key, name: str, trajectories: _Key) -> Reference:
+def _reference(content: _ShareKey, name: str, trajectories: _ShareKey) -> Reference:
     return Reference(simulate(scenario_from_dict(content, name), trajectories, threads=1))

@@ -30,7 +30,7 @@ class _Rate(ProgressColumn):
         return Text(rate_text(_mean_rate(task)), "dim")
 
 
-class _Left(ProgressColumn):
+class _RunsLeft(ProgressColumn):
     def render(self, task: Task) -> Text:
         """Time left at the mean rate since the start."""
         rate = _mean_rate(task)
@@ -67,7 +67,7 @@ def shown_progress(console: Console, total: int) -> Iterator[ShownProgress]:
         BarColumn(),
         MofNCompleteColumn(),
         _Rate(),
-        _Left(),
+        _RunsLeft(),
         _Failures(),
     )
     with Progress(*columns, console=console, disable=console.quiet) as progress:
