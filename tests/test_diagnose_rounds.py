@@ -1,15 +1,19 @@
 """A search goes from one converged model to a better one, whatever sets promise about the model of another."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from bench.diagnosis import rounds, search
+from bench.dataset.dataset import load_dataset
+from bench.diagnosis import rounds
+from bench.diagnosis.diagnose import diagnose
 from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less
 from bench.diagnosis.normal_equations import AWAY, run_away
+from bench.identification.problem import problem_of
 
 SYSTEM: Any = SimpleNamespace(
     fitted=SimpleNamespace(rows=4000), checked=SimpleNamespace(rows=2000), memory=10.0, repeats=1.0
@@ -119,12 +123,25 @@ def test_a_model_with_a_gain_that_ran_away_does_not_take_the_place_of_one_withou
     assert found.chosen == (0,)
 
 
-def test_a_set_with_a_gain_that_ran_away_is_not_possible() -> None:
+def test_a_gain_has_run_away_at_many_times_the_nominal_one_or_little_of_it() -> None:
     assert run_away(np.array([1.0, 1.1 * AWAY]))
     assert run_away(np.array([1.0, 0.9 / AWAY]))
     assert not run_away(np.array([10.0, 0.1]))
-    system: Any = SimpleNamespace(start=SimpleNamespace(gains=np.array([2.0, 3.0])), base=0)
-    fits: list[Any] = [
-        SimpleNamespace(gains=np.array(gains), chosen=(), values=()) for gains in ([2.5, 2.0], [2.5, 1e6])
-    ]
-    assert [search.possible(system, fit) for fit in fits] == [True, False]
+
+
+def test_where_all_gains_are_far_sets_are_compared_by_what_they_leave(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As with a nominal gain in another unit."""
+    leaves = {(0,): left(1.0, 1.0, away=True), (1,): left(0.2, 0.2, away=True)}
+    found, _ = again(monkeypatch, leaves, {(0,): (1,), (1,): (1,)})
+    assert found.chosen == (1,)
+
+
+def test_a_nominal_gain_in_another_unit_hides_nothing(arm: Path) -> None:
+    dataset = load_dataset(arm / "data")
+    actuators = tuple(replace(each, gain=1e-3 * each.gain) for each in dataset.robot.actuators)
+    found = diagnose(problem_of(replace(dataset, robot=replace(dataset.robot, actuators=actuators))))
+    assert found.missing == ("viscous_friction",)
+    for gain in found.after.drive_gains.values():
+        assert 0.85 < 1e-3 * gain.value / gain.nominal < 1.15
