@@ -50,7 +50,7 @@ const Results = (() => {
         "",
         "keep",
         "",
-        "",
+        "words",
         "right",
         "right",
       ]),
