@@ -5,6 +5,7 @@ import subprocess
 import sys
 from io import StringIO
 
+import numpy as np
 import pytest
 from rich.console import Console
 
@@ -13,6 +14,7 @@ from bench.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_tabl
 from bench.speed import sweep
 from bench.speed.__main__ import MEASUREMENTS
 from bench.speed.figures import SpeedFigure, append_history, figures_table, last_values
+from bench.speed.memory import STATUS, peak_bytes
 from bench.studies.sweep.console import WIDE, table_console
 
 SLOW = SpeedFigure("identify", 1.2, "s", 1.0)
@@ -113,3 +115,11 @@ def test_a_log_is_wide_and_columns_are_obeyed():
     assert width() == WIDE
     assert width(COLUMNS="97") == 97
     assert table_console().width
+
+
+@pytest.mark.skipif(not STATUS.is_file(), reason="no /proc: the system's own figure is all there is")
+def test_the_memory_of_a_process_is_not_that_of_the_one_that_started_it():
+    large = np.ones(20_000_000)
+    program = "from bench.speed.memory import peak_bytes; print(peak_bytes())"
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert 1e6 < int(found.stdout) < large.nbytes < peak_bytes()

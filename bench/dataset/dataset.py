@@ -18,6 +18,7 @@ from bench.dataset.recording import Recording
 from bench.dataset.recording_file import load_recordings
 from bench.dataset.recording_window import Window
 from bench.dataset.robot import Robot, load_robot
+from bench.files.table import release_tables
 from bench.files.toml_input import read_toml
 
 
@@ -81,6 +82,7 @@ def load_dataset(folder: str | Path) -> Dataset:
             Window(entry.window, entry.exclude),
         )
     ]
+    release_tables()
     controller = None
     if spec.controller is not None:
         controller = controller_of(path, spec.controller, robot.joints)

@@ -15,7 +15,7 @@ from bench.dataset.recording import Recording, Use, position_column
 from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.recording_window import WHOLE, Window
 from bench.dataset.sampling import on_uniform_grid
-from bench.files.table import FileTable, read_table, release_tables
+from bench.files.table import FileTable, read_table
 
 
 def load_recordings(
@@ -36,7 +36,6 @@ def load_recordings(
     _check_columns(table, ["time"])
     parts = window.parts(table)
     recordings = [recording_from_table(part, name, use, payload, joints, accept) for part in parts]
-    release_tables()
     if window == WHOLE:
         return recordings
     started = window.began(table)

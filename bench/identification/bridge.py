@@ -40,19 +40,20 @@ class Bridge:
         return found
 
 
-def within(stretches: np.ndarray, part: slice) -> np.ndarray:
-    """Which stretches (k, 3) have samples in the part, as indices."""
-    return np.flatnonzero((stretches[:, 0] < part.stop) & (stretches[:, 1] > part.start))
+def within(stretches: np.ndarray, part: slice) -> slice:
+    """Which stretches (k, 3), one after the other, have samples in the part."""
+    first = np.searchsorted(stretches[:, 1], part.start, side="right")
+    return slice(int(first), max(int(first), int(np.searchsorted(stretches[:, 0], part.stop))))
 
 
 def sides(
-    chosen: np.ndarray, stretches: np.ndarray, length: int
+    chosen: slice, stretches: np.ndarray, length: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Of the chosen stretches start and stop, and where their surroundings begin before and end after, (k,) each."""
-    start, stop, beside = stretches.T
-    before = np.maximum(start - beside, np.concatenate(([0], stop))[: len(stop)])
-    after = np.minimum(stop + beside, length)
-    return start[chosen], stop[chosen], before[chosen], after[chosen]
+    start, stop, beside = stretches[chosen].T
+    last = stretches[chosen.start - 1, 1] if chosen.start else 0
+    before = np.maximum(start - beside, np.concatenate(([last], stop))[: len(stop)])
+    return start, stop, before, np.minimum(stop + beside, length)
 
 
 def ranges(start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from bench.identification.logged_velocities import logged_velocities, taken_velo
 from bench.identification.standstill import Gaps, no_gaps, standstills
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import BLOCK, LongMotion, Motion, blocks_of, path_of
+from bench.model.motion import LongMotion, Motion, path_of
 from bench.signals.logged_velocity import LoggedVelocity
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
@@ -90,16 +90,18 @@ def _closed(
     if samples * (geometry.nq + geometry.nv * (2 + len(geometry.active))) <= MOST_NUMBERS:
         tree = path.motion(slice(None))
         return tree, passive_rates(geometry, tree)
-    tree = LongMotion(path)
-    parts = (passive_rates(geometry, tree.at(part)) for part in blocks_of(samples, BLOCK))
-    return tree, np.concatenate(list(parts))
+    return LongMotion(path), path.rates(_passive(geometry))
 
 
 def passive_rates(geometry: Geometry, tree: Motion) -> np.ndarray:
     """Velocities (N, k) of the hinges and slides without a motor, rad/s or m/s."""
-    found = [
+    return np.asarray(tree.v[:, _passive(geometry)])
+
+
+def _passive(geometry: Geometry) -> list[int]:
+    """Those joints, as indices of the tree's velocities."""
+    return [
         joint.v.start
         for joint in geometry.joints
         if joint.kind in ("hinge", "slide") and joint.v.start not in geometry.active
     ]
-    return np.asarray(tree.v[:, found])

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from bench.basics.errors import BenchError
 from bench.identification.filtered import Measured
 from bench.identification.standstill import around, bridged_part, moving_rows
 from bench.model.model import IdentificationModel
@@ -57,8 +58,11 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
     columns = np.concatenate((columns, redundant_columns(model.geometry)))
     samples, n, p = len(measured.time), measured.current.shape[1], len(columns)
     decimation = Decimation(samples, settings.decimation)
-    for part in blocks_of(samples, PART):
-        decimation.push(_stacked(model, measured, columns, part))
+    try:
+        for part in blocks_of(samples, PART):
+            decimation.push(_stacked(model, measured, columns, part))
+    except BenchError as error:  # of a long log, whose loops are closed here
+        raise BenchError(f"{recording.name}: {error}") from None
     kept = decimation.finish()
     sizes = np.cumsum([n * p, n, n, n])
     filtered, current, position, velocity, acceleration = np.split(kept, sizes, axis=1)

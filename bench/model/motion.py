@@ -1,12 +1,13 @@
 """From the active joints to the motion of every joint: positions, velocities, accelerations (eqs. 2-4)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.interpolation import FEWEST, cubic_spline
 from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
 from bench.model.elimination import Elimination, eliminate
@@ -146,20 +147,40 @@ def path_of(
         lambda block: guess(finer.time[block], finer.position(block)),
         NODE_CLOSED,
     )
-    return Path(geometry, closures, track, _between(geometry, middle))
+    return Path(geometry, closures, track, _between(geometry, middle), middle)
 
 
 @dataclass(frozen=True)
 class Path:
     """A trajectory (N samples) whose closures are nearly known: from them follows the motion at any samples.
 
-    guess: nearly closed poses (nq, K) for the times (K,) and the positions (K, n) of the active joints.
+    guess: nearly closed poses (nq, K) for the times (K,) and the positions (K, n) of the active joints. nodes: the
+    motion at few samples, between which it interpolates; None without loops.
     """
 
     geometry: Geometry
     closures: Closures
     track: "Track"
     guess: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    nodes: Motion | None = None
+
+    def rates(self, joints: Sequence[int]) -> np.ndarray:
+        """Velocities (N, k) of some tree coordinates (indices) at all samples, without closing the loops there.
+
+        Their Jacobian is interpolated between the nodes, which are near to each other beside how it bends.
+        """
+        time, velocity = self.track.time, self.track.velocity
+        found = np.empty((len(time), len(joints)))
+        if not len(joints):
+            return found
+        near = self.nodes if self.nodes is not None and len(self.nodes.time) >= FEWEST else None
+        curve = None if near is None else cubic_spline(near.time, near.jacobian[:, joints])
+        for block in blocks_of(len(time), BLOCK):
+            if curve is None:
+                found[block] = self.motion(block).v[:, joints]
+            else:
+                found[block] = np.einsum("kvj,kj->kv", curve(time[block]), velocity[block])
+        return found
 
     def motion(self, samples: Samples) -> Motion:
         """The motion at these samples. Raises BenchError where the loops cannot be closed."""

@@ -5,7 +5,6 @@ Logs of any length are simulated movements of 20 s, which begin and end at rest,
 """
 
 import json
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -25,6 +24,7 @@ from bench.identification.swapped_columns import swapped_columns
 from bench.residuals.motor import compared
 from bench.scenario.file import find_scenario, read_with_bases
 from bench.scenario.scenario import Scenario, payload_declared, scenario_from_dict
+from bench.speed.memory import peak_bytes
 from bench.truth.sensors import sense
 from bench.truth.simulate import simulate
 
@@ -116,7 +116,7 @@ def main() -> None:
     swapped_columns(problem, result, prepared)
     compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
     seconds = process_time() - start
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    most = peak_bytes()
     click.echo(json.dumps({"seconds": seconds, "gigabytes": most / 1e9}))
 
 

@@ -5,7 +5,6 @@ The process that measures has a simulator, pages and figures in its memory; none
 
 import json
 import pickle
-import resource
 import subprocess
 import sys
 from collections.abc import Callable
@@ -19,6 +18,7 @@ from bench.diagnosis.diagnose import diagnose
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
+from bench.speed.memory import peak_bytes
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Cost:
 def cost_of(dataset: Dataset) -> Cost:
     """Diagnose a dataset in this process, then identify it."""
     seconds, processor = _times(lambda: diagnose(problem_of(dataset)))
-    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    megabytes = peak_bytes() / 1024.0**2
     identified, busy = _times(lambda: identify(prepare(problem_of(dataset))))
     return Cost(seconds, processor, megabytes, busy / identified)
 
