@@ -31,9 +31,27 @@ class Bridge:
 
     def lines(self, rows: np.ndarray) -> np.ndarray:
         """What stands in the place of the rows (N, p) inside, (K, p)."""
+        return self._between(rows[self.beside])
+
+    def put(self, rows: np.ndarray, columns: np.ndarray) -> None:
+        """Put it there, in some columns (indices) of the rows (N, p)."""
+        if len(self.inside):
+            rows[self.inside[:, None], columns] = self._between(rows[self.beside[:, None], columns])
+
+    def put_partly(self, rows: np.ndarray, columns: np.ndarray, share: np.ndarray) -> None:
+        """The same by the `share` (N,) that it has of each row."""
+        if len(self.inside):
+            inside = rows[self.inside[:, None], columns]
+            lines = self._between(rows[self.beside[:, None], columns])
+            inside += share[self.inside, None] * (lines - inside)
+            rows[self.inside[:, None], columns] = inside
+
+    def _between(self, beside: np.ndarray) -> np.ndarray:
+        """The lines (K, p) from what stands beside (L, p), which is changed."""
         if not len(self.inside):
-            return rows[:0]
-        means = np.add.reduceat(rows[self.beside] * self.weights[:, None], self.starts)
+            return beside[:0]
+        beside *= self.weights[:, None]
+        means = np.add.reduceat(beside, self.starts)
         found: np.ndarray = means[self.right] - means[self.left]
         found *= self.share[:, None]
         found += means[self.left]

@@ -9,7 +9,6 @@ from bench.effects import ActuatorEffect, Effect, EffectInstance, RobotSignals
 from bench.effects.checked_columns import columns_at_motors
 from bench.effects.row_cache import KeptRows
 from bench.identification.bridge import whole_bridge
-from bench.identification.sparse_signals import bridge_sparsely
 from bench.signals.decimation import decimate, decimated_indices
 from bench.signals.sparse_decimation import decimate_sparse
 
@@ -29,7 +28,8 @@ def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[Effect
         own = rows[:, :, at : at + len(instance.effect.parameters)]
         at += own.shape[2]
         for _, share in entry:
-            own += share * next(parts)
+            part = next(parts)
+            own += part if share == 1.0 else share * part
     return rows
 
 
@@ -91,35 +91,33 @@ def _seen_by(signals: RobotSignals, effect: Effect) -> RobotSignals:
 def _filtered(
     signals: RobotSignals, decimation: int, given: Sequence[tuple[int, np.ndarray, np.ndarray]]
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """Columns (N, m, k) at motors (m,), bridged and decimated, as rows (M, n, k); all of a motor at once."""
-    n = len(signals.joints)
-    count = len(decimated_indices(signals.length, decimation))
-    rows = {i: np.zeros((count, n, columns.shape[2])) for i, columns, _ in given}
-    for motor in range(n):
-        own = [
-            (i, columns[:, np.flatnonzero(motors == motor)[0]])
-            for i, columns, motors in given
-            if motor in motors
-        ]
-        if own:
-            decimated = _decimated(
-                signals, decimation, np.concatenate([values for _, values in own], axis=1), motor
-            )
-            at = 0
-            for i, values in own:
-                rows[i][:, motor] = decimated[:, at : at + values.shape[1]]
-                at += values.shape[1]
-    yield from rows.items()
+    """Columns (N, m, k) at motors (m,), bridged and decimated, as rows (M, n, k); all at once."""
+    flat = np.concatenate([columns.reshape(len(columns), -1) for _, columns, _ in given], axis=1)
+    at_motor = np.concatenate([np.repeat(motors, columns.shape[2]) for _, columns, motors in given])
+    decimated = _decimated(signals, decimation, flat, at_motor)
+    at = 0
+    for i, columns, motors in given:
+        own = decimated[:, at : at + columns.shape[1] * columns.shape[2]]
+        at += own.shape[1]
+        rows = np.zeros((len(own), len(signals.joints), columns.shape[2]))
+        rows[:, motors] = own.reshape(len(own), len(motors), -1)
+        yield i, rows
 
 
-def _decimated(signals: RobotSignals, decimation: int, columns: np.ndarray, motor: int) -> np.ndarray:
-    """Columns (N, k) of a motor's torque, bridged in place where it stands still, and decimated: (M, k)."""
-    sparse, gap = signals.sparse, signals.gaps[motor]
+def _decimated(
+    signals: RobotSignals, decimation: int, columns: np.ndarray, at_motor: np.ndarray
+) -> np.ndarray:
+    """Columns (N, p) of torques of motors (p,), bridged in place where each stands still, and decimated: (M, p)."""
+    sparse = signals.sparse
+    for motor in np.unique(at_motor):
+        own = np.flatnonzero(at_motor == motor)
+        bridge = whole_bridge(signals.gaps[motor], len(columns))
+        if sparse is None:
+            bridge.put(columns, own)
+        else:  # at the edges of a stretch by the share that lies in it
+            bridge.put_partly(columns, own, sparse.shares[motor])
     if sparse is None:
-        bridge = whole_bridge(gap, len(columns))
-        columns[bridge.inside] = bridge.lines(columns)
         return decimate(columns, decimation)
-    bridge_sparsely(columns, gap, sparse.shares[motor])
     return decimate_sparse(columns, sparse.every, sparse.length, decimation)
 
 

@@ -63,7 +63,7 @@ class PartialRegression:
         """Inner products of further columns (M, n, k), weighted, without what the basis explains of them."""
         k = columns.shape[2]
         whole, across, towards = np.zeros((k, k)), np.zeros((len(self.basis), k)), np.zeros(k)
-        for j in np.flatnonzero(columns.any(axis=(0, 2))):
+        for j in np.flatnonzero(np.einsum("mjk,mjk->j", columns, columns)):
             rows = columns[:, j] * (self.moving[:, j] * self.weights[j])[:, None]
             whole += rows.T @ rows
             across += self.columns[j].T @ rows

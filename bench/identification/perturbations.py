@@ -277,7 +277,7 @@ class NearbySignals(RobotSignals):
         if shift is None:
             return self._smooth(self._change(gravity, geometry), self.coarse.time)
         change = np.zeros_like(self.coarse.torque)
-        for order, motor in zip(*np.nonzero(shift.any(axis=1)), strict=True):
+        for order, motor in zip(*np.nonzero(np.einsum("okn,okn->on", shift, shift)), strict=True):
             values = shift[order, :, motor, None]
             slope, bend = self._slopes(int(order), int(motor))
             change += values * (slope + 0.5 * values * bend)

@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from bench.effects import JointSignals
-from bench.identification.bridge import whole_bridge
 from bench.identification.standstill import Gaps
 
 FEWEST = 100  # samples that are left: shorter recordings are looked at as they are
@@ -73,10 +72,3 @@ def sparse_gaps(gaps: Gaps, every: int, length: int) -> tuple[Gaps, tuple[np.nda
         few[:, 2] = np.maximum(np.round(stretches[:, 2] / every), 1)
         found.append(few)
     return tuple(found), tuple(shares)
-
-
-def bridge_sparsely(rows: np.ndarray, gap: np.ndarray, share: np.ndarray) -> None:
-    """Bridge rows (K, p) of a joint in its stretches, at their edges by the `share` (K,) that lies in one; in place."""
-    bridge = whole_bridge(gap, len(rows))
-    weight = share[bridge.inside, None]
-    rows[bridge.inside] += weight * (bridge.lines(rows) - rows[bridge.inside])
