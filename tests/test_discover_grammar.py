@@ -158,6 +158,12 @@ def test_what_has_a_name_is_called_by_it_whatever_its_numbers():
     assert name_of(Term((Power(V, 0.0), Power(A, 1.0, odd=False)))) is None
 
 
+def test_a_power_whose_exponent_was_adapted_has_no_name():
+    """Neither has one that came out near a named one: what is adapted has an unknown more."""
+    for exponent in (0.55, 1.0):
+        assert name_of(Term((Power(V, exponent, free=True),))) is None
+
+
 def test_a_fixed_exponent_or_frequency_can_be_freed():
     term = Term((Power(V, 0.0), Power(A, 1.0, odd=False), Wave(Q, 2.0, 0.5)))
     numbers = [[one.name for one in each.numbers] for each in freed(term)]

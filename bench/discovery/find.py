@@ -74,6 +74,8 @@ def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: 
     found_laws = search_laws(finding.origin, finding.last, finding.barred, progress)
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
+    if not answer.laws and wanted:
+        answer = _with_one_for_several(case, answer, progress)
     return _with_tables(case, answer, progress).diagnosis
 
 

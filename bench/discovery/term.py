@@ -90,7 +90,7 @@ def _product(factors: Sequence[str]) -> str:
 
 def _structure(factor: Factor) -> tuple[object, ...]:
     if isinstance(factor, Power):
-        return "power", factor.variable, factor.odd, factor.free or factor.exponent
+        return "power", factor.variable, factor.odd, "free" if factor.free else factor.exponent
     if isinstance(factor, Memory):
         return "memory", *(_structure(power) for power in factor.powers)
     return type(factor).__name__, *factor.variables

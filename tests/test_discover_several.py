@@ -1,0 +1,43 @@
+"""One law for several frictions is tried where nothing is left, and where no law does better than they do."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bench.discovery import find
+
+ONE = SimpleNamespace(laws=("law",), diagnosis="one law")
+
+
+@pytest.mark.parametrize(
+    ("left", "laws", "discover", "told"),
+    [
+        (True, None, None, "one law"),
+        (False, None, None, "one law"),
+        (True, ("model", "terms"), None, "laws"),
+        (True, None, True, "one law"),
+        (True, None, False, "frictions"),
+    ],
+    ids=["no law does better", "nothing is left", "a law does better", "asked for", "not asked for"],
+)
+def test_one_law_is_tried_for_several_frictions(
+    left: bool,
+    laws: tuple[str, str] | None,
+    discover: bool | None,
+    told: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    gain = SimpleNamespace(value=1.0, nominal=1.0)
+    plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={"motor": gain}), unexplained=None)
+    finding: Any = SimpleNamespace(origin=None, last=None, barred={})
+    monkeypatch.setattr(find, "search", lambda *_: finding)
+    monkeypatch.setattr(find, "answered", lambda *_: plain)
+    monkeypatch.setattr(find, "something_left", lambda _: left)
+    monkeypatch.setattr(find, "search_laws", lambda *_: laws)
+    monkeypatch.setattr(find, "_with_laws", lambda *_: SimpleNamespace(laws=("term",), diagnosis="laws"))
+    monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
+    monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    case: Any = None
+    found = find._found(case, discover, True, find.SILENT)
+    assert ("frictions" if found is plain else found) == told
