@@ -188,7 +188,7 @@ def test_a_written_dataset_has_law_and_references(simulation: Simulation, tmp_pa
     toml = tmp_path / "data" / "dataset.toml"
     text = toml.read_text()
     for old, new, culprit in (
-        ("kp = { left", "kp = { lft", r"controller\.kp: left, lft"),
+        ("kp = {left", "kp = {lft", r"controller\.kp: left, lft"),
         ("kv = {", "kw = {", "kw"),
     ):
         toml.write_text(text.replace(old, new))

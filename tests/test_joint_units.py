@@ -16,6 +16,7 @@ from bench.basics.joint_units import HINGE, SLIDE, drive_unit, joint_units, unit
         ("N/A", SLIDE, "A"),
         ("N*m/(N*m)", HINGE, "(N*m)"),
         ("N/N", SLIDE, "N"),
+        ("1", HINGE, ""),  # as a file may say of a log of torques; a tendon's joint is a hinge then
     ],
 )
 def test_a_gains_unit_tells_the_joint_and_the_drive(unit, at, drive):

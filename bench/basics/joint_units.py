@@ -27,8 +27,10 @@ def joint_units(rotates: bool) -> JointUnits:
 
 
 def units_of_gain(gain_unit: str) -> JointUnits:
-    """At the joint of a motor with such a gain: "N*m/A" is of a hinge, "N/A" of a slide."""
-    return HINGE if gain_unit.partition("/")[0] == HINGE.effort else SLIDE
+    """At the joint of a motor with such a gain: "N*m/A" is of a hinge, "N/A" of a slide; of a hinge where it does not
+    say, as in "1".
+    """
+    return SLIDE if gain_unit.partition("/")[0] == SLIDE.effort else HINGE
 
 
 def drive_unit(gain_unit: str) -> str:
