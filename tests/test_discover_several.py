@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from bench.diagnosis.reason import Because, Reason
 from bench.discovery import find
 
 ONE = SimpleNamespace(laws=("law",), diagnosis="one law")
@@ -41,3 +42,23 @@ def test_one_law_is_tried_for_several_frictions(
     case: Any = None
     found = find._found(case, discover, True, find.SILENT)
     assert ("frictions" if found is plain else found) == told
+
+
+def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A spring that others did as well where most was missing came as the cube of the position."""
+    barred = {
+        "joint_spring": Reason(Because.NOT_NEEDED),
+        "stribeck_friction": Reason(Because.IMPOSSIBLE, ("Fs",)),
+    }
+    finding: Any = SimpleNamespace(origin=None, last=None, barred=barred)
+    plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={}), unexplained=None)
+    asked: list[Any] = []
+    monkeypatch.setattr(find, "search", lambda *_: finding)
+    monkeypatch.setattr(find, "answered", lambda *_: plain)
+    monkeypatch.setattr(find, "something_left", lambda _: True)
+    monkeypatch.setattr(find, "search_laws", lambda _, __, never, ___: asked.append(never))
+    monkeypatch.setattr(find, "_with_one_for_several", lambda *_: ONE)
+    monkeypatch.setattr(find, "_with_tables", lambda _, answer, __: answer)
+    case: Any = None
+    find._found(case, None, True, find.SILENT)
+    assert [list(never) for never in asked] == [["stribeck_friction"]]

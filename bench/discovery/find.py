@@ -12,6 +12,7 @@ from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.diagnose import SearchResult, SplitProblem, answered, found_from, opened
 from bench.diagnosis.diagnose import found as search
 from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
 from bench.diagnosis.rounds import judged
 from bench.diagnosis.search import MATERIAL, NEEDED
@@ -71,12 +72,17 @@ def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: 
         answer = _with_one_for_several(case, answer, progress)
     if answer.laws or not (wanted if discover is None else discover):
         return answer.diagnosis
-    found_laws = search_laws(finding.origin, finding.last, finding.barred, progress)
+    found_laws = search_laws(finding.origin, finding.last, _never(finding), progress)
     if found_laws is not None:
         answer = _with_laws(case, answer, *found_laws, progress)
     if not answer.laws and wanted:
         answer = _with_one_for_several(case, answer, progress)
     return _with_tables(case, answer, progress).diagnosis
+
+
+def _never(finding: SearchResult) -> dict[str, Reason]:
+    """Effects that may not be found beside a law either: what others did as well without one may be needed with it."""
+    return {name: why for name, why in finding.barred.items() if why.because is not Because.NOT_NEEDED}
 
 
 def something_left(left: Unexplained) -> bool:
@@ -122,7 +128,7 @@ def _with_laws(
         prior = max(proposal.prior for proposal in last.proposals)
     proposals = [proposal for proposal in last.proposals if proposal.name not in searched.terms]
     proposals += _proposed(model, laws, prior)
-    barred = plain.finding.barred
+    barred = _never(plain.finding)
     here = judged(origin, model, proposals, barred)
     called = stood_for(here, [law.name for law in laws], barred)
     if called:
