@@ -45,3 +45,11 @@ def test_what_did_not_run_away_stays(stack):
     assert restarted(stack, near, NOMINAL) is near
     nominal = replace(_solution((-3.0, 2.0)), gains_fitted=False)
     assert restarted(stack, nominal, NOMINAL) is nominal
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_gains_that_are_off_together_have_a_unit_in_common_and_stay(stack, factor):
+    together = _solution(factor * np.array([3.3, 2.8]))
+    assert restarted(stack, together, NOMINAL) is together
+    apart = _solution(factor * np.array([3.3, 28.0]))
+    np.testing.assert_array_equal(restarted(stack, apart, NOMINAL).gains, NOMINAL)

@@ -45,3 +45,24 @@ def test_an_effect_shows(value: float, std: float, correlation: float, of_shape:
     with np.errstate(invalid="ignore"):
         result = found(value, std, correlation, of_shape)
     assert shows(result, THINNING) is there
+
+
+@pytest.mark.parametrize(("chi_squared", "there"), [(28.0, False), (36.0, True)])
+def test_a_wave_shows_where_it_is_more_than_the_best_of_all_periods_is_by_chance(
+    chi_squared: float, there: bool
+) -> None:
+    """Seen: 0.02 % of a torque, of two to three motors without cogging, at the period that fits their noise best."""
+    cogging = EffectInstance(CATALOGUE["cogging_torque"], "left", "cogging_torque:left")
+    size, std = float(np.sqrt(chi_squared)), 1.0
+    values = {
+        "a": Quantity(size, std, "N*m"),
+        "b": Quantity(0.0, std, "N*m"),
+        "periods": Quantity(777.4, 2.6, "1/turn"),
+    }
+    rows = tuple(Unknown("effect", name, "left", "cogging_torque") for name in values)
+    result = SimpleNamespace(
+        effect_parameters={"cogging_torque": {"left": values}},
+        covariance=np.diag([std**2, std**2, 2.6**2]),
+        covariance_rows=rows,
+    )
+    assert shows(cast("Identification", result), cogging) is there

@@ -13,13 +13,15 @@ FAR = 5.0  # times the nominal gain, or that part of it
 def restarted(stack: Stack, solution: Solution, nominal: np.ndarray) -> Solution:
     """The solution, with nominal gains for those that are negative or far from them, and theta (p,) solved anew.
 
-    A model that lacks strong friction may fit best with a gain without bounds, or below zero; steps of the
+    Gains that are all off by about the same factor have not run away: the nominal ones, or the currents, are in another
+    unit. A model that lacks strong friction may fit best with a gain without bounds, or below zero; steps of the
     current's error never lead back from there. nominal (n,): nominal drive gains. Columns that are zero or
     absorbed get the least values.
     """
     ratio = solution.gains / nominal
     away = (ratio < 1.0 / FAR) | (ratio > FAR)
-    if not (solution.gains_fitted and away.any()):
+    together = bool(np.all(ratio > 0.0)) and ratio.max() < FAR * ratio.min()
+    if not (solution.gains_fitted and away.any()) or (away.all() and together):
         return solution
     gains = np.where(away, nominal, solution.gains)
     rows, right = torque_system(weighted(stack.factors, solution.weights / gains), gains)

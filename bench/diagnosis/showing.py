@@ -1,11 +1,13 @@
 """Whether a found effect shows at a joint."""
 
 from collections.abc import Sequence
+from math import log, prod
 
 import numpy as np
 
 from bench.basics.chi_squared import exceeded_with
 from bench.diagnosis.pruning import SHOWS
+from bench.diagnosis.search import NEEDED
 from bench.effects import EffectInstance
 from bench.identification.finding import Unknown
 from bench.identification.result import Identification
@@ -19,7 +21,9 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
 
     Deviations from zero are those at the effect's own shape: an effect that is zero has none, and where size and shape
     go together, as those of a law that is nearly straight, the size by itself says nothing (Davies, "Hypothesis testing
-    when a nuisance parameter is present only under the alternative", Biometrika 64, 1977).
+    when a nuisance parameter is present only under the alternative", Biometrika 64, 1977). The best of many shapes fits
+    the noise better than any one does, so that it must bring what every effect must, and the logarithm of how many were
+    tried.
     """
     values = result.effect_parameters[instance.effect.name][instance.place]
     parameters = instance.effect.parameters
@@ -35,8 +39,10 @@ def shows(result: Identification, instance: EffectInstance) -> bool:
     known = np.isfinite(np.diag(covariance)) & (np.diag(covariance) > 0.0)
     if known.sum() < 2:
         return True
+    tried = prod(parameter.unlike for parameter in instance.effect.shape)
+    needed = 2.0 * (NEEDED + log(tried)) if tried > 1 else exceeded_with(BY_CHANCE, int(known.sum()))
     inverse = np.linalg.pinv(covariance[np.ix_(known, known)], hermitian=True)
-    return bool(found[known] @ inverse @ found[known] > exceeded_with(BY_CHANCE, int(known.sum())))
+    return bool(found[known] @ inverse @ found[known] > needed)
 
 
 def _at_its_shape(result: Identification, instance: EffectInstance) -> np.ndarray:

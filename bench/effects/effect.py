@@ -57,7 +57,8 @@ class ShapeParameter:
 
     `candidates`, in rising order, span its range; the best of them starts the search, which stays between its
     neighbours. They are in units of the joint's RMS speed or of the longest recording's duration where `scale`
-    says so. discrete: nothing between the candidates makes sense.
+    says so. discrete: nothing between the candidates makes sense. unlike: how many shapes that are nothing like each
+    other a search may look at.
     """
 
     name: str
@@ -65,6 +66,7 @@ class ShapeParameter:
     candidates: tuple[float, ...]
     scale: Literal["", "speed", "duration"] = ""
     discrete: bool = False
+    unlike: int = 1
 
     def unit_at(self, rotates: bool, drive: str = "A") -> str:
         """The unit at a hinge (True) or at a slide (False)."""

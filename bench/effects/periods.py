@@ -8,10 +8,12 @@ from bench.effects.effect import Bracket, ShapeParameter
 from bench.effects.samples import JointSamples
 from bench.effects.signals import JointSignals
 
-PERIODS = ShapeParameter("periods", "1/{turn}", (4.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0))
 FEWEST = 0.75  # periods within the travel; slower changes look like gravity
 FINENESS = 5.0  # steps of the search in what one more period within the travel is
 MOST_STEPS = 4000
+PERIODS = ShapeParameter(
+    "periods", "1/{turn}", (4.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0), unlike=int(MOST_STEPS / FINENESS)
+)
 SLOW = 0.2  # of the RMS speed: a joint spends enough time below it
 PEAKS = 3
 TOGETHER = 500_000  # values of a wave that are worked out at a time: they stay in the processor's cache
