@@ -51,6 +51,10 @@ class FakeRound:
     proposals: tuple[str, ...] = ("a", "b", "c", "d")
 
     @property
+    def left(self) -> SquaresLeft | None:
+        return self.model
+
+    @property
     def system(self) -> Any:
         return SYSTEM
 
@@ -81,7 +85,6 @@ def again(
     monkeypatch.setattr(rounds, "_converged", converge)
     monkeypatch.setattr(rounds, "judged", judged)
     monkeypatch.setattr(rounds, "reshaped", lambda *_: ())
-    monkeypatch.setattr(rounds, "left_by", lambda model: model)
     monkeypatch.setattr(rounds, "_with_set", lambda here, chosen: replace(here, chosen=chosen))
     monkeypatch.setattr(rounds, "_alike", lambda here, *_: [replace(here, chosen=key) for key in alike])
     progress: Any = SimpleNamespace(phase=lambda *_: None)

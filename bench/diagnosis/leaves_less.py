@@ -6,9 +6,9 @@ import numpy as np
 
 from bench.diagnosis.normal_equations import System, run_away
 from bench.diagnosis.search import MATERIAL, NEEDED
-from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
+from bench.identification.summary import modelled_current
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,7 @@ def left_by(model: Prepared) -> SquaresLeft:
     _, solution = solved_quickly(model)
     squares = {"identify": np.zeros(len(solution.gains)), "validate": np.zeros(len(solution.gains))}
     for observation in model.observations:
-        torque = regressor_rows(observation, model.layout) @ solution.theta
-        torque += known_rows(observation, model.dataset.payloads)
-        error = (observation.current - torque / solution.gains) * observation.moving
+        error = (observation.current - modelled_current(model, observation, solution)) * observation.moving
         squares[observation.use] += (error**2).sum(axis=0)
     shapes = sum(len(instance.effect.shape) for instance in model.effects)
     away = bool(run_away(solution.gains / model.dataset.robot.nominal_gains))

@@ -9,7 +9,7 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, context_of, propose, shaped
-from bench.diagnosis.leaves_less import leaves_clearly_less, left_by
+from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less, left_by
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.normal_equations import System, build_system, solve_set
 from bench.diagnosis.restart import restarted
@@ -99,6 +99,11 @@ class Round:
     proposals: Sequence[Proposal]
     system: System
     found: Found
+
+    @cached_property
+    def left(self) -> SquaresLeft:
+        """What its model leaves."""
+        return left_by(self.model)
 
     @property
     def chosen(self) -> tuple[int, ...]:
@@ -227,7 +232,7 @@ def _better(here: Round, before: Round) -> bool:
     """Whether a converged model leaves clearly less than the one before, or less is unknown to it and it leaves hardly
     more; its gains have not run away if those of the other have not.
     """
-    new, old = left_by(here.model), left_by(before.model)
+    new, old = here.left, before.left
     if new.away and not old.away:
         return False
     if new.unknowns < old.unknowns:

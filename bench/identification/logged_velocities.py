@@ -9,8 +9,6 @@ from bench.identification.finding import Code, Finding
 from bench.signals.logged_velocity import LoggedVelocity, compared_velocity
 from bench.signals.settings import FilterSettings
 
-MOVES = 1e-9  # of the largest velocity: a joint that moves by less has none to compare
-
 
 def logged_velocities(
     recording: Recording, joints: Sequence[str], settings: FilterSettings

@@ -117,17 +117,22 @@ def redundant_gains(prepared: Prepared, solution: Solution, std: np.ndarray) -> 
     }
 
 
-def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
-    """Measured and modelled currents of one recording."""
+def modelled_current(prepared: Prepared, observation: Observation, solution: Solution) -> np.ndarray:
+    """Modelled currents (M, n) of one recording, drive units."""
     torque = regressor_rows(observation, prepared.layout) @ solution.theta
     torque += known_rows(observation, prepared.dataset.payloads)
+    return np.asarray(torque / solution.gains)
+
+
+def modelled_series(prepared: Prepared, observation: Observation, solution: Solution) -> CurrentSeries:
+    """Measured and modelled currents of one recording."""
     return CurrentSeries(
         name=observation.name,
         use=observation.use,
         payload=observation.payload_name,
         time=observation.time,
         measured=observation.current,
-        modelled=torque / solution.gains,
+        modelled=modelled_current(prepared, observation, solution),
         position=observation.position,
         velocity=observation.velocity,
         acceleration=observation.acceleration,
