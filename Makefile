@@ -18,7 +18,7 @@ PEERS := .venv-peers
 PEERS_INSTALL := $(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check \
 	--constraint .ci/constraints.txt --constraint .ci/constraints-peers.txt
 INSTALLED := $(VENV)/.installed
-SCRIPTS := $(wildcard bench/*/assets/*.js docs/pages/*.js)
+SCRIPTS := $(wildcard bench/*/assets/*.js bench/*/*/assets/*.js docs/pages/*.js)
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint .ci/constraints.txt
 
 .DELETE_ON_ERROR:
@@ -59,13 +59,13 @@ check-full: $(INSTALLED)
 	$(BIN)/bench check --full
 
 speed: $(INSTALLED)
-	$(BIN)/python -m bench.speed
+	$(BIN)/python -m bench.benchmarks.speed
 
 measured: $(INSTALLED)
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.measured
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m bench.benchmarks.measured
 
 peers: $(PEERS)/.installed
-	OPENBLAS_NUM_THREADS=1 $(PEERS)/bin/python -W ignore -m bench.peers
+	OPENBLAS_NUM_THREADS=1 $(PEERS)/bin/python -W ignore -m bench.benchmarks.peers
 
 $(PEERS)/.installed: pyproject.toml .ci/constraints.txt .ci/constraints-peers.txt
 	$(PYTHON) -m venv $(PEERS)

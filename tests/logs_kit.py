@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from bench.dataset.dataset_toml import RecordingEntry
+from bench.dataset.logs.columns import LogMap
+from bench.dataset.logs.importing import Imported, LogRequest, import_log
+from bench.dataset.logs.segments import Cutting
 from bench.dataset.payload import Payload
-from bench.logs.columns import LogMap
-from bench.logs.importing import Imported, LogRequest, import_log
-from bench.logs.segments import Cutting
 
 
 def told(

@@ -12,8 +12,8 @@ import pytest
 
 from bench import cli
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path
 from bench.cli.lazy import LazyCommand, LazyGroup
-from bench.files.atomic import atomic_path
 
 SLOW = {
     "jinja2",
@@ -170,7 +170,7 @@ import click
 from bench import cli
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs start with it ignored
 from bench.cli.lazy import LazyCommand
-from bench.files.atomic import atomic_path
+from bench.basics.files.atomic import atomic_path
 
 def wait():
     with atomic_path({str(tmp_path / "answer.json")!r}) as partial:

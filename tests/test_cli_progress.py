@@ -10,9 +10,9 @@ import time
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.speed import first_words
 from bench.cli import main
 from bench.cli.progress import progress_to
-from bench.speed import first_words
 
 PATIENCE = 60.0  # s: a machine that does other work as well is slow to start a process
 FIRST = {

@@ -14,13 +14,13 @@ from bench.cli.diagnose import diagnose as diagnose_command
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
 from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.discovery import find
+from bench.diagnosis.discovery.find import find_missing_effects, something_left
+from bench.diagnosis.discovery.merged import fewer
+from bench.diagnosis.discovery.written import write_laws
 from bench.diagnosis.law_words import law_sentences, symbols
 from bench.diagnosis.result import Diagnosis, Remainder, Unexplained
 from bench.diagnosis.summary import summary_sentences
-from bench.discovery import find
-from bench.discovery.find import find_missing_effects, something_left
-from bench.discovery.merged import fewer
-from bench.discovery.written import write_laws
 from bench.effects import CATALOGUE, EffectInstance, catalogue_for
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -145,7 +145,7 @@ def test_a_viscous_friction_that_varies_with_the_position_has_no_false_name() ->
 
 
 def test_what_no_formula_fits_is_added_as_measured(braked: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("bench.discovery.find.search_laws", lambda *_: None)
+    monkeypatch.setattr("bench.diagnosis.discovery.find.search_laws", lambda *_: None)
     found = find_missing_effects(problem_of(braked))
     (law,) = found.discovered
     assert (law.place, law.law) == ("left", "measured_left")

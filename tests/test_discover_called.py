@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from bench.diagnosis.discovery import called
 from bench.diagnosis.search import Scored
-from bench.discovery import called
 
 NAMES = ("viscous", "law_left", "law_right", "offset", "spring")
 

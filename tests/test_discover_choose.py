@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from bench.diagnosis.discovery import choose
 from bench.diagnosis.search import Scored
-from bench.discovery import choose
 
 SPRING, OFFSET, LAW, FRICTION = range(4)
 TOTALS = {

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
+from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import EffectVerdict
-from bench.discovery.doubted import doubted
 
 
 def _fitted(error: float) -> Any:

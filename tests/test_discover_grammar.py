@@ -7,18 +7,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from bench.diagnosis.discovery.factors import Decay, Memory, Power, Step, Wave
+from bench.diagnosis.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
+from bench.diagnosis.discovery.named import NAMED, name_of
+from bench.diagnosis.discovery.refine import Refined, _slower, _with_a_mean, instances_of
+from bench.diagnosis.discovery.screen import Known, Left, Screened, few_rows, left_without, screened
+from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
+from bench.diagnosis.discovery.source import law_effect, law_source
+from bench.diagnosis.discovery.table import Table, table_over
+from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
+from bench.diagnosis.discovery.units import times, written
+from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
 from bench.diagnosis.rounds import origin_of
-from bench.discovery.factors import Decay, Memory, Power, Step, Wave
-from bench.discovery.grammar import LOAD, TOOL, A, Q, Scope, T, V, grammar
-from bench.discovery.named import NAMED, name_of
-from bench.discovery.refine import Refined, _slower, _with_a_mean, instances_of
-from bench.discovery.screen import Known, Left, Screened, few_rows, left_without, screened
-from bench.discovery.seen import places_of, scope_of, seen_at
-from bench.discovery.source import law_effect, law_source
-from bench.discovery.table import Table, table_over
-from bench.discovery.term import Term, about_its_mean, at_other_harmonics, freed
-from bench.discovery.units import times, written
-from bench.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.memory import first_order
 from bench.identification.prepare import prepare, with_effects

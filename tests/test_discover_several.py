@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from bench.diagnosis.discovery import find
 from bench.diagnosis.reason import Because, Reason
-from bench.discovery import find
 
 ONE = SimpleNamespace(laws=("law",), diagnosis="one law")
 

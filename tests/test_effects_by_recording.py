@@ -18,7 +18,7 @@ from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
-from bench.workbench.page_data import page_data
+from bench.page.workbench.page_data import page_data
 from tests.hidden_kit import STEP
 from tests.workbench_kit import diagnosis_of, write_dataset
 from tests.workbench_sets import Carried

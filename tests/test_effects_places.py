@@ -13,7 +13,7 @@ from tests.effects_kit import joint_signals
 MADE = {"bench/effects/README.md", "scenarios/README.md"}  # python docs/made/readme_tables.py
 LISTS = {"bench/effects/catalogue.py", "bench/truth/hidden/__init__.py"}
 OF_THEIR_OWN = {  # what a few effects have and most do without, each with its reason
-    "bench/discovery/named.py": "the names of laws that a search finds",
+    "bench/diagnosis/discovery/named.py": "the names of laws that a search finds",
     "bench/export/c_laws.py": "what a law is in C",
     "bench/export/placed.py": "what a joint of MuJoCo holds",
     "bench/studies/trial/compatible.py": "two names for the same part",
@@ -22,9 +22,9 @@ OF_THEIR_OWN = {  # what a few effects have and most do without, each with its r
     "bench/truth/hidden/machine_sizes.py": "sizes that no parameter is in proportion to",
 }
 FIGURES = (
-    "bench/speed/",
-    "bench/peers/",
-    "bench/measured/known.toml",
+    "bench/benchmarks/speed/",
+    "bench/benchmarks/peers/",
+    "bench/benchmarks/measured/known.toml",
     "scenarios/",
 )  # machines that have some of them
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.peers.problems import make_problem
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.recording import Recording
 from bench.identification.finding import Code
@@ -18,7 +19,6 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.identification.robust import degrees_of_freedom
-from bench.peers.problems import make_problem
 from bench.scenario.tables import Sensors
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.resense import sense_again

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from bench.basics.plain_data import finite
+from bench.benchmarks.peers.problems import make_problem
 from bench.dataset.dataset import Dataset
-from bench.peers.problems import make_problem
 from bench.studies.estimators import (
     CASES,
     Condition,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.speed.feedforward import seconds_per_call
 from bench.cli import main
 from bench.dataset.robot import load_robot
 from bench.effects import CATALOGUE
@@ -22,7 +23,6 @@ from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import problem_of
 from bench.model.model import build_model
 from bench.model.motion import motion_of
-from bench.speed.feedforward import seconds_per_call
 from tests.c_kit import compiled
 from tests.export_kit import identified, identified_file, simulated
 from tests.test_export_files import with_effects

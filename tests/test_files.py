@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.basics.errors import BenchError
-from bench.files.atomic import atomic_path, whole_folder, write_json_atomically, write_text_atomically
+from bench.basics.files.atomic import atomic_path, whole_folder, write_json_atomically, write_text_atomically
 
 
 def test_writes_and_replaces(tmp_path):

@@ -11,10 +11,10 @@ from scipy.io import savemat
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import load_dataset
+from bench.dataset.logs.columns import LogMap
+from bench.dataset.logs.importing import LogRequest, import_log
 from bench.dataset.payload import Payload
 from bench.dataset.recording import write_table
-from bench.logs.columns import LogMap
-from bench.logs.importing import LogRequest, import_log
 from tests.good_data import COUNT, JOINTS, RATE, movement, time_stamps, write_robot
 from tests.logs_kit import imported, told
 
@@ -319,7 +319,7 @@ def test_a_failing_write_leaves_no_recording_without_its_entry(
     def interrupt(path: Path, text: str) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("bench.logs.importing.write_text_atomically", interrupt)
+    monkeypatch.setattr("bench.dataset.logs.importing.write_text_atomically", interrupt)
     with pytest.raises(KeyboardInterrupt):
         imported(mat, robot, MAP, tmp_path / "out")
     assert list((tmp_path / "out").iterdir()) == []

@@ -16,14 +16,19 @@ MODEL = (
     "bench.signals",
 )
 ABOVE = (
+    "bench.api",
+    "bench.benchmarks",
     "bench.cli",
-    "bench.demo",
+    "bench.document",
     "bench.excitation",
     "bench.page",
     "bench.robot_check",
-    "bench.show",
-    "bench.studies.sweep",
+    "bench.studies",
 )
+
+# A room within a room: it stands on the rest, or the rest stands on it.
+UPSTAIRS = ("bench.basics.files", "bench.dataset.logs", "bench.diagnosis.discovery", "bench.export.replay")
+DOWNSTAIRS = ("bench.page.workbench",)
 
 # The one place of the model that reads the MJCF, and all that it may call there: names, no dynamics.
 GEOMETRY = "bench.model.geometry"
@@ -37,9 +42,9 @@ MAY_IMPORT_BY_NAME = {
     "bench.cli.lazy",
     "bench.effects.user_file",  # a user's own effect
     "bench.studies.sweep.dask_pool",  # an optional dependency
-    "bench.peers.figaroh_arm",  # versions of the peers
-    "bench.peers.__main__",  # versions of the peers
-    "bench.peers.mujoco_sysid",  # versions of the peers
+    "bench.benchmarks.peers.figaroh_arm",  # versions of the peers
+    "bench.benchmarks.peers.__main__",  # versions of the peers
+    "bench.benchmarks.peers.mujoco_sysid",  # versions of the peers
     "bench.basics.versions",  # versions of what is installed
 }
 
@@ -87,6 +92,18 @@ def test_geometry_reads_no_dynamics(project_root, reader):
     assert {a for a in attributes if a.startswith("mj_")} <= GEOMETRY_MAY_CALL
     assert "MjData" not in attributes
     assert [a for a in attributes if any(word in a for word in DYNAMIC_PROPERTIES)] == []
+
+
+def test_a_room_within_a_room_is_above_or_below_the_rest(graph):
+    for inner in UPSTAIRS + DOWNSTAIRS:
+        outer = inner.rpartition(".")[0]
+        rest = [m for m in graph if within(m, outer) and m != outer and not within(m, inner)]
+        of_inner = [m for m in graph if within(m, inner)]
+        assert rest
+        assert of_inner
+        lower, upper = (rest, of_inner) if inner in UPSTAIRS else (of_inner, rest)
+        back = {m: [i for i in graph[m] if any(within(i, u) for u in upper)] for m in lower}
+        assert {m: found for m, found in back.items() if found} == {}
 
 
 def test_modules_import_from_where_a_thing_is_defined(graph):

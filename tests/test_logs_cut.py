@@ -8,8 +8,8 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
+from bench.dataset.logs.columns import LogMap
 from bench.dataset.recording import write_table
-from bench.logs.columns import LogMap
 from tests.good_data import COUNT, JOINTS, movement, time_stamps, write_robot
 from tests.logs_kit import told
 

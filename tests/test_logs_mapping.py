@@ -8,8 +8,8 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
+from bench.dataset.logs.mapping_file import import_mapping
 from bench.dataset.recording import write_table
-from bench.logs.mapping_file import import_mapping
 from tests.good_data import movement, time_stamps, write_robot
 
 MAPPING = """

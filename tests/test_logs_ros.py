@@ -14,9 +14,9 @@ from rosbags.typesys import Stores, get_typestore
 from bench.basics.errors import BenchError
 from bench.cli import main
 from bench.dataset.dataset import load_dataset
-from bench.logs.columns import LogMap
-from bench.logs.log_file import Reading, read_log
-from bench.logs.ros_bag import EFFORT, JOINT_STATE
+from bench.dataset.logs.columns import LogMap
+from bench.dataset.logs.log_file import Reading, read_log
+from bench.dataset.logs.ros_bag import EFFORT, JOINT_STATE
 from tests.good_data import COUNT, JOINTS, movement, time_stamps, write_robot
 from tests.logs_kit import told
 

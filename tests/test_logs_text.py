@@ -8,9 +8,9 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import load_dataset
-from bench.logs.columns import LogMap
-from bench.logs.log_file import Reading, read_log
-from bench.logs.units import UNITS, unit_named
+from bench.dataset.logs.columns import LogMap
+from bench.dataset.logs.log_file import Reading, read_log
+from bench.dataset.logs.units import UNITS, unit_named
 from tests.good_data import COUNT, JOINTS, movement, time_stamps, write_robot
 from tests.logs_kit import told
 

@@ -54,7 +54,7 @@ def test_what_is_gone_through_is_called_by_a_noun(project_root: Path) -> None:
 def test_in_scripts_too(project_root: Path) -> None:
     """Comments and texts aside; one that is a property is named elsewhere."""
     apart = re.compile(r"/\*.*?\*/|//[^\n]*|\"[^\"\n]*\"|: one of \$|the ones? ", re.DOTALL)
-    for path in (project_root / "bench").glob("*/assets/*.js"):
+    for path in (project_root / "bench").rglob("assets/*.js"):
         assert not re.search(r"\bone\b", apart.sub("", path.read_text(encoding="utf-8"))), path
 
 

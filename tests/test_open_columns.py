@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
+from bench.dataset.logs.unit_names import unit_in, units_of
 from bench.dataset.robot import load_robot
 from bench.local.checks import Mapped, checked
 from bench.local.columns import guesses, look_at
-from bench.logs.unit_names import unit_in, units_of
 from tests.good_data import write_robot
 from tests.test_logs_ros import samples, write_bag
 

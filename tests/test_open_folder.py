@@ -7,9 +7,9 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
+from bench.dataset.logs.log_file import read_log
 from bench.local.folder import LOGS, Folder
 from bench.local.steps import command_of
-from bench.logs.log_file import read_log
 
 
 def test_everything_is_found_for_what_it_is(tmp_path):

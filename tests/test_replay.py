@@ -19,13 +19,13 @@ from bench.export.gravity import still_determined
 from bench.export.identified import declaring, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
+from bench.export.replay.replay import replay
+from bench.export.replay.report import replay_report
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.model.model import build_model
-from bench.replay.replay import replay
-from bench.replay.report import replay_report
 from bench.truth.dataset import as_dataset, write_simulation
 from tests.export_kit import FRICTION
 from tests.hidden_kit import run

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import line_of
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot import load_robot
-from bench.files.toml_input import line_of
 
 TOML = """\
 name = "slider"

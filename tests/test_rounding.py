@@ -16,8 +16,8 @@ from bench.identification.identify import identify
 from bench.identification.partial_regression import PartialRegression
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
-from bench.workbench import room
-from bench.workbench.page_data import page_data
+from bench.page.workbench import room
+from bench.page.workbench.page_data import page_data
 from tests.workbench_kit import diagnosis_of, write_dataset
 from tests.workbench_sets import Carried
 

@@ -10,11 +10,11 @@ import pytest
 from rich.console import Console
 
 from bench.basics.errors import BenchError
-from bench.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_table
-from bench.speed import sweep
-from bench.speed.__main__ import MEASUREMENTS
-from bench.speed.figures import SpeedFigure, append_history, figures_table, last_values
-from bench.speed.memory import STATUS, peak_bytes
+from bench.benchmarks.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_table
+from bench.benchmarks.speed import sweep
+from bench.benchmarks.speed.__main__ import MEASUREMENTS
+from bench.benchmarks.speed.figures import SpeedFigure, append_history, figures_table, last_values
+from bench.benchmarks.speed.memory import STATUS, peak_bytes
 from bench.studies.sweep.console import WIDE, table_console
 
 SLOW = SpeedFigure("identify", 1.2, "s", 1.0)
@@ -120,6 +120,6 @@ def test_a_log_is_wide_and_columns_are_obeyed():
 @pytest.mark.skipif(not STATUS.is_file(), reason="no /proc: the system's own figure is all there is")
 def test_the_memory_of_a_process_is_not_that_of_the_one_that_started_it():
     large = np.ones(20_000_000)
-    program = "from bench.speed.memory import peak_bytes; print(peak_bytes())"
+    program = "from bench.benchmarks.speed.memory import peak_bytes; print(peak_bytes())"
     found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert 1e6 < int(found.stdout) < large.nbytes < peak_bytes()

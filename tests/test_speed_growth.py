@@ -4,9 +4,9 @@ import json
 
 import pytest
 
+from bench.benchmarks.speed import growth
+from bench.benchmarks.speed.long_log import write_long_dataset
 from bench.dataset.dataset import load_dataset
-from bench.speed import growth
-from bench.speed.long_log import write_long_dataset
 
 pytestmark = pytest.mark.pictures
 

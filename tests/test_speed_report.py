@@ -1,8 +1,8 @@
 """The robot with six motors on which the report is measured is one that the bench can model."""
 
+from bench.benchmarks.speed.hexapod import LEGS, write_hexapod
 from bench.dataset.robot import load_robot
 from bench.robot_check.check import check_robot
-from bench.speed.hexapod import LEGS, write_hexapod
 
 
 def test_the_platform_on_six_legs_passes_the_check_of_robots(tmp_path):

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from bench.speed import scheduling
-from bench.speed.scheduling import COST_LIMIT, GROWTH_LIMIT, Scheduling, figures_of, measure
+from bench.benchmarks.speed import scheduling
+from bench.benchmarks.speed.scheduling import COST_LIMIT, GROWTH_LIMIT, Scheduling, figures_of, measure
 from bench.studies.sweep.run_plan import Driver
 from tests.sweep_stand_in import Inline, plan_of, run
 

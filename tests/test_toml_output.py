@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from bench.files.toml_output import toml_header, toml_line
+from bench.basics.files.toml_output import toml_header, toml_line
 
 
 @pytest.mark.parametrize(

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from bench.diagnosis.discovery.factors import Power
+from bench.diagnosis.discovery.grammar import A, V
+from bench.diagnosis.discovery.seen import places_of
+from bench.diagnosis.discovery.source import law_effect
+from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.result import Discovered, EffectVerdict, LawTerm, LooksAt
-from bench.discovery.factors import Power
-from bench.discovery.grammar import A, V
-from bench.discovery.seen import places_of
-from bench.discovery.source import law_effect
-from bench.discovery.term import Term
 from bench.document.markdown.tables import markdown
 from bench.effects import EffectInstance
 from bench.excitation.scenario import designer

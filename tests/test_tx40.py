@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from bench.benchmarks.measured.machines import GEARS, dataset_of
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis.split import with_held_out_parts
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
-from bench.measured.machines import GEARS, dataset_of
 
 FRICTION = {1: 8.05, 2: 5.53, 3: 1.97, 4: 1.11, 5: 1.86, 6: 0.65}  # N m s/rad at the joints, published
 

@@ -13,12 +13,12 @@ from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import Problem, problem_of
 from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import modelled_series
-from bench.workbench import room
-from bench.workbench.decorrelated import set_apart
-from bench.workbench.found_model import found_model
-from bench.workbench.page_data import page_data, with_command
-from bench.workbench.page_files import script, style
-from bench.workbench.proposals import instances_of
+from bench.page.workbench import room
+from bench.page.workbench.decorrelated import set_apart
+from bench.page.workbench.found_model import found_model
+from bench.page.workbench.page_data import page_data, with_command
+from bench.page.workbench.page_files import script, style
+from bench.page.workbench.proposals import instances_of
 from tests.workbench_kit import ABSORBED, FOUND, diagnosis_of, write_dataset
 from tests.workbench_sets import Carried, numbers
 

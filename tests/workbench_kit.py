@@ -8,11 +8,11 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.page.parts import Page, Section
 from bench.page.render import Workbench, render_page
+from bench.page.workbench.page_data import with_command
+from bench.page.workbench.page_files import script, style
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import write_simulation
 from bench.truth.simulate import simulate
-from bench.workbench.page_data import with_command
-from bench.workbench.page_files import script, style
 from tests.hidden_kit import STEP
 
 FRICTION = (

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from bench.api.sources import Data, as_dataset
 from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Diagnosis
-from bench.discovery.find import find_missing_effects
 from bench.identification.problem import Filters, problem_of
 from bench.identification.shortness import short_recordings
 

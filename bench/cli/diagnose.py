@@ -73,7 +73,7 @@ def diagnose(
     written: list[str] = []
     laws: list[Path] = []
     if model_file is not None:
-        from bench.discovery.written import write_laws
+        from bench.diagnosis.discovery.written import write_laws
 
         diagnosis = write_laws(diagnosis, model_file.parent)
         names = dict.fromkeys(law.file for law in diagnosis.discovered if law.file is not None)

@@ -11,8 +11,8 @@ from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.parameters import Assignment, Numbers, number_or_word, unique
 
 if TYPE_CHECKING:
+    from bench.dataset.logs.importing import LogRequest
     from bench.dataset.payload import Payload
-    from bench.logs.importing import LogRequest
 
 CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
 
@@ -124,8 +124,8 @@ def import_log(
     FILE is .mat, .npz, .parquet, a text (.csv, .tsv, .txt, .dat, .log), or a ROS bag with joint states (.mcap,
     .db3, .bag, or the folder of a ROS 2 bag), for which 'parabench[ros]' must be installed.
     """
-    from bench.logs.importing import import_log
-    from bench.logs.mapping_file import import_mapping
+    from bench.dataset.logs.importing import import_log
+    from bench.dataset.logs.mapping_file import import_mapping
 
     if mapping_file is not None:
         _refuse_beside_mapping(context)
@@ -179,10 +179,10 @@ def _payload(options: Mapping[str, Any]) -> "Payload | None":
 
 def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":
     """What is asked for of one log."""
-    from bench.logs.columns import LogMap
-    from bench.logs.importing import LogRequest
-    from bench.logs.log_file import Reading
-    from bench.logs.segments import SHORTEST, Cutting
+    from bench.dataset.logs.columns import LogMap
+    from bench.dataset.logs.importing import LogRequest
+    from bench.dataset.logs.log_file import Reading
+    from bench.dataset.logs.segments import SHORTEST, Cutting
 
     if options["shortest"] is not None and not options["split_gaps"]:
         raise click.UsageError("--shortest needs --split-gaps")

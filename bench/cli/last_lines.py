@@ -60,7 +60,7 @@ def _standard_output(context: click.Context) -> Any:
 
 def write_answer(path: Path, value: Any) -> None:
     """Write an answer as JSON: to a file, whole or not at all, or to standard output."""
-    from bench.files.atomic import write_json_atomically
+    from bench.basics.files.atomic import write_json_atomically
 
     if path != STANDARD_OUTPUT:
         write_json_atomically(path, value)

@@ -72,11 +72,11 @@ def replay(
     from bench.dataset.dataset import load_dataset
     from bench.export.identified import declaring, load_identified
     from bench.export.physical import physical_set
+    from bench.export.replay.replay import replay as replayed
+    from bench.export.replay.replay import replay_json
+    from bench.export.replay.report import replay_report, replay_sentences
     from bench.identification.model_file import read_identification
     from bench.identification.problem import problem_of
-    from bench.replay.replay import replay as replayed
-    from bench.replay.replay import replay_json
-    from bench.replay.report import replay_report, replay_sentences
 
     data = load_dataset(dataset)
     identified = load_identified(model_file, data.robot.folder, (*data.effect_files, *effect_files))

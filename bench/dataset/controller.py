@@ -12,8 +12,8 @@ import numpy.typing as npt
 from pydantic import Field
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import UserTable
 from bench.dataset.recording import Recording
-from bench.files.toml_input import UserTable
 
 Array = npt.NDArray[np.float64]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.basics.files.table import release_tables
+from bench.basics.files.toml_input import read_toml
 from bench.dataset.controller import ControlLaw, controller_of, references
 from bench.dataset.dataset_toml import DATASET_FILE as DATASET_FILE
 from bench.dataset.dataset_toml import DatasetSpec, payload_of
@@ -18,8 +20,6 @@ from bench.dataset.recording import Recording
 from bench.dataset.recording_file import load_recordings
 from bench.dataset.recording_window import Window
 from bench.dataset.robot import Robot, load_robot
-from bench.files.table import release_tables
-from bench.files.toml_input import read_toml
 
 
 @dataclass(frozen=True, eq=False, repr=False)

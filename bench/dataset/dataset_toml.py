@@ -12,15 +12,15 @@ import numpy as np
 from pydantic import Field
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_text_atomically
+from bench.basics.files.toml_input import UserTable, read_toml
+from bench.basics.files.toml_output import toml_header, toml_line
 from bench.dataset.controller import ControlLaw, ControllerSpec
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.recording import Use
 from bench.dataset.recording_checks import Check
 from bench.dataset.recording_window import Spans
 from bench.dataset.robot import Robot, load_robot
-from bench.files.atomic import write_text_atomically
-from bench.files.toml_input import UserTable, read_toml
-from bench.files.toml_output import toml_header, toml_line
 
 DATASET_FILE = "dataset.toml"
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]

@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
-from bench.files.atomic import atomic_path
+from bench.basics.files.atomic import atomic_path
 
 Use = Literal["identify", "validate"]
 Array = npt.NDArray[np.float64]

@@ -16,9 +16,9 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from bench.basics.files.recording_fault import Remedy
 from bench.basics.joint_units import joint_units
 from bench.dataset.joint_facts import JointFacts
-from bench.files.recording_fault import Remedy
 
 Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated"]
 CHECKS: tuple[Check, ...] = get_args(Check)

@@ -9,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.recording_fault import RecordingFaultError, Remedy
+from bench.basics.files.table import FileTable
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.sampling import LIKE, TimeFault, gap_rows, time_fault
-from bench.files.recording_fault import RecordingFaultError, Remedy
-from bench.files.table import FileTable
 
 MOST_SPANS = 3  # that are told
 SECONDS = {remedy: 1.0 / factor for factor, (_, remedy) in LIKE.items()}

@@ -9,8 +9,8 @@ import numpy.typing as npt
 from pydantic import BeforeValidator
 
 from bench.basics.errors import BenchError
+from bench.basics.files.table import FileTable
 from bench.dataset.sampling import FEWEST
-from bench.files.table import FileTable
 
 
 def _spans(value: Any) -> tuple[tuple[float, float], ...]:

@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from bench.basics.errors import BenchError, meant
+from bench.basics.files.toml_input import UserTable, one_line, read_toml
 from bench.basics.joint_units import HINGE, SLIDE, units_of_gain
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.robot_mjcf import Transmission, robot_model, robot_spec
 from bench.dataset.robot_redundancy import independent_motors
-from bench.files.toml_input import UserTable, one_line, read_toml
 
 if TYPE_CHECKING:
     import mujoco

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from bench.basics.errors import BenchError, meant
+from bench.basics.files.atomic import atomic_path
+from bench.basics.files.toml_output import toml_line
 from bench.dataset.robot import compiler_message, load_robot
-from bench.files.atomic import atomic_path
-from bench.files.toml_output import toml_line
 
 if TYPE_CHECKING:
     import mujoco

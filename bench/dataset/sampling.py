@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from bench.basics.files.recording_fault import Remedy
 from bench.basics.interpolation import cubic_spline
-from bench.files.recording_fault import Remedy
 
 FEWEST = 100  # samples: filters and decimation need some to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz

@@ -3,11 +3,11 @@
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.python_file import MISTAKES, described
 from bench.effects.effect import ActuatorEffect
 from bench.effects.select import EffectInstance
 from bench.effects.signals import RobotSignals
 from bench.effects.user_file import user_file_of
-from bench.files.python_file import MISTAKES, described
 
 
 def effect_columns(instance: EffectInstance, robot: RobotSignals) -> np.ndarray:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import get_args
 
 from bench.basics.errors import BenchError
+from bench.basics.files.python_file import module_of, read_source
 from bench.effects.catalogue import CATALOGUE
 from bench.effects.effect import Effect, EffectParameter, Place, ShapeParameter, unit_at
-from bench.files.python_file import module_of, read_source
 
 PREFIX = "bench_user_effects_"
 

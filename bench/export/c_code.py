@@ -8,6 +8,7 @@ from string import Template
 
 import numpy as np
 
+from bench.basics.files.atomic import write_text_atomically
 from bench.effects.laws.gain_saturation import LEAST as LEAST_SATURATED
 from bench.effects.laws.gain_saturation import SOLVING
 from bench.export.c_closures import closure_tables, passive_order
@@ -16,7 +17,6 @@ from bench.export.c_tables import table
 from bench.export.carried import carried
 from bench.export.feedforward import chosen_effects
 from bench.export.identified import EffectValues, IdentifiedModel
-from bench.files.atomic import write_text_atomically
 
 TEMPLATES = Path(__file__).with_name("c")
 KINDS = {"hinge": "HINGE", "slide": "SLIDE", "ball": "BALL", "free": "FREE"}

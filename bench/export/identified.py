@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import read_toml
 from bench.dataset.dataset import DATASET_FILE
 from bench.dataset.dataset_toml import DatasetSpec, PayloadSpec
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects
-from bench.files.toml_input import read_toml
 from bench.identification.layout import parameter_layout
 from bench.identification.model_file import SavedModel, load_model, with_own_effects
 from bench.identification.payload_parameters import payload_columns

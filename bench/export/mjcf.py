@@ -11,13 +11,13 @@ import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path
 from bench.dataset.robot_mjcf import INERTIA, MASS, ROTOR
 from bench.export.carried import unknown_payload
 from bench.export.mjcf_actuators import DrivenJoint, set_motors
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, left_lines, placed_effects
 from bench.export.pseudo_inertia import about_center
-from bench.files.atomic import atomic_path
 from bench.identification.payload_parameters import payload_columns
 from bench.model.geometry import Placement
 from bench.twin.friction import STEPS_TO_STICK, STIFF

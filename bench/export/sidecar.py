@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from bench.basics.files.atomic import write_json_atomically
 from bench.export.mjcf import Exported
 from bench.export.physical import PhysicalSet
-from bench.files.atomic import write_json_atomically
 from bench.twin.file import FORMAT, sidecar_path
 
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from bench.basics.files.atomic import write_text_atomically
 from bench.export.physical import PhysicalSet
 from bench.export.pseudo_inertia import about_center
-from bench.files.atomic import write_text_atomically
 
 COLUMNS = ("kind", "place", "name", "value", "std", "unit")
 INERTIAS = ("Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_text_atomically
 from bench.basics.plain_data import finite
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.effects import Effect, EffectInstance
 from bench.effects.user_file import load_effects
-from bench.files.atomic import write_text_atomically
 from bench.identification.by_recording import without_own_values
 from bench.identification.finding import Finding
 from bench.identification.finding_words import note

@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.recording_fault import Remedy
+from bench.basics.files.table import HUGE
 from bench.dataset.joint_facts import JointFacts, joint_facts
+from bench.dataset.logs.columns import GROUPS
+from bench.dataset.logs.importing import CUTS, LIKE
+from bench.dataset.logs.log_file import LogFile, Reading, read_log
+from bench.dataset.logs.units import UNITS, factor_of
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import time_fault
-from bench.files.recording_fault import Remedy
-from bench.files.table import HUGE
-from bench.logs.columns import GROUPS
-from bench.logs.importing import CUTS, LIKE
-from bench.logs.log_file import LogFile, Reading, read_log
-from bench.logs.units import UNITS, factor_of
 
 CUT = {"split_gaps": True}  # the remedy for lost samples
 

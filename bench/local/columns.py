@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from bench.dataset.logs.columns import GROUPS
+from bench.dataset.logs.log_file import LogFile, Reading, read_log
+from bench.dataset.logs.ros_bag import is_bag, joint_topics
+from bench.dataset.logs.unit_names import LAST, name_of, unit_in, units_of
+from bench.dataset.logs.units import UNITS
 from bench.dataset.robot import Robot
-from bench.logs.columns import GROUPS
-from bench.logs.log_file import LogFile, Reading, read_log
-from bench.logs.ros_bag import is_bag, joint_topics
-from bench.logs.unit_names import LAST, name_of, unit_in, units_of
-from bench.logs.units import UNITS
 
 POINTS = 160  # of a column's small picture
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.dataset_toml import DATASET_FILE
+from bench.dataset.logs.log_file import TEXTS
+from bench.dataset.logs.ros_bag import SUFFIXES as BAGS
 from bench.dataset.robot_toml import ROBOT_FILE
-from bench.logs.log_file import TEXTS
-from bench.logs.ros_bag import SUFFIXES as BAGS
 from bench.page.folder import RUN_FILE
 
 LOGS = (*TEXTS, ".mat", ".npz", ".parquet", *BAGS)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import read_toml
 from bench.basics.plain_data import finite
 from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
@@ -14,7 +15,6 @@ from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import mjcf_parts
 from bench.effects import places_in
 from bench.effects.display_names import begun, spoken
-from bench.files.toml_input import read_toml
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.model_json import to_json
 from bench.identification.problem import problem_of

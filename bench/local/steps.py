@@ -9,11 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import UserTable, first_mistake
 from bench.dataset.dataset_toml import DATASET_FILE
 from bench.dataset.recording import Use
 from bench.dataset.recording_checks import Check
 from bench.dataset.robot_toml import Unit
-from bench.files.toml_input import UserTable, first_mistake
 from bench.local.folder import RESULTS, Folder
 from bench.page.section_run import quoted
 from bench.twin.file import sidecar_path

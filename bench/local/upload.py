@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.files.atomic import atomic_path
-from bench.files.csv_text import FOREIGN
+from bench.basics.files.atomic import atomic_path
+from bench.basics.files.csv_text import FOREIGN
 from bench.local.folder import LOGS, MODELS, Folder
 
 LARGEST = 1 << 30  # bytes of one log

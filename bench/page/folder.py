@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.basics.plain_data import finite
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset, load_dataset
@@ -31,14 +32,13 @@ from bench.diagnosis.result import (
     Unexplained,
 )
 from bench.diagnosis.split import with_held_out_parts
-from bench.files.atomic import write_json_atomically, write_text_atomically
 from bench.identification.model_file import load_model, read_identification, save_model
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import CurrentSeries, Identification, Quantity
 from bench.page.digest import dataset_digest, file_digest
 from bench.page.section_run import CommandRun
 from bench.page.series_file import read_series, write_series
-from bench.workbench.page_data import VERSION as WORKBENCH_VERSION
+from bench.page.workbench.page_data import VERSION as WORKBENCH_VERSION
 
 RUN_FILE = "report.json"
 MODEL_FILE, AFTER_FILE, BEFORE_FILE = "model.json", "model_after.json", "model_before.json"

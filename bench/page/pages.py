@@ -12,6 +12,8 @@ from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
 from bench.document.typeset import plural, typeset
+from bench.export.replay.replay import Replay, TwinMotion
+from bench.export.replay.report import replay_sentences
 from bench.identification.model_file import Comparison
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
@@ -32,8 +34,6 @@ from bench.page.verdict import (
     identification_verdict,
     replay_tiles,
 )
-from bench.replay.replay import Replay, TwinMotion
-from bench.replay.report import replay_sentences
 from bench.signals.settings import FilterSettings
 from bench.viewer.context import SimulatedPoses
 

@@ -12,8 +12,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path
 from bench.dataset.dataset import Dataset
-from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries
 
 MEASURED = ("measured", "position", "velocity", "acceleration", "moving")

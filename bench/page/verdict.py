@@ -7,12 +7,12 @@ from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import found_effects, moved_gain, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.document.typeset import effect_name, share, short, typeset
+from bench.export.replay.replay import Replay
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
 from bench.identification.result import ErrorSummary, Identification, relative_error
 from bench.identification.wording import and_list, or_list, with_error
 from bench.page.parts import Tile
-from bench.replay.replay import Replay
 from bench.residuals.residuals import WhereItFails
 from bench.residuals.words import motor_words
 

@@ -3,11 +3,12 @@
 from dataclasses import replace
 from pathlib import Path
 
+from bench.basics.files.atomic import write_text_atomically
 from bench.basics.progress import SILENT, Progress
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.effects.select import TAG
-from bench.files.atomic import write_text_atomically
+from bench.export.replay.replay import Replay
 from bench.identification.model_file import Comparison, model_json
 from bench.identification.problem import Problem
 from bench.identification.result import Identification
@@ -16,9 +17,8 @@ from bench.page.pages import comparison_page, diagnosis_page, identification_pag
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
 from bench.page.section_run import CommandRun, Made, quoted
-from bench.replay.replay import Replay
-from bench.workbench.page_data import page_data, with_command
-from bench.workbench.page_files import script, style
+from bench.page.workbench.page_data import page_data, with_command
+from bench.page.workbench.page_files import script, style
 
 REPORT_FILE = "report.html"
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError, meant
+from bench.basics.files.toml_input import one_line
 from bench.dataset.catalogue import built_in_robots, built_in_scenarios
-from bench.files.toml_input import one_line
 
 
 def find_scenario(scenario: str | Path, folder: Path | None = None) -> Path:

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import UserTable, first_mistake
 from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot, load_robot
-from bench.files.toml_input import UserTable, first_mistake
 from bench.scenario.file import (
     find_scenario,
     merged,

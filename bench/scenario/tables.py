@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
+from bench.basics.files.toml_input import UserTable
 from bench.dataset.recording import Use
-from bench.files.toml_input import UserTable
 
 FILE_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
 

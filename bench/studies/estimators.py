@@ -22,12 +22,12 @@ import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.basics.plain_data import finite
 from bench.basics.threads import on_one_thread
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.excitation.scenario import designer
-from bench.files.atomic import write_json_atomically, write_text_atomically
 from bench.identification.estimators import ESTIMATORS
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare

@@ -9,12 +9,12 @@ from typing import Any
 
 import click
 
+from bench.basics.files.atomic import write_json_atomically
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import STEPS, Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.search import RANDOM
-from bench.files.atomic import write_json_atomically
 from bench.scenario.scenario import load_scenario
 from bench.studies.excite_forecast import monte_carlo, pooled
 

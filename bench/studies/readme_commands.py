@@ -18,8 +18,8 @@ from typing import Any
 import click
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
-from bench.files.atomic import write_json_atomically
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 FIRST = "bench excite delta "

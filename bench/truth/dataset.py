@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import whole_folder, write_json_atomically
 from bench.dataset.controller import ControlLaw, reference_column
 from bench.dataset.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
 from bench.dataset.recording import Recording, position_column, write_recording
 from bench.dataset.robot import Robot
-from bench.files.atomic import whole_folder, write_json_atomically
 from bench.scenario.scenario import payload_declared
 from bench.truth.report import truth
 from bench.truth.simulate import SimulatedRecording, Simulation

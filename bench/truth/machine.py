@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import one_line
 from bench.dataset.payload import Payload, inertia_matrix
 from bench.dataset.robot import Robot
-from bench.files.toml_input import one_line
 from bench.scenario.scenario import Scenario, payload_truth, per_joint
 from bench.scenario.tables import Controller, PayloadTable
 from bench.truth.assembly import felt_inertia

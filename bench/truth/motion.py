@@ -12,9 +12,9 @@ from mujoco.batch import Batch, SimulationError
 from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import one_line
 from bench.basics.progress import SILENT, Progress
 from bench.dataset.robot import Robot
-from bench.files.toml_input import one_line
 from bench.scenario.trajectory import FourierTrajectory
 from bench.truth.assembly import assembled, holding_torque
 from bench.truth.hidden import MOTOR_SIDE

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.python_file import MISTAKES
 from bench.effects import ActuatorEffect, Effect, JointSignals
 from bench.effects.laws.presliding_hysteresis import PreslidingHysteresis
-from bench.files.python_file import MISTAKES
 
 TINY = 1e-9  # rad/s or m/s: a speed of either sign that is as good as none
 SAMPLES = 12  # at which it is seen whether an effect needs more than the instant

@@ -9,9 +9,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path
 from bench.dataset.robot import Robot
 from bench.document.colours import rgb
-from bench.files.atomic import atomic_path
 from bench.model.geometry import read_geometry, to_mujoco
 from bench.model.motion import motion_of
 from bench.scenario.trajectory import FourierTrajectory

@@ -14,12 +14,12 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit, joint_units
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.document.markdown.identification import parameters_markdown, summary_markdown
 from bench.document.numbers import USES, Truth, error_std, error_where_moving, percent
-from bench.files.atomic import atomic_path
 from bench.identification.result import Identification, relative_error
 from bench.model.geometry import Geometry, read_geometry
 from bench.viewer.blueprint import PARAMETERS, SUMMARY, Scene, blueprint, eye_of, side_by_side

@@ -17,6 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.basics.versions import versions
 from bench.dataset.catalogue import built_in_robots, built_in_scenarios
 from bench.diagnosis.diagnose import diagnose
@@ -25,7 +26,6 @@ from bench.document.figures.currents import STYLE
 from bench.document.figures.draw import draw
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.excitation.scenario import designer
-from bench.files.atomic import atomic_path, write_text_atomically
 from bench.identification.identify import fit
 from bench.identification.prepare import prepare, with_effects
 from bench.identification.problem import problem_of

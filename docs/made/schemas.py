@@ -6,11 +6,11 @@ from typing import Any
 
 import mkdocs_gen_files
 
+from bench.basics.files.toml_input import UserTable
 from bench.dataset.dataset_toml import DatasetSpec
+from bench.dataset.logs.mapping_file import MappingTable
 from bench.dataset.robot import RobotTable
 from bench.document.markdown.tables import rows_in_markdown
-from bench.files.toml_input import UserTable
-from bench.logs.mapping_file import MappingTable
 from bench.scenario.tables import ScenarioTable
 from bench.studies.sweep.sweep_file import SweepTable
 

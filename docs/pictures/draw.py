@@ -18,8 +18,8 @@ import click
 from PIL import Image
 from rerun.experimental import ViewerClient
 
+from bench.basics.files.atomic import atomic_path
 from bench.cli import main
-from bench.files.atomic import atomic_path
 from bench.page.browser import browser, opened
 
 ROOT = Path(__file__).resolve().parents[2]

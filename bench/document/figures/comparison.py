@@ -7,12 +7,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from bench.basics.files.atomic import atomic_path
 from bench.document.charts.currents import currents_chart
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.currents import DPI, PAGE_WIDTH, STYLE, currents_page
 from bench.document.figures.draw import draw
 from bench.document.numbers import USES, percent
-from bench.files.atomic import atomic_path
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.residuals.words import motor_words

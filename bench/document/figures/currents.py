@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
 from bench.document.charts.currents import fitted_currents_chart
 from bench.document.figures.draw import draw
 from bench.document.numbers import USES, error_std, percent
-from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, Identification, relative_error
 
 PAGE_WIDTH = 11.0  # inches: text of 10 points can be read where a page is shown as wide as a column of text

@@ -6,6 +6,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
@@ -17,7 +18,6 @@ from bench.document.figures.currents import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDT
 from bench.document.figures.diagnosis_panels import draw_moved, moved
 from bench.document.figures.draw import draw
 from bench.document.numbers import effect_name, percent
-from bench.files.atomic import atomic_path
 from bench.identification.result import CurrentSeries, relative_error
 from bench.identification.wording import and_list
 from bench.residuals.motor import compared

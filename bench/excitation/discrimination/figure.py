@@ -8,13 +8,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import units_of_gain
 from bench.document.figures.currents import DPI, STYLE
 from bench.document.numbers import effect_name
 from bench.excitation.discrimination.files import trajectory_table
 from bench.excitation.discrimination.motion_figures import RATE
 from bench.excitation.discrimination.result import Discrimination
-from bench.files.atomic import atomic_path
 
 COLOURS = ("#0072B2", "#D55E00")  # after Okabe and Ito
 MOVING = "#3A424C"

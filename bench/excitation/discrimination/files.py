@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import whole_folder, write_json_atomically, write_text_atomically
 from bench.basics.plain_data import finite
 from bench.dataset.recording import write_table
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
 from bench.excitation.discrimination.sentences import length_unit, sentences
-from bench.files.atomic import whole_folder, write_json_atomically, write_text_atomically
 from bench.scenario.trajectory import FourierTrajectory
 
 TRAJECTORY, COEFFICIENTS, SUMMARY, ANSWER, PICTURE = (

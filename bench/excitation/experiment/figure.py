@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.document.figures.currents import DPI, STYLE
 from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.plan import ExperimentPlan
-from bench.files.atomic import atomic_path
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73")  # after Okabe and Ito
 LIMIT = "#9AA0A6"

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import whole_folder, write_json_atomically, write_text_atomically
+from bench.basics.files.toml_output import toml_header, toml_line
 from bench.basics.plain_data import finite
 from bench.dataset.catalogue import built_in_robots
 from bench.dataset.payload import Payload
@@ -16,8 +18,6 @@ from bench.excitation.experiment.between_samples import extremes
 from bench.excitation.experiment.forecast import Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.sentences import sentences
-from bench.files.atomic import whole_folder, write_json_atomically, write_text_atomically
-from bench.files.toml_output import toml_header, toml_line
 from bench.identification.wording import in_percent
 from bench.scenario.trajectory import FourierTrajectory
 

@@ -7,9 +7,9 @@ import numpy as np
 from pydantic import Field
 
 from bench.basics.errors import BenchError, meant
+from bench.basics.files.toml_input import UserTable
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.robot import Robot
-from bench.files.toml_input import UserTable
 from bench.scenario.tables import (
     DeclaredPayload,
     NotNegativePerJoint,

@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import first_mistake, read_toml
 from bench.excitation.experiment.request import ExperimentTable
-from bench.files.toml_input import first_mistake, read_toml
 
 
 def asked_table(file: Path | None, given: Mapping[str, Any]) -> ExperimentTable:

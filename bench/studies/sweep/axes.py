@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from bench.basics.errors import BenchError
-from bench.files.toml_input import UserTable, first_mistake
+from bench.basics.files.toml_input import UserTable, first_mistake
 from bench.truth.hidden import HIDDEN_EFFECTS
 from bench.truth.streams import stream
 

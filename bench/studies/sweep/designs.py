@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from bench.files.atomic import write_json_atomically
+from bench.basics.files.atomic import write_json_atomically
 from bench.scenario.trajectory import FourierTrajectory
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.discovery.find import find_missing_effects
+from bench.diagnosis.discovery.find import find_missing_effects
 from bench.identification.prepare import Prepared
 from bench.identification.problem import problem_of
 from bench.truth.machine import true_gains

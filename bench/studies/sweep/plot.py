@@ -7,9 +7,9 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from bench.basics.files.atomic import atomic_path
 from bench.document.figures.currents import STYLE
 from bench.document.figures.draw import draw
-from bench.files.atomic import atomic_path
 from bench.studies.sweep.charts import plot_chart
 
 MANY_NAMES = 6  # along x, from which on they stand aslant

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import first_mistake
 from bench.dataset.robot import Robot, load_robot
 from bench.effects import places_in, select_effects
-from bench.files.toml_input import first_mistake
 from bench.identification.estimators import ESTIMATORS
 from bench.model.model import build_model
 from bench.scenario.scenario import Scenario, scenario_from_dict

@@ -11,9 +11,9 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_text_atomically
 from bench.basics.versions import versions
 from bench.dataset.catalogue import catalogue_folder
-from bench.files.atomic import write_text_atomically
 from bench.studies.sweep.plan import Plan, digest, make_plan
 from bench.studies.sweep.sweep_file import Sweep, SweepTable, load_sweep
 from bench.studies.sweep.table import column_names, read_table

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.files.atomic import write_text_atomically
+from bench.basics.files.atomic import write_text_atomically
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.print_summary import summary_markdown
 from bench.studies.sweep.run_sweep import FILE, TABLE

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.files.atomic import write_json_atomically, write_text_atomically
+from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.studies.sweep.journal import Journal
 from bench.studies.sweep.plan import Plan, digest
 from bench.studies.sweep.pool import Pool

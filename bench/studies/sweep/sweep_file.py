@@ -10,8 +10,8 @@ from typing import Any, Literal
 from pydantic import StrictBool, field_validator
 
 from bench.basics.errors import BenchError
+from bench.basics.files.toml_input import UserTable, read_toml
 from bench.dataset.catalogue import catalogue_folder
-from bench.files.toml_input import UserTable, read_toml
 from bench.identification.estimators import DEFAULT_METHOD
 from bench.studies.sweep.axes import Axis, GridAxis, read_axes
 

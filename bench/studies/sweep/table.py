@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
-from bench.files.atomic import atomic_path
+from bench.basics.files.atomic import atomic_path
 from bench.studies.sweep.journal import Journal, Row
 
 BATCH = 1000  # rows in memory at a time

@@ -15,8 +15,8 @@ from rich.console import Console
 from rich.text import Text
 
 from bench.basics.errors import BenchError
+from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.document.terminal.tables import printed
-from bench.files.atomic import atomic_path, write_text_atomically
 from bench.studies.sweep.console import table_console
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.progress import ShownProgress, duration_text, progress_console, shown_progress

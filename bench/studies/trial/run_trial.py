@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from bench.basics.errors import BenchError
-from bench.files.atomic import write_json_atomically
+from bench.basics.files.atomic import write_json_atomically
 from bench.studies.sweep.journal import Journal, Row
 from bench.studies.sweep.plan import digest
 from bench.studies.sweep.pool import Pool

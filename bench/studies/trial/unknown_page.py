@@ -9,9 +9,9 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
-from bench.files.atomic import atomic_path, write_text_atomically
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.name_list import names_in
 from bench.studies.trial.target import Share

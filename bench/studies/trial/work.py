@@ -10,8 +10,8 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
+from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.result import Diagnosis
-from bench.discovery.find import find_missing_effects
 from bench.effects import CATALOGUE, places_in, select_effects
 from bench.excitation.scenario import designer
 from bench.identification.identify import fit

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError
-from bench.files.python_file import module_name, module_of, read_source
+from bench.basics.files.python_file import module_name, module_of, read_source
 from bench.truth.hidden.base import HiddenEffect
 
 PREFIX = "bench_hidden_effects_"

@@ -1,0 +1,188 @@
+"""Read a CSV or Parquet file into named columns of numbers, and name its rows as a user sees them.
+
+CSV: UTF-8 (a byte order mark is fine), one header line, comma, semicolon or tab between the values; with
+semicolon or tab a decimal comma is read too. Blank lines are skipped. Parquet: flat columns of numbers.
+"""
+
+from __future__ import annotations
+
+import io
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import pyarrow.csv as pacsv
+import pyarrow.parquet as pq
+
+from bench.basics.errors import BenchError
+from bench.basics.files.csv_text import CsvText, split_csv
+from bench.basics.files.recording_fault import RecordingFaultError, Remedy
+from bench.basics.files.toml_input import one_line
+
+SUFFIXES = (".csv", ".parquet")
+HUGE = 1e100  # what exceeds it is no measurement, and its square no number
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FileTable:
+    """The columns of one file, or of a part of it.
+
+    `text` is the CSV it came from, None for other files; `first_row` is the file's row (0 is the first) that the
+    part begins with; `sources` holds what the file calls a column where that is another name.
+    """
+
+    path: Path
+    data: pa.Table
+    text: CsvText | None
+    first_row: int = 0
+    sources: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> list[str]:
+        """Column names, in the file's order."""
+        return list(self.data.column_names)
+
+    def row_name(self, row: int) -> str:
+        """A row (0 is the first) as the user finds it: "line 2" of a CSV, "row 0" of a Parquet file."""
+        row += self.first_row
+        return f"row {row}" if self.text is None else f"line {self.text.line(row)}"
+
+    def place(self, column: str, row: int | None = None) -> str:
+        """Where something stands, for a message: file, column, and the row where it is one."""
+        source = self.sources.get(column, column)
+        named = column if source == column else f"{column} ({source!r} of the log)"
+        where = "" if row is None else f", {self.row_name(row)}"
+        return f"{self.path}: column {named}{where}"
+
+    def is_plain(self, column: str) -> bool:
+        """Whether the column can be kept as an extra: numbers or true and false, empty cells aside."""
+        kind = self.data.schema.field(column).type
+        return _is_numeric(kind) or bool(pa.types.is_boolean(kind))
+
+    def numbers(self, column: str) -> Array:
+        """The column (N,) as floats, empty cells as NaN, true as 1.
+
+        Errors: BenchError that names the row for text, BenchError with the type for what has no numbers.
+        """
+        kind = self.data.schema.field(column).type
+        if self.is_plain(column):
+            return np.asarray(self.data[column].cast(pa.float64()).to_numpy(), dtype=np.float64)
+        if self.text is None:
+            raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
+        index = self.columns.index(column)
+        rows = range(self.first_row, self.first_row + self.data.num_rows)
+        if (found := self.text.first_text(index, rows)) is None:
+            return np.array(self.text.floats(index, rows))
+        row, cell = found
+        raise BenchError(f"{self.place(column, row - self.first_row)}: {cell!r} is not a number")
+
+    def stamps(self) -> Array:
+        """The time column (N,), NaN where no number stands: for choosing rows, before they are checked."""
+        kind = self.data.schema.field("time").type
+        if self.is_plain("time") or self.text is None:
+            return self.numbers("time") if _is_numeric(kind) else np.full(self.data.num_rows, np.nan)
+        rows = range(self.first_row, self.first_row + self.data.num_rows)
+        return np.array(self.text.floats(self.columns.index("time"), rows, otherwise=float("nan")))
+
+    def finite(
+        self, column: str, cure: Callable[[npt.NDArray[np.intp]], tuple[str, Remedy]] | None = None
+    ) -> Array:
+        """The column (N,) as floats; RecordingFaultError that names the first row that is empty, NaN or infinite.
+
+        cure: from the rows that are, what helps, in words and as a code.
+        """
+        if pa.types.is_boolean(kind := self.data.schema.field(column).type):
+            raise BenchError(f"{self.path}: column {column}: holds {kind}, not numbers")
+        values = self.numbers(column)
+        bad = np.flatnonzero(~(np.abs(values) < HUGE))
+        if bad.size:
+            row = int(bad[0])
+            more = f" (and {bad.size - 1} more rows)" if bad.size > 1 else ""
+            what = self._what_stands(column, row, values[row])
+            helps, remedy = ("", None) if cure is None else cure(bad)
+            raise RecordingFaultError(
+                f"{self.place(column, row)}: {what}{more}",
+                f"; {helps}" if helps else "",
+                remedy,
+                column=column,
+            )
+        return values
+
+    def _what_stands(self, column: str, row: int, value: float) -> str:
+        source = self.sources.get(column, column)
+        if self.text is None or source not in self.text.names:
+            return "is empty" if not self.data[column][row].is_valid else f"is {value}"
+        cell = self.text.cell(self.first_row + row, self.text.names.index(source))
+        return f"is {cell!r}, which is no measurement" if cell else "is empty"
+
+
+def _is_numeric(kind: pa.DataType) -> bool:
+    tests = (pa.types.is_floating, pa.types.is_integer, pa.types.is_decimal, pa.types.is_null)
+    return any(test(kind) for test in tests)
+
+
+def read_table(path: Path) -> FileTable:
+    """The table in the file `path`, CSV or Parquet by its suffix.
+
+    Errors: BenchError in one line: missing, empty, truncated, not what the suffix says, no header, no rows,
+    a column twice, a line with too few or too many values (named).
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise BenchError(f"{path}: neither a .csv nor a .parquet file")
+    try:
+        if path.stat().st_size == 0:
+            raise BenchError(f"{path}: the file is empty")
+        csv = suffix == ".csv"
+        return table_of(split_csv(path, path.read_bytes())) if csv else _checked(_read_parquet(path))
+    except OSError as error:
+        raise BenchError(f"{path}: cannot be read: {error.strerror or one_line(error)}") from error
+
+
+def _checked(table: FileTable) -> FileTable:
+    path = table.path
+    for name, count in Counter(table.columns).items():
+        if name and count > 1:
+            raise BenchError(f"{path}: column {name}: stands there {count} times")
+    if table.data.num_rows == 0:
+        raise BenchError(f"{path}: has a header but no rows")
+    return table
+
+
+def release_tables() -> None:
+    """Give the memory of tables that nobody uses any more back to the system: pyarrow would hold it."""
+    pa.default_memory_pool().release_unused()
+
+
+def table_of(text: CsvText) -> FileTable:
+    """The table that a text holds.
+
+    Errors: BenchError in one line: no rows, a column twice, a line with too few or too many values.
+    """
+    path, body = text.path, text.body.encode()
+    if not body.strip():
+        raise BenchError(f"{path}: has a header but no rows")
+    options: dict[str, Any] = {
+        "read_options": pacsv.ReadOptions(column_names=text.names, block_size=len(body) + 1),
+        "parse_options": pacsv.ParseOptions(delimiter=text.delimiter),
+        "convert_options": pacsv.ConvertOptions(decimal_point="," if text.decimal_comma else "."),
+    }
+    try:
+        return _checked(FileTable(path, pacsv.read_csv(io.BytesIO(body), **options), text))
+    except pa.ArrowInvalid as error:
+        raise BenchError(f"{path}: {text.ragged() or one_line(error)}") from error
+
+
+def _read_parquet(path: Path) -> FileTable:
+    try:
+        table = FileTable(path, pq.ParquetFile(path).read(), None)
+        _ = table.columns  # names of a broken file may be no text
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+        raise BenchError(f"{path}: is not a whole Parquet file: {one_line(error)}") from error
+    return table

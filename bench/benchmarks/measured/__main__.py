@@ -1,0 +1,73 @@
+"""`make measured`: identify and diagnose measured logs, beside what is known of their machines, into results/measured.
+
+    python -m bench.benchmarks.measured [MACHINE ...] [-o DIR]
+
+Only the named machines run again; the pages are of all that the folder keeps.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_text_atomically
+from bench.benchmarks.measured.known import known_machines
+from bench.benchmarks.measured.machines import MACHINES, dataset_of
+from bench.benchmarks.measured.markdown import measured_markdown
+from bench.benchmarks.measured.page import measured_page
+from bench.benchmarks.measured.run import keep, kept, measured
+from bench.page.render import render_page
+
+RESULT = Path("results/measured")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run, keep, write the pages; 2 with one line where something is not there."""
+    parser = argparse.ArgumentParser(
+        prog="python -m bench.benchmarks.measured", description=(__doc__ or "").split("\n")[0]
+    )
+    parser.add_argument(
+        "machines", nargs="*", metavar="MACHINE", help=f"of {', '.join(MACHINES)}; all by default"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, default=RESULT, metavar="DIR", help="[default: %(default)s]"
+    )
+    given = parser.parse_args(arguments)
+    try:
+        _run(given.machines or list(MACHINES), given.output)
+    except BenchError as error:
+        print(f"bench: {error}", file=sys.stderr)  # noqa: T201 - a program of its own
+        return 2
+    return 0
+
+
+def _run(names: Sequence[str], output: Path) -> None:
+    data = Path(os.environ.get("PARABENCH_DATA", "../shared/data"))
+    if unknown := [name for name in names if name not in MACHINES]:
+        raise BenchError(f"{unknown[0]}: the measured machines are {', '.join(MACHINES)}")
+    tables = known_machines()
+    for name in names:
+        with TemporaryDirectory() as folder:
+            record = measured(name, dataset_of(name, data, Path(folder)), tables[name], _say)
+        keep(record, output)
+        write_pages(output)
+    _say(f"wrote {output / 'measured.md'} and {output / 'measured.html'}")
+
+
+def write_pages(folder: Path) -> None:
+    """The page of text and the page for a browser of the records in a folder."""
+    records, tables = kept(folder), known_machines()
+    write_text_atomically(folder / "measured.md", measured_markdown(records, tables))
+    page = measured_page(records, tables, "make measured")
+    write_text_atomically(folder / "measured.html", render_page(page))
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)  # noqa: T201 - a program of its own
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,173 @@
+"""What the commands `identify` and `diagnose` answer on a machine's logs, as data that are kept."""
+
+import json
+import resource
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_text_atomically
+from bench.basics.files.toml_input import first_mistake
+from bench.basics.versions import versions
+from bench.benchmarks.measured.known import AgainstKnown, MachineTable, compared
+
+SUFFIX = ".json"
+
+
+@dataclass(frozen=True)
+class NamedEffects:
+    """An effect that a diagnosis found: its verdict, where it shows, what it could be instead."""
+
+    effect: str
+    verdict: str
+    places: tuple[str, ...]
+    alternatives: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class MachineStep:
+    """A step of the ladder: the effects of the model, and its errors."""
+
+    effects: tuple[str, ...]
+    identify: float | None
+    validate: float | None
+
+
+@dataclass(frozen=True)
+class MachineRun:
+    """One command's answer. seconds: of the processor, from start to end. failed: why there is no answer.
+
+    judged: what the errors not fitted are of; said: sentences of a diagnosis, else notes; found, ladder, noise_floor:
+    of a diagnosis.
+    """
+
+    command: str
+    seconds: float
+    effects: tuple[str, ...] = ()
+    error_identify: float | None = None
+    error_validate: float | None = None
+    judged: str = "recordings that were not fitted"
+    rows: tuple[AgainstKnown, ...] = ()
+    said: tuple[str, ...] = ()
+    found: tuple[NamedEffects, ...] = ()
+    ladder: tuple[MachineStep, ...] = ()
+    noise_floor: float | None = None
+    failed: str = ""
+
+    @property
+    def diagnosis(self) -> bool:
+        """Whether missing effects were looked for."""
+        return self.command.startswith("diagnose")
+
+
+@dataclass(frozen=True)
+class Record:
+    """All runs on the logs of one machine, and the program that made them."""
+
+    name: str
+    runs: tuple[MachineRun, ...]
+    program: dict[str, str]
+
+
+def measured(name: str, dataset: Path, table: MachineTable, told: Callable[[str], None]) -> Record:
+    """Identify and diagnose the dataset in a folder. told: hears of every command before it runs."""
+    runs = []
+    commands = [("identify", table.effects), *(("diagnose", start) for start in table.diagnose_with)]
+    for command, effects in commands:
+        given = [word for effect in effects for word in ("--with", effect)]
+        line = " ".join((command, name, *given))
+        told(f"bench {line}")
+        runs.append(_run(command, dataset, given, line, table))
+    return Record(name, tuple(runs), versions().columns())
+
+
+def _run(command: str, dataset: Path, given: Sequence[str], line: str, table: MachineTable) -> MachineRun:
+    with TemporaryDirectory() as folder:
+        answer = Path(folder) / "answer.json"
+        words = [sys.executable, "-m", "bench", command, str(dataset), *given, "--json", str(answer)]
+        before = _processor_seconds()
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        seconds = float(f"{_processor_seconds() - before:.3g}")
+        if done.returncode != 0:
+            said = [text for text in done.stderr.splitlines() if text.strip()]
+            return MachineRun(line, seconds, failed=said[-1] if said else f"exit code {done.returncode}")
+        content = json.loads(answer.read_text(encoding="utf-8"))
+    if command == "identify":
+        return _identified(line, seconds, content, table)
+    return _diagnosed(line, seconds, content, table)
+
+
+def _processor_seconds() -> float:
+    """Of all processes that were started and have ended, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _identified(line: str, seconds: float, model: dict[str, Any], table: MachineTable) -> MachineRun:
+    error = model["error"]
+    return MachineRun(
+        line,
+        seconds,
+        tuple(model["effects"]),
+        error["identify"],
+        error["validate"],
+        rows=compared(model, table.known),
+        said=tuple(model["notes"]),
+    )
+
+
+def _diagnosed(line: str, seconds: float, answer: dict[str, Any], table: MachineTable) -> MachineRun:
+    ranking = {entry["effect"]: entry for entry in answer["ranking"]}
+    ladder = tuple(
+        MachineStep(tuple(entry["effects"]), entry["error"]["identify"], entry["error"]["validate"])
+        for entry in answer["ladder"]
+    )
+    return MachineRun(
+        line,
+        seconds,
+        tuple(answer["after"]["effects"]),
+        ladder[-1].identify,
+        ladder[-1].validate,
+        judged=answer["judged_on"],
+        rows=compared(answer["after"], table.known),
+        said=tuple(answer["summary"]),
+        found=tuple(
+            NamedEffects(
+                name,
+                ranking[name]["verdict"],
+                tuple(ranking[name]["actuators"]),
+                tuple(ranking[name]["alternatives"]),
+            )
+            for name in answer["missing"]
+        ),
+        ladder=ladder,
+        noise_floor=answer["unexplained"]["noise_floor"],
+    )
+
+
+_RECORD = TypeAdapter(Record)
+
+
+def keep(record: Record, folder: Path) -> Path:
+    """Write a record into a folder."""
+    path = folder / f"{record.name}{SUFFIX}"
+    write_text_atomically(path, _RECORD.dump_json(record, indent=2).decode() + "\n")
+    return path
+
+
+def kept(folder: Path) -> list[Record]:
+    """The records in a folder, by name. Raises BenchError for one that is damaged."""
+    records = []
+    for path in sorted(folder.glob(f"*{SUFFIX}")):
+        try:
+            records.append(_RECORD.validate_json(path.read_bytes()))
+        except ValidationError as error:
+            raise BenchError(f"{path}: {first_mistake(error)}") from error
+    return records

@@ -1,0 +1,151 @@
+"""Records as rows of cells, the same for the page of text and the page for a browser."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from bench.benchmarks.measured.known import DRIVE_GAIN, PARAMETER, WITHIN, AgainstKnown, MachineTable
+from bench.benchmarks.measured.run import MachineRun, NamedEffects, Record
+from bench.document.numbers import percent, pretty_unit, value_and_std
+from bench.effects.display_names import spoken
+
+_WORDS = {DRIVE_GAIN: "drive gain", PARAMETER: "base parameter"}
+MOST_OTHERS = 3  # alternatives that are named one by one
+YES, NO, NONE = "yes", "NO", "–"
+RUN_HEADS = (
+    "command",
+    "fitted",
+    "not fitted",
+    "goal",
+    "inside",
+    "goals reached",
+    "processor",
+    "missing, as it says",
+)
+VALUE_HEADS = ("quantity", "at", "value ± std", "unit", "known", "off by", "inside", "goal", "reached")
+EXPLANATION = (
+    "Each command starts from the robot's geometry and its nominal gains alone; what is known of the machines is "
+    f"compared with afterwards. Inside: off by no more than {WITHIN:g} of the stated standard deviations and what the "
+    "reference itself may be off by. Goal: how far an estimate, or an error, is to be off at most. Errors are of the "
+    "current, the fitted ones and those of recordings that were not fitted; processor: seconds of it, start to end."
+)
+
+
+@dataclass(frozen=True)
+class MeasuredCell:
+    """A text in a table of records. right: whether what it tells of is as it should be; None: it does not say."""
+
+    text: str
+    right: bool | None = None
+
+    @property
+    def wrong(self) -> bool:
+        """Whether it is surely not as it should be."""
+        return self.right is False
+
+
+Cells = tuple[MeasuredCell, ...]
+
+
+def run_rows(record: Record, table: MachineTable) -> Iterator[Cells]:
+    """A row for every command: its errors, how many values are right, what it costs, what it names."""
+    for run in record.runs:
+        if run.failed:
+            none = [NONE] * 5
+            yield _cells(f"bench {run.command}", *none, f"{run.seconds:.3g} s", f"failed: {run.failed}")
+            continue
+        yield _cells(
+            f"bench {run.command}",
+            percent(run.error_identify),
+            percent(run.error_validate),
+            error_goal(run, table),
+            counted([known.inside for known in run.rows]),
+            counted([known.reached for known in run.rows]),
+            f"{run.seconds:.3g} s",
+            said_missing(run),
+        )
+
+
+def _cells(*entries: str | MeasuredCell) -> Cells:
+    return tuple(MeasuredCell(entry) if isinstance(entry, str) else entry for entry in entries)
+
+
+def error_goal(run: MachineRun, table: MachineTable) -> MeasuredCell:
+    """The goal of the fitted error, and whether it is reached."""
+    if table.error_goal is None or run.error_identify is None:
+        return MeasuredCell(NONE)
+    reached = run.error_identify <= table.error_goal
+    return MeasuredCell(f"{percent(table.error_goal)} {YES if reached else NO}", reached)
+
+
+def counted(answers: Sequence[bool | None]) -> str:
+    """How many of those that have an answer are right."""
+    known = [entry for entry in answers if entry is not None]
+    return f"{sum(known)} of {len(known)}" if known else NONE
+
+
+def said_missing(run: MachineRun) -> str:
+    """The effects that a diagnosis found, strongest first."""
+    if not run.diagnosis:
+        return NONE
+    return "; ".join(map(named, run.found)) if run.found else "nothing"
+
+
+def named(effects: NamedEffects) -> str:
+    """An effect with its places, its verdict unless it is plainly missing, and what it could be instead."""
+    places = f" at {', '.join(effects.places)}" if effects.places else ""
+    verdict = "" if effects.verdict == "missing" else f" ({effects.verdict})"
+    others = [spoken(name) for name in effects.alternatives]
+    if len(others) > MOST_OTHERS:
+        others = [f"one of {len(others)} others"]
+    instead = f", or {', '.join(others)}" if others else ""
+    return f"{spoken(effects.effect)}{places}{instead}{verdict}"
+
+
+def value_rows(run: MachineRun) -> Iterator[Cells]:
+    """A row for every gain and everything that is known."""
+    for against in run.rows:
+        known = NONE if against.known is None else f"{against.known:g}"
+        if against.known is not None and against.uncertainty:
+            known += f" ± {percent(against.uncertainty)}"
+        yield _cells(
+            quantity_name(against),
+            against.place,
+            estimate(against),
+            pretty_unit(against.unit),
+            known,
+            percent(against.off, signed=True),
+            answer(against.inside),
+            NONE if against.goal is None else percent(against.goal),
+            answer(against.reached),
+        )
+
+
+def quantity_name(known: AgainstKnown) -> str:
+    """What is compared, in words."""
+    effect, _, parameter = known.quantity.partition(" ")
+    return _WORDS.get(known.quantity, f"{spoken(effect)} {parameter}")
+
+
+def estimate(known: AgainstKnown) -> str:
+    """The value with its deviation, or why there is none."""
+    if known.value is None:
+        return "not in the model"
+    if known.fixed:
+        return f"{known.value:g}, kept"
+    if known.std is None:
+        return f"{known.value:.5g}, not determined"
+    return " ± ".join(value_and_std(known.value, known.std))
+
+
+def answer(right: bool | None) -> MeasuredCell:
+    """Yes, no, or nothing to say."""
+    return MeasuredCell(NONE if right is None else YES if right else NO, right)
+
+
+def sources(machine: MachineTable) -> list[str]:
+    """Where the known values are from, each with what it is about."""
+    said = []
+    for known in machine.known:
+        about = _WORDS.get(known.of, f"{spoken(known.of)} {known.parameter}")
+        said.append(f"{about} of {', '.join(known.values)}: {known.source}.")
+    return said

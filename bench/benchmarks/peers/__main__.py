@@ -1,0 +1,190 @@
+"""`make peers`: time and error of each solver on the same problems, side by side."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from bench.basics.chi_squared import WITHIN_95
+from bench.basics.files.atomic import write_json_atomically, write_text_atomically
+from bench.basics.versions import versions
+from bench.benchmarks.peers.own import (
+    Answer,
+    solve_all_unknown,
+    solve_mass_known,
+    solve_output_error,
+    solve_two_masses,
+)
+from bench.benchmarks.peers.problems import COULOMB_SHARE, DURATION, PeerProblem, make_problem
+from bench.studies.sweep.console import table_console
+
+warnings.filterwarnings("ignore", category=RuntimeWarning, message=".*already registered.*")
+RESULT = Path("results/peers")
+MANY, FEW, ONE = 40, 3, 1  # seeds of fast solvers, of slow ones, and of the slowest
+EXPLANATION = (
+    "Medians over seeds of the sensors' noise: 20-bit encoders and 1 % noise of the currents. `parabench` knows"
+    " the geometry and the payload; `rest from CAD` takes all masses but two as known, which is what"
+    " `mujoco.sysid` is given, together with the initial state and the controller. mujoco.sysid does not look at"
+    " the currents: it predicts the positions by simulating the controlled machine. `output error` knows the"
+    " controller's law and references too, and no mass but the payload's. At the truth's own step its model is"
+    " the very program that made the data; 1 ms is the step of the log. FIGAROH has no closed loops."
+    " Seconds are of processor time, of all threads, and of solving alone, from recordings to estimates: the robot's"
+    " model is built once beforehand"
+    " and not timed, and neither is the set-up of the others (MuJoCo specs, sequences and residual function of"
+    " mujoco.sysid, URDF of FIGAROH)."
+)
+HEADERS = ("solver", "seeds", "seconds", "gain error", "gains within", "mass error", "masses within")
+
+
+@dataclass(frozen=True)
+class Score:
+    """One solver on one problem: medians over the seeds of time and largest relative errors; coverage."""
+
+    robot: str
+    friction: bool
+    solver: str
+    seeds: int
+    seconds: float
+    gain_error: float
+    gain_within: float | None
+    mass_error: float | None
+    mass_within: float | None
+
+
+Solver = Callable[[PeerProblem], Answer]
+
+
+def score(robot: str, *, friction: bool, solve: Solver, seeds: int) -> Score:
+    """Solve a problem for several seeds of the noise; the first one is solved once more beforehand, to warm up."""
+    problems = [make_problem(robot, seed, friction=friction) for seed in range(1, seeds + 1)]
+    if seeds >= MANY:
+        solve(problems[0])
+    pairs = [(problem, solve(problem)) for problem in problems]
+    gain_errors = [np.abs(answer.gains / problem.gains - 1.0).max() for problem, answer in pairs]
+    mass_errors = [np.abs(a.masses / p.masses - 1.0).max() for p, a in pairs if a.masses is not None]
+    return Score(
+        robot,
+        friction,
+        pairs[0][1].solver,
+        seeds,
+        float(np.median([answer.seconds for _, answer in pairs])),
+        float(np.median(gain_errors)),
+        _within([(p.gains, a.gains, a.gain_stds) for p, a in pairs]),
+        float(np.median(mass_errors)) if mass_errors else None,
+        _within([(p.masses, a.masses, a.mass_stds) for p, a in pairs]),
+    )
+
+
+def _within(triples: Iterable[tuple[np.ndarray, np.ndarray | None, np.ndarray | None]]) -> float | None:
+    held = [
+        np.abs(value - truth) <= WITHIN_95 * std
+        for truth, value, std in triples
+        if value is not None and std is not None
+    ]
+    return float(np.mean(held)) if held else None
+
+
+def five_bar_scores(*, friction: bool) -> list[Score]:
+    """mujoco.sysid and this project; FIGAROH has no closed loops."""
+    from bench.benchmarks.peers import mujoco_sysid  # noqa: PLC0415 - slow to import
+
+    def others(step: float) -> Solver:
+        return lambda problem: mujoco_sysid.solve(problem, step)
+
+    own: list[tuple[Solver, int]] = [
+        (lambda problem: solve_all_unknown(problem)[0], MANY),
+        (solve_two_masses, MANY),
+        (solve_output_error, MANY),
+    ]
+    if friction:
+        own.append((lambda problem: solve_two_masses(problem, ("coulomb_friction",)), MANY))
+        own.append((lambda problem: solve_output_error(problem, ("coulomb_friction",)), MANY))
+    solvers = [*own, (others(1e-3), FEW), (others(2.5e-4), ONE if friction else FEW)]
+    return [score("five_bar", friction=friction, solve=solve, seeds=seeds) for solve, seeds in solvers]
+
+
+def arm_scores(*, friction: bool) -> list[Score]:
+    """FIGAROH and this project, both from the mass of the payload; and all that is known of it used."""
+    from bench.benchmarks.peers import figaroh_arm  # noqa: PLC0415 - slow to import
+
+    settings = solve_all_unknown(make_problem("two_link", 1, friction=friction))[1].settings
+
+    def others(problem: PeerProblem) -> Answer:
+        return figaroh_arm.solve(problem, settings.position_cutoff, settings.decimation)
+
+    own: list[Solver] = [solve_mass_known, lambda problem: solve_all_unknown(problem)[0]]
+    if friction:
+        own.append(lambda problem: solve_all_unknown(problem, ("coulomb_friction",))[0])
+    return [score("two_link", friction=friction, solve=solve, seeds=MANY) for solve in (*own, others)]
+
+
+def title(scored: Score) -> str:
+    """What the problem is."""
+    robot = {"five_bar": "Five-bar", "two_link": "Serial arm of two links"}[scored.robot]
+    friction = (
+        f"Coulomb friction of {100.0 * COULOMB_SHARE:.0f} % of the torque"
+        if scored.friction
+        else "no friction"
+    )
+    return f"{robot}, two recordings of {DURATION:g} s at 1 kHz, {friction}"
+
+
+def cells(scored: Score) -> list[str]:
+    """One row of the table."""
+    shares = (scored.gain_error, scored.gain_within, scored.mass_error, scored.mass_within)
+    return [
+        scored.solver,
+        str(scored.seeds),
+        f"{scored.seconds:.3g}",
+        *("–" if x is None else f"{100 * x:.3g} %" for x in shares),
+    ]
+
+
+def scores_table(scores: Sequence[Score]) -> Table:
+    """The solvers of one problem below each other; in a narrow terminal their names give way, not the numbers."""
+    table = Table(box=box.SIMPLE_HEAD, title=title(scores[0]), title_justify="left", pad_edge=False)
+    table.add_column(HEADERS[0], overflow="fold")
+    for header in HEADERS[1:]:
+        table.add_column(header.replace(" ", "\n"), justify="right", vertical="bottom", no_wrap=True)
+    for scored in scores:
+        table.add_row(*cells(scored))
+    return table
+
+
+def main() -> int:
+    """Run all, print, keep."""
+    os.environ.setdefault("MUJOCO_GL", "disable")
+    console = table_console()
+    scores: list[Score] = []
+    text = ["# Beside others", "", EXPLANATION, ""]
+    for solve in (five_bar_scores, arm_scores):
+        for friction in (False, True):
+            found = solve(friction=friction)
+            scores += found
+            console.print(scores_table(found))
+            text += [f"## {title(found[0])}", "", "| " + " | ".join(HEADERS) + " |"]
+            text += ["|---" + "|---:" * (len(HEADERS) - 1) + "|"]
+            text += ["| " + " | ".join(cells(scored)) + " |" for scored in found] + [""]
+    content: dict[str, Any] = {
+        "scores": [vars(scored) for scored in scores],
+        "figaroh": version("figaroh"),
+        **versions().columns(),
+    }
+    write_json_atomically(RESULT / "peers.json", json.loads(json.dumps(content)))
+    write_text_atomically(RESULT / "peers.md", "\n".join(text))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,128 @@
+"""The own answer to a problem: everything identified, then with all but two masses taken as known."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.benchmarks.peers.problems import UNKNOWN_BODIES, PeerProblem
+from bench.dataset.dataset import Dataset
+from bench.identification.estimators import DEFAULT_METHOD
+from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
+from bench.identification.result import Identification
+from bench.model.model import IdentificationModel, build_model
+from bench.model.regressor import moved_parameters, projected_regressor
+from bench.model.states import random_motion
+from bench.studies.sweep.true_parameters import true_base_parameters
+from bench.truth.dataset import as_dataset
+from bench.truth.report import truth
+
+STATES, SEED = 80, 7
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Estimates (n,) with standard deviations; masses are None where the method does not give them."""
+
+    solver: str
+    seconds: float
+    gains: np.ndarray
+    gain_stds: np.ndarray | None
+    masses: np.ndarray | None
+    mass_stds: np.ndarray | None
+
+
+def solve_all_unknown(problem: PeerProblem, effects: tuple[str, ...] = ()) -> tuple[Answer, Identification]:
+    """Gains and all base parameters from the measurements and the payload alone."""
+    name = "parabench" + (f", with {' + '.join(effects)}" if effects else "")
+    return _identified(as_dataset(problem.simulation), effects, name)
+
+
+def solve_output_error(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Answer:
+    """The same from the controller's law and its references as well, which mujoco.sysid is given."""
+    simulation = problem.simulation
+    settings = simulation.scenario.settings
+    controller = settings.controller.model_copy(update={"declared": True})
+    scenario = replace(simulation.scenario, settings=settings.model_copy(update={"controller": controller}))
+    name = "parabench, output error" + (f", with {' + '.join(effects)}" if effects else "")
+    return _identified(as_dataset(replace(simulation, scenario=scenario)), effects, name, "oe")[0]
+
+
+def _identified(
+    dataset: Dataset, effects: tuple[str, ...], name: str, method: str = DEFAULT_METHOD
+) -> tuple[Answer, Identification]:
+    start = time.process_time()
+    result = identify(prepare(problem_of(dataset, effects)), method)
+    seconds = time.process_time() - start
+    gains = list(result.drive_gains.values())
+    values, stds = (np.array([getattr(gain, key) for gain in gains]) for key in ("value", "std"))
+    return Answer(name, seconds, values, stds, None, None), result
+
+
+def solve_mass_known(problem: PeerProblem) -> Answer:
+    """Gains and all base parameters from the measurements and the mass of the payload."""
+    dataset = as_dataset(problem.simulation)
+    payloads = {
+        name: replace(payload, center_of_mass=None, inertia=None)
+        for name, payload in dataset.payloads.items()
+    }
+    return _identified(replace(dataset, payloads=payloads), (), "parabench, payload's mass alone")[0]
+
+
+def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Answer:
+    """The same, then the two masses and the gains that suit best with everything else known.
+
+    Base parameters are linear in the masses: the identified ones, with their covariance, are fitted by those of
+    the known rest and the two masses (generalised least squares).
+    """
+    everything, result = solve_all_unknown(problem, effects)
+    model = build_model(problem.simulation.robot)
+    rest, per_mass = _base_of_masses(problem, model)  # the CAD's part, known beforehand
+    start = time.process_time()
+    base, gains = len(rest), len(everything.gains)
+    kept = [i for i, unknown in enumerate(result.covariance_rows) if i < base or unknown.kind == "gain"]
+    covariance = result.covariance[np.ix_(kept, kept)]
+    measured = np.concatenate(
+        [[parameter.value for parameter in result.parameters[:base]] - rest, everything.gains]
+    )
+    columns = np.zeros((len(kept), 2 + gains))
+    columns[:base, :2] = per_mass
+    columns[base:, 2:] = np.eye(gains)
+    scale = np.sqrt(np.diag(covariance))
+    weight = np.linalg.inv(np.linalg.cholesky(covariance / np.outer(scale, scale)))
+    weighted = weight @ (columns / scale[:, None])
+    solution = np.linalg.lstsq(weighted, weight @ (measured / scale))[0]
+    stds = np.sqrt(np.diag(np.linalg.inv(weighted.T @ weighted)))
+    seconds = everything.seconds + time.process_time() - start
+    name = everything.solver.replace("parabench", "parabench, rest from CAD")
+    return Answer(name, seconds, solution[2:], stds[2:], solution[:2], stds[:2])
+
+
+def _base_of_masses(problem: PeerProblem, model: IdentificationModel) -> tuple[np.ndarray, np.ndarray]:
+    """Base parameters (nb,) without the two masses, and those of 1 kg of each (nb, 2)."""
+    full = true_base_parameters(model, truth(problem.simulation))
+    per_mass = np.column_stack(
+        [_base_of_mass(problem, model, name) for name in UNKNOWN_BODIES[problem.robot]]
+    )
+    return full - per_mass @ problem.masses, per_mass
+
+
+def _base_of_mass(problem: PeerProblem, model: IdentificationModel, body: str) -> np.ndarray:
+    """Base parameters (nb,) of 1 kg at the centre of mass of a body."""
+    geometry = model.geometry
+    joint, frame = geometry.body_frames[body]
+    point = np.zeros(10)
+    point[0] = 1.0
+    center = problem.simulation.machine.models[None].body(body).ipos
+    standard = np.zeros(10 * len(geometry.joints))
+    at_center = moved_parameters(point, np.eye(3), center)
+    standard[10 * joint : 10 * joint + 10] = moved_parameters(at_center, frame.rotation, frame.translation)
+    motion = random_motion(geometry, STATES, SEED)
+    torque = (projected_regressor(geometry, motion) @ standard).reshape(-1)
+    rows = projected_regressor(geometry, motion, model.base.columns).reshape(len(torque), -1)
+    scale = np.linalg.norm(rows, axis=0)
+    return np.asarray(np.linalg.lstsq(rows / scale, torque)[0] / scale)

@@ -1,0 +1,138 @@
+"""`make speed`: every figure beside the one of the last time; the history is in results/speed."""
+
+import os
+import sys
+from pathlib import Path
+
+from bench.benchmarks.speed import (
+    diagnosis,
+    first_words,
+    growth,
+    long_log,
+    main_job,
+    regressor,
+    report,
+    six_axes,
+    start_up,
+)
+from bench.benchmarks.speed.figures import SpeedFigure, append_history, figures_table, last_values
+from bench.benchmarks.speed.scheduling import scheduling_figures
+from bench.benchmarks.speed.sweep import sweep_figures
+from bench.studies.sweep.console import table_console
+
+
+def regressor_figures() -> list[SpeedFigure]:
+    """The projected regressor over Pinocchio's own."""
+    return [
+        SpeedFigure(f"regressor over Pinocchio's, {robot}", regressor.measure(robot).ratio, "×", limit)
+        for robot, limit in regressor.LIMITS.items()
+    ]
+
+
+def main_job_figures() -> list[SpeedFigure]:
+    """Simulation over rollout, identification, and the design and simulation of a hexapod."""
+    name = "simulate a hexapod, design included"
+    figures = [SpeedFigure(name, main_job.hexapod_seconds(), "s", main_job.HEXAPOD_LIMIT)]
+    for robot, limit in main_job.IDENTIFICATION_LIMITS.items():
+        speed = main_job.measure(robot)
+        figures += [
+            SpeedFigure(
+                f"simulation over mujoco.rollout, {robot}", speed.ratio, "×", main_job.SIMULATION_LIMIT
+            ),
+            SpeedFigure(f"identify two recordings of 20 s, {robot}", speed.identification, "s", limit),
+        ]
+    return figures
+
+
+def diagnosis_figures() -> list[SpeedFigure]:
+    """Diagnoses of small and large robots, what of the processor and the memory they take, and several at once."""
+    figures, busy, identifying, memory = [], 0.0, 0.0, 0.0
+    for name, limit, cost in diagnosis.costs():
+        figures.append(SpeedFigure(name, cost.seconds, "s", limit))
+        busy, identifying = max(busy, cost.processor / cost.seconds), max(identifying, cost.busy)
+        if "hexapod" in name:
+            memory = cost.megabytes
+    return [
+        *figures,
+        SpeedFigure("peak memory of a hexapod's diagnosis", memory, "MB", diagnosis.MEGABYTES),
+        SpeedFigure("processor time of a diagnosis over its time", busy, "×", diagnosis.BUSY),
+        SpeedFigure("processor time of an identification over its time", identifying, "×", diagnosis.BUSY),
+        SpeedFigure("three diagnoses at once over two", diagnosis.three_over_two(), "×", diagnosis.AT_ONCE),
+    ]
+
+
+def report_figures() -> list[SpeedFigure]:
+    """The page of a diagnosis of a robot with six motors: at first, and again from the diagnosis's folder."""
+    first, again = report.measure()
+    return [
+        SpeedFigure("report of 60 s of six motors", first, "s", report.LIMIT),
+        SpeedFigure("report of a finished diagnosis", again, "s", report.AGAIN_LIMIT),
+    ]
+
+
+def long_log_figures() -> list[SpeedFigure]:
+    """Two logs of 20 minutes, and a measured arm at 5 kHz where its data are."""
+    seconds, gigabytes = long_log.measure()
+    name = "identify a five-bar, two logs of 20 minutes at 1 kHz"
+    figures = [
+        SpeedFigure(name, seconds, "s", long_log.SECONDS_LIMIT),
+        SpeedFigure(f"{name}, memory", gigabytes, "GB", long_log.MEMORY_LIMIT),
+    ]
+    measured = Path(os.environ.get("PARABENCH_DATA", "../shared/data"))
+    if (measured / six_axes.MACHINE).is_dir():
+        name = "identify six axes, 45,000 samples at 5 kHz"
+        figures.append(SpeedFigure(name, six_axes.measure(measured), "s", six_axes.LIMIT))
+    return figures
+
+
+def growth_figures() -> list[SpeedFigure]:
+    """Exponents of the cost; its picture and numbers are kept as well."""
+    series = list(growth.measure())
+    growth.keep(series)
+    return [
+        SpeedFigure(
+            f"{grown.command} against {grown.of}, exponent",
+            grown.exponent,
+            "",
+            growth.LINEAR if grown.of == "samples" else None,
+        )
+        for grown in series
+    ]
+
+
+def start_up_figures() -> list[SpeedFigure]:
+    """From the command to the moment when its dataset is read, and to the first words on a terminal."""
+    starts = [
+        SpeedFigure(f"start of bench {command}", start_up.measure(command), "s", start_up.LIMIT)
+        for command in start_up.COMMANDS
+    ]
+    silences = [
+        SpeedFigure(f"bench {command} until its first words", seconds, "s", first_words.LIMIT)
+        for command, seconds in first_words.measure_all()
+    ]
+    return [*starts, *silences]
+
+
+MEASUREMENTS = (
+    start_up_figures,
+    regressor_figures,
+    main_job_figures,
+    long_log_figures,
+    growth_figures,
+    diagnosis_figures,
+    report_figures,
+    sweep_figures,
+    scheduling_figures,
+)
+
+
+def main() -> int:
+    """Measure, print, keep; 1 if a limit is not kept."""
+    figures = [figure for measure in MEASUREMENTS for figure in measure()]
+    table_console().print(figures_table(figures, last_values()))
+    append_history(figures)
+    return 0 if all(figure.kept for figure in figures) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

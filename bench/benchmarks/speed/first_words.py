@@ -1,0 +1,70 @@
+"""How long a command is silent on a terminal: from its start to the first words of its progress."""
+
+import os
+import pty
+import select
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from time import perf_counter
+
+from bench.basics.errors import BenchError
+from bench.benchmarks.speed.long_log import write_long_dataset
+
+LIMIT = 1.0  # s
+REPEATS = 3
+PATIENCE = 60.0  # s
+WORDS = "starting"
+SECONDS = 10.0  # of the recordings that the commands are given
+EFFECTS = ("coulomb_friction", "viscous_friction")
+
+
+def measure_all(repeats: int = REPEATS) -> Iterator[tuple[str, float]]:
+    """Each command that works for long, and its seconds: the shortest of some."""
+    with tempfile.TemporaryDirectory(prefix="bench-speed-") as name:
+        folder = Path(name)
+        data = str(write_long_dataset(folder / "data", SECONDS))
+        out = str(folder / "out")
+        for words in (
+            ("simulate", "five_bar", "-o", out),
+            ("diagnose", data),
+            ("report", data, "-o", f"{out}.html"),
+            ("trial", "five_bar", "--kinds", "nothing", "--seeds", "1", "-o", out),
+            ("discriminate", data, *EFFECTS, "-o", out),
+        ):
+            yield words[0], min(measure(words) for _ in range(repeats))
+
+
+def measure(arguments: Sequence[str]) -> float:
+    """Seconds from the start of a command to its first words on a terminal; it is ended then.
+
+    Raises BenchError where it says nothing of its progress.
+    """
+    ours, theirs = pty.openpty()
+    start, text = perf_counter(), ""
+    command = [sys.executable, "-m", "bench", *arguments]
+    with subprocess.Popen(
+        command, stderr=theirs, stdout=subprocess.DEVNULL, env={**os.environ, "TERM": "xterm"}
+    ) as process:
+        os.close(theirs)
+        while WORDS not in text:
+            heard = _read(ours) if select.select([ours], [], [], PATIENCE)[0] else ""
+            if not heard:
+                break
+            text += heard
+        seconds = perf_counter() - start
+        process.terminate()
+    os.close(ours)
+    if WORDS not in text:
+        raise BenchError(f"bench {' '.join(arguments)}: says nothing of its progress: {text.strip()}")
+    return seconds
+
+
+def _read(terminal: int) -> str:
+    """What was written; nothing where the command has ended."""
+    try:
+        return os.read(terminal, 65536).decode(errors="replace")
+    except OSError:
+        return ""

@@ -1,0 +1,164 @@
+"""How the cost of identify and diagnose grows: with samples, with motors, and with the size of the catalogue.
+
+Run as `python -m bench.benchmarks.speed.growth`: processor time in one run, the exponent of a power law through
+each series, a figure and the numbers in results/speed.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure as Drawing
+from rich.table import Table
+
+from bench.basics.files.atomic import atomic_path
+from bench.basics.versions import versions
+from bench.benchmarks.speed.long_log import write_long_dataset
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.result import Diagnosis
+from bench.document.figures.currents import STYLE
+from bench.effects import CATALOGUE
+from bench.identification.identify import identify
+from bench.identification.prepare import prepare
+from bench.identification.problem import Problem, problem_of
+from bench.studies.sweep.console import table_console
+
+RESULT = Path("results/speed/growth.json")
+PICTURE = Path("results/speed/growth.png")
+SAMPLES = (10_000, 20_000, 40_000, 80_000, 160_000)
+SAME = 20_000  # samples where something else grows
+RATE = 1000.0  # Hz
+ROBOT = "five_bar"
+ROBOTS = {2: "five_bar", 3: "three_rrr", 6: "stewart"}
+"""By their motors."""
+EFFECTS = (4, 8, 16, len(CATALOGUE))
+FILTERS = {"decimation": 20, "position_cutoff": 100.0, "border": (60, 60)}  # alike for all
+REPEATS = 3  # of what is quick; the quickest counts
+QUICK = 2.0  # s
+LINEAR = 1.1  # largest exponent in samples
+
+Work = Callable[[Dataset], object]
+WORKS: Mapping[str, Work] = {
+    "identify": lambda dataset: identify(prepare(problem_of(dataset, filters=FILTERS))),
+    "diagnose": lambda dataset: diagnose(problem_of(dataset, filters=FILTERS)),
+}
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Processor seconds of one command against the size of one thing; exponent: of the power law through them."""
+
+    command: str
+    of: str
+    sizes: tuple[int, ...]
+    seconds: tuple[float, ...]
+
+    @property
+    def exponent(self) -> float:
+        """The slope of seconds over sizes, both as logarithms."""
+        return exponent(self.sizes, self.seconds)
+
+
+def exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
+    """The exponent of the power law through the points."""
+    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
+
+
+def measure(commands: Sequence[str] = tuple(WORKS)) -> Iterator[Growth]:
+    """All series, one after the other."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+
+        def dataset(robot: str, samples: int) -> Dataset:
+            place = folder / f"{robot}_{samples}"
+            if not place.exists():
+                write_long_dataset(place, samples / RATE / 2, robot)
+            return load_dataset(place)
+
+        for command in commands:
+            work = WORKS[command]
+            work(dataset(ROBOT, SAMPLES[0]))  # what is prepared once for a robot or a program
+            yield _series(command, "samples", SAMPLES, lambda size: dataset(ROBOT, size), work)
+            yield _series(command, "motors", tuple(ROBOTS), lambda n: dataset(ROBOTS[n], SAME), work)
+        if "diagnose" in commands:
+            seconds = tuple(_seconds(dataset(ROBOT, SAME), _diagnose_among(size)) for size in EFFECTS)
+            yield Growth("diagnose", "effects in the catalogue", EFFECTS, seconds)
+
+
+def _diagnose_among(size: int) -> Work:
+    """A diagnosis with the first so many effects of the catalogue."""
+    part = dict(list(CATALOGUE.items())[:size])
+
+    def work(dataset: Dataset) -> Diagnosis:
+        return diagnose(Problem(dataset, part, filters=FILTERS))
+
+    return work
+
+
+def _series(
+    command: str, of: str, sizes: tuple[int, ...], dataset: Callable[[int], Dataset], work: Work
+) -> Growth:
+    return Growth(command, of, sizes, tuple(_seconds(dataset(size), work) for size in sizes))
+
+
+def _seconds(dataset: Dataset, work: Work) -> float:
+    """Processor seconds; the least of a few where it is quick."""
+    least = np.inf
+    for _ in range(REPEATS):
+        start = process_time()
+        work(dataset)
+        least = min(least, process_time() - start)
+        if least > QUICK:
+            break
+    return float(least)
+
+
+def growth_figure(series: Sequence[Growth]) -> Drawing:
+    """Seconds against sizes, one panel for each thing that grows, with the power laws."""
+    things = list(dict.fromkeys(growth.of for growth in series))
+    with mpl.rc_context(STYLE):
+        drawing = Drawing(figsize=(3.6 * len(things), 3.2), layout="constrained")
+        for axes, thing in zip(drawing.subplots(1, len(things), squeeze=False)[0], things, strict=True):
+            for growth in series:
+                if growth.of == thing:
+                    axes.loglog(
+                        growth.sizes, growth.seconds, "o-", label=f"{growth.command}: {growth.exponent:.2f}"
+                    )
+            axes.set_xlabel(thing)
+            axes.legend(title="exponent", frameon=False)
+        drawing.axes[0].set_ylabel("processor time [s]")
+    return drawing
+
+
+def main() -> None:
+    """Measure, print, draw and keep."""
+    series = list(measure())
+    table = Table(title="Processor time against size")
+    for heading in ("command", "grows with", "sizes", "seconds", "exponent"):
+        table.add_column(heading)
+    for growth in series:
+        sizes, seconds = (
+            "  ".join(f"{value:.3g}" for value in values) for values in (growth.sizes, growth.seconds)
+        )
+        table.add_row(growth.command, growth.of, sizes, seconds, f"{growth.exponent:.2f}")
+    table_console().print(table)
+    keep(series)
+
+
+def keep(series: Sequence[Growth]) -> None:
+    """Write the numbers and the figure."""
+    rows = [{**asdict(growth), "exponent": growth.exponent, **versions().columns()} for growth in series]
+    with atomic_path(RESULT) as path:
+        path.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    with atomic_path(PICTURE) as path:
+        growth_figure(series).savefig(path, dpi=120)
+
+
+if __name__ == "__main__":
+    main()

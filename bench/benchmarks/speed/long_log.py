@@ -1,0 +1,125 @@
+"""Cost of identifying from long logs: two of 20 minutes at 1 kHz, 2.4 million samples.
+
+Logs of any length are simulated movements of 20 s, which begin and end at rest, one after the other.
+`python -m bench.benchmarks.speed.long_log FOLDER` identifies from a dataset and prints processor seconds and peak
+memory.
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+
+import click
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.benchmarks.speed.memory import peak_bytes
+from bench.dataset.dataset import RecordingEntry, load_dataset, write_dataset_toml
+from bench.dataset.recording import write_recording
+from bench.identification.identify import fit
+from bench.identification.prepare import prepare
+from bench.identification.problem import problem_of
+from bench.identification.swapped_columns import swapped_columns
+from bench.residuals.motor import compared
+from bench.scenario.file import find_scenario, read_with_bases
+from bench.scenario.scenario import Scenario, payload_declared, scenario_from_dict
+from bench.truth.sensors import sense
+from bench.truth.simulate import simulate
+
+SECONDS_LIMIT = 8.0
+MEMORY_LIMIT = 0.8  # GB
+DURATION = 1200.0  # s, of each of two logs
+PARTS = 3  # movements that are simulated for each recording; they take turns
+PART = 20.0  # s
+FRICTION = {"five_bar": 0.2, "three_rrr": 0.3, "stewart": 8.0, "two_link": 0.3}
+"""Dry friction [N*m or N] that no model is told of: the fit's band is then wide, as on a real machine."""
+
+
+def write_long_dataset(folder: Path, duration: float, robot: str = "five_bar") -> Path:
+    """A dataset of a robot with dry friction: two Parquet logs, unloaded and loaded, of so many seconds.
+
+    Every second of them has noise of its own, though movements repeat.
+    """
+    scenario, payload = _scenario(robot)
+    simulation = simulate(scenario, threads=1)
+    rate = 1.0 / scenario.log_period
+    samples = round(duration * rate)
+    entries = []
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, carried in (("unloaded", None), ("loaded", payload)):
+        parts = [recording for recording in simulation.recordings if recording.table.payload == carried]
+        count = -(-samples // len(parts[0].position))
+        position = np.concatenate([_closed(parts[k % PARTS].position) for k in range(count)])[:samples]
+        current = np.concatenate([parts[k % PARTS].current for k in range(count)])[:samples]
+        log = sense(
+            scenario.settings.sensors,
+            scenario.robot.joints,
+            scenario.settings.seed,
+            name,
+            np.arange(samples) / rate,
+            position,
+            current,
+        )
+        file = f"{name}.parquet"
+        write_recording(folder / file, log.time, log.position, log.current, scenario.robot.joints)
+        entries.append(RecordingEntry(file, "identify", carried))
+    declared = payload_declared(payload, scenario.settings.payloads[payload])
+    write_dataset_toml(folder, robot, entries, [declared])
+    return folder
+
+
+def _closed(position: np.ndarray) -> np.ndarray:
+    """Positions (N, n) that end where they begin: what friction keeps them from is spread over all of them."""
+    return position - np.linspace(0.0, 1.0, len(position))[:, None] * (position[-1] - position[0])
+
+
+def _scenario(robot: str) -> tuple[Scenario, str]:
+    """So many movements of the robot without its payload, and as many with it, whose name comes second."""
+    content = dict(read_with_bases(find_scenario(robot)))
+    payload = next(iter(content["payloads"]))
+    content["recordings"] = [
+        {
+            "name": f"{'loaded' if loaded else 'free'}_{k}",
+            "use": "identify",
+            "design": {"seed": 2 * k + loaded},
+        }
+        | ({"payload": payload} if loaded else {})
+        for k in range(PARTS)
+        for loaded in (0, 1)
+    ]
+    content["design"] = {**content["design"], "optimise": False, "duration": PART}
+    content["hidden"] = [{"effect": "coulomb_friction", "Fc": FRICTION[robot]}]
+    return scenario_from_dict(content, robot), payload
+
+
+def measure() -> tuple[float, float]:
+    """Processor seconds and peak memory [GB] of a process that identifies from two logs of 20 minutes."""
+    with TemporaryDirectory() as name:
+        folder = write_long_dataset(Path(name) / "dataset", DURATION)
+        program = [sys.executable, "-m", "bench.benchmarks.speed.long_log", str(folder)]
+        done = subprocess.run(program, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise BenchError(f"the long logs cannot be identified: {done.stderr}")
+        found = json.loads(done.stdout)
+        return found["seconds"], found["gigabytes"]
+
+
+def main() -> None:
+    """Identify as `bench identify` does, and print what it cost, start-up aside."""
+    start = process_time()
+    dataset = load_dataset(sys.argv[1])
+    problem = problem_of(dataset)
+    prepared = prepare(problem)
+    result = fit(prepared)
+    swapped_columns(problem, result, prepared)
+    compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
+    seconds = process_time() - start
+    most = peak_bytes()
+    click.echo(json.dumps({"seconds": seconds, "gigabytes": most / 1e9}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,205 @@
+"""What a run of a sweep costs beside its own work: planning, scheduling, transport and the journal.
+
+Run as `python -m bench.benchmarks.speed.scheduling`. Ten thousand runs without any work, one task each, go through the
+processes of this machine, and through a Dask scheduler with 64 workers that live in one other process.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+from rich.table import Table
+
+from bench.basics.errors import BenchError
+from bench.basics.files.atomic import write_json_atomically
+from bench.basics.versions import versions
+from bench.benchmarks.speed.figures import SpeedFigure
+from bench.benchmarks.speed.stand_in import NoWork
+from bench.studies.sweep.console import table_console
+from bench.studies.sweep.dask_pool import DaskPool
+from bench.studies.sweep.journal import Journal
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.pool import LocalPool, Pool
+from bench.studies.sweep.run_sweep import JOURNAL, run_sweep
+from bench.studies.sweep.sweep_file import load_sweep
+
+RUNS, LOCAL_WORKERS, DASK_WORKERS = 10_000, 2, 64
+COST_LIMIT = 2.0  # ms of the driver's processor time a run
+GROWTH_LIMIT = 2.0  # MB, over the last runs
+LAST = 0.2  # share of the runs: before, buffers and logs fill that have a bound of their own, in Dask 30 MB
+SILENCED = {"DASK_LOGGING__DISTRIBUTED": "critical"}  # what workers say when they leave concerns nobody
+RESULT = Path("results/speed/scheduling.json")
+SWEEP = """
+base = "five_bar"
+seeds = {runs}
+[axes]
+"gains.error.left" = {{ draw = "uniform", from = -0.15, to = 0.15 }}
+"""
+
+
+@dataclass(frozen=True)
+class Scheduling:
+    """Figures of one pool. driver, scheduler: ms of their processor time a run, where the local pool has no scheduler;
+    rate: runs a second, once they come; growth: MB of memory that the driver gained over the last fifth of the runs;
+    row: bytes a run in the journal.
+    """
+
+    pool: str
+    workers: int
+    runs: int
+    driver: float
+    scheduler: float
+    rate: float
+    growth: float
+    row: float
+
+    @property
+    def fed(self) -> float:
+        """Workers that driver and scheduler keep busy with runs of one second, each on a processor of its own."""
+        return 1e3 / max(self.driver, self.scheduler)
+
+    @property
+    def hours(self) -> float:
+        """What a million runs take of the busier of the two, however many workers there are."""
+        return 1e6 * max(self.driver, self.scheduler) / 3.6e6
+
+
+@dataclass
+class _Watch:
+    """Notes time and memory whenever runs are finished."""
+
+    runs: int
+    first: tuple[int, float] | None = None
+    last: tuple[int, float] = (0, 0.0)
+    memory: list[float] = field(default_factory=list)
+
+    def __call__(self, journal: Journal) -> None:
+        if journal.count and journal.count != self.last[0]:
+            self.last = journal.count, time.perf_counter()
+            self.first = self.first or self.last
+            if journal.count >= (1.0 - LAST) * self.runs:
+                self.memory.append(resident())
+
+    @property
+    def rate(self) -> float:
+        """Runs a second."""
+        if self.first is None or self.last[0] == self.first[0]:
+            raise BenchError("too few runs to measure")
+        return (self.last[0] - self.first[0]) / (self.last[1] - self.first[1])
+
+
+def resident() -> float:
+    """MB of memory that this process has (Linux)."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def measure(name: str, workers: int, make_pool: Callable[[], Pool], runs: int = RUNS) -> Scheduling:
+    """Send so many runs without any work through a pool."""
+    with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
+        file, out, watch = Path(folder) / "sweep.toml", Path(folder) / "out", _Watch(runs)
+        file.write_text(SWEEP.format(runs=runs), encoding="utf-8")
+        plan = make_plan(load_sweep(file))
+        start = time.process_time()
+        finished = run_sweep(plan, out, make_pool, NoWork(), watch)
+        seconds = time.process_time() - start
+        if finished.failed or finished.runs != runs:
+            raise BenchError(f"scheduling: {finished.failed} of {finished.runs} runs failed")
+        row = (out / JOURNAL).stat().st_size / runs
+    growth = watch.memory[-1] - watch.memory[0]
+    return Scheduling(name, workers, runs, 1e3 * seconds / runs, 0.0, watch.rate, growth, row)
+
+
+class _Process:
+    """A scheduler, or workers of one, in a process of its own."""
+
+    def __init__(self, *arguments: str) -> None:
+        command = [sys.executable, "-m", "bench.benchmarks.speed.stand_in", *arguments]
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=os.environ | SILENCED
+        )
+        assert self._process.stdout is not None
+        self.address = self._process.stdout.readline().strip()
+        if not self.address:
+            self.end()
+            raise BenchError("the Dask scheduler to be measured does not start; what it says stands above")
+
+    def end(self) -> float:
+        """Seconds of processor time that it took."""
+        said, _ = self._process.communicate()  # its input ends, and so does it
+        return float(said or 0.0)
+
+
+def measure_dask(workers: int = DASK_WORKERS, runs: int = RUNS) -> Scheduling:
+    """Dask's pool, its scheduler in one process and its workers in another."""
+    scheduler = _Process()
+    try:
+        hands = _Process(scheduler.address, str(workers))
+        try:
+            found = measure("dask", workers, lambda: DaskPool(scheduler.address), runs)
+        finally:
+            hands.end()
+    finally:
+        seconds = scheduler.end()
+    return replace(found, scheduler=1e3 * seconds / runs)
+
+
+def measure_all() -> list[Scheduling]:
+    """Both pools."""
+    return [measure("local", LOCAL_WORKERS, lambda: LocalPool(LOCAL_WORKERS)), measure_dask()]
+
+
+def scheduling_figures() -> list[SpeedFigure]:
+    """Cost and memory of both pools; their numbers are kept as well."""
+    measured = measure_all()
+    keep(measured)
+    return [figure for scheduling in measured for figure in figures_of(scheduling)]
+
+
+def keep(measured: Sequence[Scheduling]) -> None:
+    """Write the numbers."""
+    write_json_atomically(RESULT, [{**asdict(scheduling), **versions().columns()} for scheduling in measured])
+
+
+def figures_of(scheduling: Scheduling) -> list[SpeedFigure]:
+    """What is promised of a pool, and its rate."""
+    name = f"{scheduling.runs} runs without work, {scheduling.pool}, {scheduling.workers} workers"
+    return [
+        SpeedFigure(f"{name}: driver's time a run", scheduling.driver, "ms", COST_LIMIT),
+        SpeedFigure(f"{name}: memory gained", scheduling.growth, "MB", GROWTH_LIMIT),
+        SpeedFigure(f"{name}: runs a second", scheduling.rate, "/s"),
+    ]
+
+
+def main() -> None:
+    """Measure, show, and keep the figures in results/speed."""
+    measured = measure_all()
+    table = Table(title=f"{RUNS} runs without any work")
+    for head in ("", *(f"{scheduling.pool}, {scheduling.workers} workers" for scheduling in measured)):
+        table.add_column(head, justify="right" if head else "left")
+    for name, text in (
+        ("driver, ms of processor time a run", lambda timing: f"{timing.driver:.2f}"),
+        (
+            "scheduler, ms of processor time a run",
+            lambda timing: f"{timing.scheduler:.2f}" if timing.scheduler else "–",
+        ),
+        ("runs a second here", lambda timing: f"{timing.rate:.0f}"),
+        ("workers that are fed with runs of 1 s", lambda timing: f"{timing.fed:.0f}"),
+        ("memory gained over the last fifth, MB", lambda timing: f"{timing.growth:.1f}"),
+        ("a million runs: hours of the busier of driver and scheduler", lambda timing: f"{timing.hours:.1f}"),
+        ("a million runs: journal, GB", lambda timing: f"{timing.row / 1e3:.1f}"),
+    ):
+        table.add_row(name, *map(text, measured))
+    table_console().print(table)
+    keep(measured)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,81 @@
+"""Cost of a sweep: two hundred five-bars, each simulated and identified from two recordings of 10 s."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+from bench.benchmarks.speed.figures import SpeedFigure
+from bench.studies.sweep.plan import make_plan
+from bench.studies.sweep.pool import LocalPool
+from bench.studies.sweep.run_sweep import RECORD, run_sweep
+from bench.studies.sweep.sweep_file import load_sweep
+from bench.studies.sweep.work import IdentificationWork
+
+RUNS, FEWER = 200, 60
+SECONDS_LIMIT, GAIN_LIMIT, START_LIMIT = 38.0, 1.8, 3.0
+SWEEP = """
+base = "five_bar"
+seeds = {runs}
+[scenario]
+recordings = [
+    {{ name = "unloaded", use = "identify", design = {{ seed = 1, duration = 10.0 }} }},
+    {{ name = "loaded", use = "identify", payload = "disc", design = {{ seed = 2, duration = 10.0 }} }},
+]
+[axes]
+"gains.error.left" = {{ draw = "uniform", from = -0.15, to = 0.15 }}
+"gains.error.right" = {{ draw = "uniform", from = -0.15, to = 0.15 }}
+"""
+
+
+def sweep_figures() -> list[SpeedFigure]:
+    """Seconds of 200 runs with two workers, what the second worker gains, and seconds until runs begin."""
+    with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
+        file = Path(folder) / "sweep.toml"
+        file.write_text(SWEEP.format(runs=RUNS), encoding="utf-8")
+        start = _start_seconds(file, Path(folder) / "started")
+        seconds, together = _timed(file, Path(folder) / "two", 2)
+        file.write_text(SWEEP.format(runs=FEWER), encoding="utf-8")
+        alone = _timed(file, Path(folder) / "one", 1)[1]
+    return [
+        SpeedFigure(f"sweep: {RUNS} five-bar runs, two workers", seconds, "s", SECONDS_LIMIT),
+        SpeedFigure(
+            "sweep: runs a second, two workers over one", together / alone, "", GAIN_LIMIT, at_least=True
+        ),
+        SpeedFigure("sweep: from the command to the first run", start, "s", START_LIMIT),
+    ]
+
+
+def _timed(file: Path, folder: Path, workers: int) -> tuple[float, float]:
+    """Seconds of a whole sweep, and runs a second once the first one is there."""
+    plan = make_plan(load_sweep(file))
+    times: list[tuple[int, float]] = []
+
+    def make_pool() -> LocalPool:
+        return LocalPool(workers)
+
+    report: Callable[..., None] = lambda journal: times.append((journal.count, time.perf_counter()))  # noqa: E731
+    start = time.perf_counter()
+    run_sweep(plan, folder, make_pool, IdentificationWork(plan.sweep.table.record), report)
+    first = next(pair for pair in times if pair[0])
+    return time.perf_counter() - start, (times[-1][0] - first[0]) / (times[-1][1] - first[1])
+
+
+def _start_seconds(file: Path, folder: Path) -> float:
+    """From the command to the moment when the sweep has been checked and its first task is handed out."""
+    start = time.perf_counter()
+    command = [sys.executable, "-m", "bench", "sweep", str(file), "-o", str(folder), "--workers", "2"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        while not (folder / RECORD).exists():
+            if process.poll() is not None:
+                raise BenchError(f"the sweep to be timed does not start: {process.communicate()[1].strip()}")
+            time.sleep(0.01)
+        seconds = time.perf_counter() - start
+        process.terminate()
+        process.communicate()  # what it says about its end concerns nobody
+    return seconds

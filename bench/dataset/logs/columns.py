@@ -1,0 +1,200 @@
+"""Which names of a log become which columns of a recording, in SI."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from bench.basics.errors import BenchError, meant, refuse
+from bench.dataset.logs.log_file import LogFile
+from bench.dataset.logs.unit_names import unit_in, units_of
+from bench.dataset.logs.units import UNITS, factor_of, measured_by
+from bench.dataset.recording import velocity_column
+from bench.dataset.robot import Robot
+
+Array = npt.NDArray[np.float64]
+GROUPS = ("position", "current")
+
+
+@dataclass(frozen=True)
+class LogMap:
+    """Which names of a log become which columns of a recording.
+
+    columns  column -> name in the log; columns are `time`, `position.JOINT`, `current.JOINT`, and any other
+             name for a column to keep for plots. A column that the log itself calls so needs no entry, and neither
+             does one called `velocity.JOINT`.
+    scale    column -> factor that turns the log's unit into SI, such as 1e-3 for millimetres, or the unit's name
+             (see UNITS); `position` and `current` stand for those of all joints. It goes before a unit that the log
+             itself states.
+    rate     Hz, for a log without a time column; its time then starts at zero
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    scale: Mapping[str, float | str] = field(default_factory=dict)
+    rate: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A recording's columns (N,) in SI, `time` first; sources: what the log calls them; notes: units, in words.
+
+    faults: a line for each column that holds no numbers; it is not among the values.
+    """
+
+    values: Mapping[str, Array]
+    sources: Mapping[str, str]
+    notes: tuple[str, ...]
+    faults: tuple[str, ...] = ()
+
+
+def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Columns:
+    """The columns that a robot's recording gets from a log.
+
+    Raises BenchError for a joint, a name or a unit that does not exist, and for vectors of different length.
+    """
+    given = _given_factors(file, log_map.scale, robot)
+    sources = _sources(file, log, robot, log_map, given)
+    stated = _stated_factors(file, log, robot, sources, given)
+    factors = {column: factor for column, (factor, _) in stated.items()} | given
+    values, faults = {}, []
+    for column, source in sources.items():
+        try:
+            values[column] = log.numbers(source) * factors.get(column, 1.0)
+        except BenchError as error:
+            faults.append(str(error))
+    if not any(column.startswith("position.") for column in values) or (
+        log_map.rate is None and "time" not in values
+    ):
+        refuse(faults)
+    if log_map.rate is not None:
+        first = next(column for column in values if column.startswith("position."))
+        values = {"time": np.arange(values[first].size) / log_map.rate} | values
+    count = values["time"].size
+    refuse(
+        [
+            f"{file}: {sources[column]!r} for {column} has {found.size} samples, time has {count}"
+            for column, found in values.items()
+            if found.size != count
+        ]
+    )
+    ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
+    taken = _unit_notes({c: unit for c, (f, unit) in stated.items() if f != 1.0})
+    return Columns(ordered, sources, (*taken, *_name_notes(sources, factors, robot)), tuple(faults))
+
+
+def _unit_notes(units: Mapping[str, str]) -> tuple[str, ...]:
+    by_unit: dict[str, list[str]] = {}
+    for column, unit in units.items():
+        by_unit.setdefault(unit, []).append(column)
+    return tuple(f"{', '.join(columns)}: in {unit}, as the log says" for unit, columns in by_unit.items())
+
+
+def _name_notes(sources: Mapping[str, str], factors: Mapping[str, float], robot: Robot) -> tuple[str, ...]:
+    """What names say of units that neither the log states nor anybody gave."""
+    notes = []
+    for column, source in sources.items():
+        if column in factors or measured_by(column, robot) is None:
+            continue
+        units = units_of(column, robot)
+        unit = unit_in(source, units)
+        if unit and UNITS[unit].factor != 1.0:
+            notes.append(
+                f"{source} for {column}: taken as {units[0]}; if it is in {unit}, add --scale {column}={unit}"
+            )
+    return tuple(notes)
+
+
+def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -> dict[str, float]:
+    """Factors by column: units by their names, and those of all joints one by one."""
+    factors: dict[str, float] = {}
+    for target, given in scale.items():
+        if isinstance(given, str) and given not in UNITS:
+            raise BenchError(f"{file}: the scale of {target}: no unit {given!r}; {meant(given, UNITS)}")
+        factor = UNITS[given].factor if isinstance(given, str) else given
+        columns = [f"{target}.{joint}" for joint in robot.driven] if target in GROUPS else [target]
+        if isinstance(given, str):
+            columns = [column for column in columns if _fits(given, column, robot)]
+            if not columns:
+                raise BenchError(f"{file}: the scale of {target}: {given!r} is a {UNITS[given].of}")
+        if not np.isfinite(factor) or factor == 0.0:
+            raise BenchError(f"{file}: the scale of {target} must not be {factor:g}")
+        factors |= dict.fromkeys(columns, factor)
+    return factors
+
+
+def _fits(unit: str, column: str, robot: Robot) -> bool:
+    return measured_by(column, robot) in (None, UNITS[unit].of)
+
+
+def _stated_factors(
+    file: Path, log: LogFile, robot: Robot, sources: Mapping[str, str], given: Mapping[str, float]
+) -> dict[str, tuple[float, str]]:
+    """Factor and unit by column, of those whose unit the log states and nobody gave."""
+    found: dict[str, tuple[float, str]] = {}
+    for column, source in sources.items():
+        if source in log.units and column not in given:
+            unit = log.units[source]
+            factor = factor_of(f"{file}: {source!r}", unit, column, robot)
+            if factor is not None:
+                found[column] = factor, unit
+    return found
+
+
+def _sources(
+    file: Path, log: LogFile, robot: Robot, log_map: LogMap, given: Mapping[str, float]
+) -> dict[str, str]:
+    """Column -> its name in the log, for all that the recording gets."""
+    needed = [f"{kind}.{joint}" for kind in GROUPS for joint in robot.driven]
+    if log_map.rate is None:
+        needed.insert(0, "time")
+    elif "time" in log_map.columns:
+        raise BenchError(f"{file}: give a rate or map time, not both")
+    elif not (np.isfinite(log_map.rate) and log_map.rate > 0.0):
+        raise BenchError(f"{file}: the rate must be positive, not {log_map.rate:g} Hz")
+    _check_targets(file, log_map, given, needed, robot)
+    there = [*log.vectors, *log.texts]
+    kept = [*needed, *(velocity_column(joint) for joint in robot.driven)]
+    sources = {target: target for target in kept if target in there} | dict(log_map.columns)
+    missing = [target for target in needed if target not in sources]
+    if missing:
+        what = f"nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})"
+        example = f"; say which is which, as in --map {missing[0]}={shlex.quote(there[0])}" if there else ""
+        raise BenchError(f"{file}: {what}{example}{_skipping(log, sources)}")
+    absent = [(target, source) for target, source in sources.items() if source not in there]
+    if absent:
+        named = ", ".join(f"{source!r} for {target}" for target, source in absent)
+        raise BenchError(
+            f"{file}: there is no {named} (the log has {_inventory(log)}){_skipping(log, sources)}"
+        )
+    return sources
+
+
+def _check_targets(
+    file: Path, log_map: LogMap, given: Mapping[str, float], needed: Sequence[str], robot: Robot
+) -> None:
+    for target in (*log_map.columns, *given):
+        if target not in needed and target.startswith(("position.", "current.")):
+            joints = ", ".join(robot.driven)
+            raise BenchError(f"{file}: {target!r}: the robot {robot.name!r} drives {joints}")
+    for target in given:
+        if target not in needed and target not in log_map.columns:
+            raise BenchError(f"{file}: {target!r} has a scale but nothing is mapped to it")
+
+
+def _skipping(log: LogFile, sources: Mapping[str, str]) -> str:
+    """What helps where a text has none of the columns: its names may stand further down than they were looked for."""
+    there = [*log.vectors, *log.texts]
+    if log.lines is None or any(source in there for source in sources.values()):
+        return ""
+    return ": if the names of its columns stand below a preamble, leave that out with --skip-rows N"
+
+
+def _inventory(log: LogFile, most: int = 30) -> str:
+    names = [f"{name} ({values.size})" for name, values in log.vectors.items()]
+    names += [f"{name} (with text)" for name in log.texts]
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

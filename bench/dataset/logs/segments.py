@@ -1,0 +1,130 @@
+"""A log cut into recordings: at gaps, and where its last part is kept apart for validation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from bench.basics.errors import BenchError
+from bench.basics.files.table import HUGE, SUFFIXES
+from bench.dataset.recording import Use
+from bench.dataset.sampling import FEWEST, gap_rows
+
+Array = npt.NDArray[np.float64]
+SHORTEST = 2.0  # s: a piece between gaps that is worth a recording; filters take their share at both ends
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A recording to write: its file's name, its columns, the log's row (0 is the first) that it begins with."""
+
+    name: str
+    use: Use
+    columns: Mapping[str, Array]
+    first_row: int = 0
+
+    @property
+    def table(self) -> pa.Table:
+        """The columns as a table."""
+        return pa.table({name: pa.array(values) for name, values in self.columns.items()})
+
+
+@dataclass(frozen=True)
+class Cutting:
+    """How a log is cut. validate_fraction: the share at its end that is kept apart; shortest: s, of a piece between
+    gaps that is kept, None: a log with gaps is not cut (and refused when it is checked).
+    """
+
+    validate_fraction: float = 0.0
+    shortest: float | None = None
+
+
+UNCUT = Cutting()
+
+
+def cut(
+    file: Path, columns: Mapping[str, Array], use: Use, name: str, cutting: Cutting
+) -> tuple[list[Segment], tuple[str, ...]]:
+    """The recordings of a log, in their order, and what was cut and dropped, in words.
+
+    Raises BenchError for a name that is no recording's, a fraction that cannot be, and where no piece is left.
+    """
+    path, fraction = Path(name), cutting.validate_fraction
+    if path.suffix.lower() not in SUFFIXES or path.name != name:
+        raise BenchError(f"{name}: a recording's name is a file name that ends in {' or '.join(SUFFIXES)}")
+    if not 0.0 <= fraction < 1.0 or (fraction and use != "identify"):
+        raise BenchError(f"{file}: a part of 0 to 1 of a log to identify can be kept apart, not {fraction:g}")
+    rows, lost = _measured(columns) if cutting.shortest is not None else (np.arange(columns["time"].size), 0)
+    columns = {key: column[rows] for key, column in columns.items()} if lost else columns
+    time = columns["time"]
+    count = time.size
+    apart = round(count * (1.0 - fraction)) if fraction else count
+    gaps = [] if cutting.shortest is None else gap_rows(time).tolist()
+    starts = sorted({0, *gaps, *([apart] if apart < count else [])})
+    pieces = list(pairwise([*starts, count]))
+    notes: tuple[str, ...] = _unmeasured(lost)
+    if gaps and cutting.shortest is not None:
+        whole = [piece for piece in pieces if _long_enough(time, *piece, cutting.shortest)]
+        said = _told(time, gaps, pieces, whole, cutting.shortest)
+        if not whole:
+            raise BenchError(f"{file}: {said}: nothing is left")
+        notes = (*notes, said)
+        pieces = whole
+    parts = []
+    for k, (first, end) in enumerate(pieces, start=1):
+        number = f"-{k}" if gaps and len(pieces) > 1 else ""
+        part_use: Use = "validate" if use == "validate" or first >= apart else "identify"
+        kept_apart = "-validate" if part_use != use else ""
+        values = {key: column[first:end] for key, column in columns.items()}
+        parts.append(
+            Segment(f"{path.stem}{number}{kept_apart}{path.suffix}", part_use, values, int(rows[first]))
+        )
+    return parts, notes
+
+
+def _measured(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], int]:
+    """The rows in which every column that a recording needs is a measurement, and how many others there are."""
+    needed = [
+        column
+        for name, column in columns.items()
+        if name == "time" or name.startswith(("position.", "current."))
+    ]
+    good = np.all([np.abs(column) < HUGE for column in needed], axis=0)
+    return np.flatnonzero(good), int(np.sum(~good))
+
+
+def _unmeasured(lost: int) -> tuple[str, ...]:
+    rows = "1 row" if lost == 1 else f"{lost} rows"
+    return (f"{rows} without a measurement left out",) if lost else ()
+
+
+def _long_enough(time: Array, first: int, end: int, shortest: float) -> bool:
+    return end - first >= FEWEST and bool(time[end - 1] - time[first] >= shortest)
+
+
+def _told(
+    time: Array,
+    gaps: list[int],
+    pieces: list[tuple[int, int]],
+    whole: list[tuple[int, int]],
+    shortest: float,
+) -> str:
+    lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.6g} s" for row in gaps[:5]]
+    more = f" and {len(gaps) - 5} more" if len(gaps) > 5 else ""
+    said = f"cut at {len(gaps)} gap{'s' if len(gaps) > 1 else ''} ({', '.join(lost)}{more})"
+    dropped = [piece for piece in pieces if piece not in whole]
+    if not dropped:
+        return f"{said}; no sample is dropped"
+    seconds = sum(time[end - 1] - time[first] for first, end in dropped)
+    samples = sum(end - first for first, end in dropped)
+    pieces_said = f"{len(dropped)} piece{'s' if len(dropped) > 1 else ''}"
+    return (
+        f"{said}; {pieces_said} shorter than {shortest:g} s or {FEWEST} samples dropped: {samples} of {time.size}"
+        f" samples, {seconds:.3g} s"
+    )

@@ -1,0 +1,208 @@
+"""A log that is text: a table of numbers, perhaps below a preamble, without header, or with a line of units.
+
+The table's lines are those with as many values as most lines have. Lines before the first of them are a preamble, and
+so are comments (#, %, //) on top, and lines of text that separators without values behind them fill up to the width of
+the table, as spreadsheets write them. The first line of the table names the columns, unless all of its values are
+numbers (and not just 0, 1, 2 ... or 1, 2, 3 ...): then the comment just above does if it has as many words, else
+columns are called 1, 2, 3 ... in their order. A second line of which no value is a number and most are units (deg, ms,
+mA ...) holds the units. Values are separated by comma, semicolon, tab or blanks. The text is UTF-8, UTF-16 with its
+mark, or Windows-1252.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from bench.basics.errors import BenchError
+from bench.basics.files.csv_text import CsvText, decoded, is_number
+from bench.dataset.logs.units import unit_named
+
+LOOKED_AT = 400  # lines that tell what the table is like
+DELIMITERS = "\t;, "  # the first of those that give most numbers
+COMMENTS = ("#", "%", "//")
+CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")  # in no text
+
+
+@dataclass(frozen=True)
+class TextLog:
+    """The text of the table, units by column, and what was found on the way, in words."""
+
+    text: CsvText
+    units: dict[str, str]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Line:
+    number: int  # as an editor counts
+    start: int  # offset in the text
+    text: str
+
+
+def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | None = None) -> TextLog:
+    """Find the table in a log. skip_rows: lines on top to leave out; header: whether its first line names columns.
+
+    Raises BenchError where there is no table.
+    """
+    text, encoding = _text(path, content)
+    lines = [
+        _Line(number, found.start(), found.group().rstrip("\r\n"))
+        for number, found in enumerate(
+            islice(re.finditer(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z", text), LOOKED_AT), 1
+        )
+    ][skip_rows:]
+    rows = [line for line in lines if line.text.strip() and not _comment(line)]
+    if not rows:
+        raise BenchError(f"{path}: no table of numbers" + (f" after {skip_rows} lines" if skip_rows else ""))
+    delimiter = _delimiter(rows)
+    count = Counter(len(_cells(line.text, delimiter)) for line in rows).most_common(1)[0][0]
+    table = [line for line in rows if len(_cells(line.text, delimiter)) == count]
+    table = table[_padded([_cells(line.text, delimiter) for line in table]) :]
+    notes = [*encoding, *_preamble_notes(lines, table[0], skip_rows)]
+    names, used = _names(lines, table, delimiter, header)
+    if names is None:
+        if header is None:
+            _refuse_other_header(path, lines, table, delimiter)
+        names = [str(i + 1) for i in range(count)]
+        notes.append(f"no line names the columns: they are called 1 to {count} in their order")
+    units: dict[str, str] = {}
+    if used < len(table) and used > 0 and _is_units(cells := _cells(table[used].text, delimiter)):
+        units = {name: unit for name, unit in zip(names, cells, strict=True) if unit}
+        notes.append(f"line {table[used].number} is taken as units")
+        used += 1
+    if used == len(table):
+        raise BenchError(f"{path}: has a header but no rows")
+    units |= {name: unit for name in names if (unit := _bracketed(name))}
+    first = table[used]
+    body = text[first.start :]
+    if delimiter == " ":  # a run of blanks is one separator
+        delimiter, body = ";", "\n".join(";".join(line.split()) for line in body.splitlines())
+    decimal_comma = delimiter != "," and "," in first.text
+    found = CsvText(path, tuple(names), body, first.number, delimiter, decimal_comma)
+    return TextLog(found, units, tuple(notes))
+
+
+def _text(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
+    """What a file says, and how it was read where that is not UTF-8: many controllers and spreadsheets write others."""
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        try:
+            return content.decode("utf-16"), ("read as UTF-16 text",)
+        except UnicodeDecodeError:
+            raise BenchError(f"{path}: begins as UTF-16 text, but is none") from None
+    if CONTROL.search(content):
+        return decoded(path, content), ()
+    try:
+        return decoded(path, content), ()
+    except BenchError:
+        try:
+            return content.decode("cp1252"), ("read as Windows-1252 (Latin-1) text, since it is not UTF-8",)
+        except UnicodeDecodeError:
+            pass
+        raise
+
+
+def _comment(line: _Line) -> bool:
+    return line.text.lstrip().startswith(COMMENTS)
+
+
+def _padded(table: Sequence[Sequence[str]]) -> int:
+    """How many lines on top are text with empty cells behind it, above names, or above samples without names."""
+    filled = [sum(map(bool, cells)) for cells in table]
+    first = next((i for i, cells in enumerate(table) if 2 * filled[i] > len(cells)), 0)
+    numbers = any(is_number(cell.replace(",", ".")) for cell in table[first])
+    named = not numbers and not _is_units(table[first])
+    above = 0
+    for cells, count in zip(table[:first], filled, strict=False):
+        text = bool(cells[0]) and not is_number(cells[0].replace(",", ".")) and not cells[-1]
+        if not text or (not named and (count > 1 or len(cells) == 2)):
+            break
+        above += 1
+    return above
+
+
+def _preamble_notes(lines: Sequence[_Line], first: _Line, skip_rows: int) -> list[str]:
+    above = [line.number for line in lines if line.number < first.number and line.text.strip()]
+    notes = [f"the first {skip_rows} lines are left out, as asked for"] if skip_rows else []
+    if above:
+        notes.append(f"a preamble on top, up to line {above[-1]}, is left out")
+    return notes
+
+
+def _names(
+    lines: Sequence[_Line], table: Sequence[_Line], delimiter: str, header: bool | None
+) -> tuple[list[str] | None, int]:
+    """The names of the columns, None where no line has them, and how many lines of the table they take."""
+    cells = _cells(table[0].text, delimiter)
+    if header is False:
+        return None, 0
+    if header is None and _are_numbers(cells) and not _count_columns(cells):
+        above = [line for line in lines if line.number < table[0].number and line.text.strip()]
+        if above and _comment(above[-1]):
+            said = _cells(above[-1].text.lstrip().lstrip("#%/").strip(), delimiter)
+            if len(said) == len(cells):
+                return said, 0
+        return None, 0
+    return cells, 1
+
+
+def _are_numbers(cells: Sequence[str]) -> bool:
+    return all(is_number(cell.replace(",", ".")) for cell in cells)
+
+
+def _count_columns(cells: Sequence[str]) -> bool:
+    """Whether the values are 0, 1, 2 ... or 1, 2, 3 ...: columns that were named by their number, no sample."""
+    return any(list(cells) == [str(i + first) for i in range(len(cells))] for first in (0, 1))
+
+
+def _refuse_other_header(path: Path, lines: Sequence[_Line], table: Sequence[_Line], delimiter: str) -> None:
+    """Names just above the table, but fewer or more than it has columns: nobody can say which is which."""
+    above = [line for line in lines if line.number < table[0].number and line.text.strip()]
+    if not above or _comment(above[-1]):
+        return
+    names, count = _cells(above[-1].text, delimiter), len(_cells(table[0].text, delimiter))
+    if 2 * len([name for name in names if name]) > count and not any(
+        is_number(name.replace(",", ".")) for name in names
+    ):
+        raise BenchError(
+            f"{path}: line {above[-1].number}: names {len(names)} columns, the lines below have {count} values:"
+            " mend it, or add --no-header and map columns by number"
+        )
+
+
+def _cells(text: str, delimiter: str) -> list[str]:
+    if delimiter == " ":
+        return text.split()
+    try:
+        return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter), [])]
+    except csv.Error:
+        return [text]
+
+
+def _delimiter(rows: Sequence[_Line]) -> str:
+    """The separator that finds most numbers in the lower half of the lines, where no preamble is."""
+    lower = rows[len(rows) // 2 :]
+
+    def numbers(delimiter: str) -> int:
+        cells = (cell for line in lower for cell in _cells(line.text, delimiter))
+        return sum(is_number(cell if delimiter == "," else cell.replace(",", ".")) for cell in cells)
+
+    return max(DELIMITERS, key=numbers)
+
+
+def _is_units(cells: Sequence[str]) -> bool:
+    given = [cell for cell in cells if cell]
+    if not given or any(is_number(cell.replace(",", ".")) for cell in given):
+        return False
+    return 2 * sum(unit_named(cell) is not None for cell in given) > len(given)
+
+
+def _bracketed(name: str) -> str | None:
+    """The unit in square brackets at a name's end, as in "q1 [deg]", where it is a known one."""
+    found = re.search(r"\[([^\]]+)\]$", name)
+    return found.group(1) if found and unit_named(found.group(1)) else None

@@ -1,0 +1,53 @@
+"""Effects of the catalogue that may only make up for what is inexact in a law beside them."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+from bench.diagnosis.diagnose import SearchResult
+from bench.diagnosis.discovery.laws import Law
+from bench.diagnosis.reason import Doubt, Reason
+from bench.diagnosis.result import EffectVerdict
+from bench.identification.result import Identification
+
+INEXACT = 0.1  # of what a law explains: as much may be wrong with its form
+
+
+def doubted(
+    finding: SearchResult, laws: Sequence[Law], ranking: Sequence[EffectVerdict]
+) -> tuple[EffectVerdict, ...]:
+    """The ranking with small effects at the motors of laws as what resembles something: they are not sure.
+
+    A law out of a finite grammar is near to what is there, seldom the same: what a second effect at its motor takes
+    away, if that is less than INEXACT of what the law does, says little of the name. Both are errors on recordings
+    that were not fitted, of models without the one and the other.
+    """
+    places = {place.name for law in laws for place in law.places}
+    names = {law.name for law in laws}
+    return tuple(
+        replace(verdict, verdict="resembles", why=_doubted(verdict.why))
+        if verdict.verdict == "missing"
+        and places.issuperset(verdict.actuators)
+        and _small(finding, verdict.effect, names)
+        else verdict
+        for verdict in ranking
+    )
+
+
+def _doubted(why: Reason) -> Reason:
+    return replace(why, doubts=(*why.doubts, Doubt.BESIDE_A_LAW))
+
+
+def _small(finding: SearchResult, effect: str, laws: Collection[str]) -> bool:
+    """Whether an effect takes little away beside the laws."""
+    found = frozenset(finding.names)
+    own, by_laws = (_taken_away(finding, finding.fits(found.difference(out))) for out in ([effect], laws))
+    return own < INEXACT**2 * by_laws
+
+
+def _taken_away(finding: SearchResult, without: Identification) -> float:
+    """By how much the squared error of a model exceeds that of what was found."""
+    return _error(without) ** 2 - _error(finding.after) ** 2
+
+
+def _error(result: Identification) -> float:
+    return float(result.error.validate or result.error.identify or 0.0)

@@ -1,0 +1,296 @@
+"""Factors of which laws are products: powers, waves, decays, steps, and what is remembered."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnosis.discovery.units import Unit, times, written
+from bench.diagnosis.discovery.variables import Place, Seen, Variable
+from bench.diagnosis.result import Role
+from bench.effects.memory import first_order
+
+FREEDOM = 0.5  # of an exponent, either way
+SPREAD = 2.0  # of a time constant, either way
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a factor that may be adapted to the data, from low to high; unit: as of an effect's parameter."""
+
+    name: str
+    value: float
+    unit: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Factor(ABC):
+    """A function of one or two variables, without a unit of its own but that of its powers.
+
+    `formula` and `code` have the same parts: two for a wave, whose phase is free, as many as knots for a table, else
+    one. numbers: those that may be adapted; names: how they are called where the factor is written as code.
+    """
+
+    @property
+    def parts(self) -> int:
+        """How many coefficients it takes."""
+        return 1
+
+    @property
+    @abstractmethod
+    def variables(self) -> tuple[Variable, ...]:
+        """What it looks at."""
+
+    @property
+    def number(self) -> Number | None:
+        """What may be adapted to the data."""
+        return None
+
+    @property
+    @abstractmethod
+    def role(self) -> Role:
+        """How a law goes by its variables."""
+
+    @abstractmethod
+    def values(self, seen: Seen) -> np.ndarray:
+        """Its parts (M, parts)."""
+
+    @abstractmethod
+    def formula(self, place: Place) -> tuple[str, ...]:
+        """Its parts with numbers, such as "abs(a)"."""
+
+    @abstractmethod
+    def code(self, place: Place, number: str) -> tuple[str, ...]:
+        """Its parts as Python code with numpy; number: what stands for its number."""
+
+    def unit(self, place: Place) -> Unit:  # noqa: ARG002 - by default none
+        """Of its values."""
+        return {}
+
+    def with_number(self, value: float) -> "Factor":  # noqa: ARG002 - by default it has none
+        """The same with another number."""
+        return self
+
+
+@dataclass(frozen=True)
+class Power(Factor):
+    """|x|^exponent, or where odd sign(x) |x|^exponent. free: the exponent may be adapted."""
+
+    variable: Variable
+    exponent: float = 1.0
+    odd: bool = True
+    free: bool = False
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return (self.variable,)
+
+    @property
+    def number(self) -> Number | None:
+        x = self.exponent
+        return Number("p", x, "1", max(x - FREEDOM, 0.1), x + FREEDOM) if self.free else None
+
+    def with_number(self, value: float) -> "Power":
+        return replace(self, exponent=value)
+
+    @property
+    def role(self) -> Role:
+        return ("signed" if self.exponent else "direction") if self.odd else "size"
+
+    def values(self, seen: Seen) -> np.ndarray:
+        x = seen.values[self.variable]
+        if self.exponent == 0.0:
+            return np.asarray(np.sign(x))[:, None]
+        size = np.abs(x) if self.exponent == 1.0 else np.abs(x) ** self.exponent
+        return np.asarray(np.sign(x) * size if self.odd else size)[:, None]
+
+    def formula(self, place: Place) -> tuple[str, ...]:
+        return (_power(self.variable.symbol(place), f"{self.exponent:.4g}", self.exponent, self.odd, ""),)
+
+    def code(self, place: Place, number: str) -> tuple[str, ...]:
+        exponent = None if self.free else self.exponent
+        return (
+            _power(self.variable.symbol(place), number or f"{self.exponent:.6g}", exponent, self.odd, "np."),
+        )
+
+    def unit(self, place: Place) -> Unit:
+        return times(self.variable.unit(place), power=self.exponent)
+
+
+def _power(x: str, number: str, exponent: float | None, odd: bool, prefix: str) -> str:
+    """|x|^number, odd or not, in the shortest way; exponent: None where it is free."""
+    if exponent == 0.0:
+        return f"{prefix}sign({x})"
+    if exponent == 1.0:
+        return x if odd else f"{prefix}abs({x})"
+    whole = exponent is not None and exponent == round(exponent)
+    if whole and (round(exponent or 0.0) % 2 == 1) == odd:
+        return f"{x}**{number}"
+    if exponent == 2.0 and odd:
+        return f"{x}*{prefix}abs({x})"
+    return f"{f'{prefix}sign({x})*' if odd else ''}{prefix}abs({x})**{number}"
+
+
+@dataclass(frozen=True)
+class Wave(Factor):
+    """cos(w x) and sin(w x): a wave whose phase is free. x: a position or the time; w: `rate`, rad a unit of x.
+
+    reach: how far the rate may be adapted, where it is free. about_mean: with its mean as the first part.
+    """
+
+    variable: Variable
+    rate: float
+    reach: float
+    free: bool = False
+    about_mean: bool = False
+
+    @property
+    def parts(self) -> int:
+        return 3 if self.about_mean else 2
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return (self.variable,)
+
+    @property
+    def number(self) -> Number | None:
+        if not self.free:
+            return None
+        unit = "rad/s" if self.variable.kind == "time" else "rad/{angle}"
+        return Number(
+            "w", self.rate, unit, max(self.rate - self.reach, 0.1 * self.rate), self.rate + self.reach
+        )
+
+    def with_number(self, value: float) -> "Wave":
+        return replace(self, rate=value)
+
+    @property
+    def role(self) -> Role:
+        return "wave"
+
+    def values(self, seen: Seen) -> np.ndarray:
+        angle = self.rate * seen.values[self.variable]
+        mean = (np.ones_like(angle),) if self.about_mean else ()
+        return np.column_stack((*mean, np.cos(angle), np.sin(angle)))
+
+    def formula(self, place: Place) -> tuple[str, ...]:
+        return self._written(place, f"{self.rate:.5g}", "")
+
+    def code(self, place: Place, number: str) -> tuple[str, ...]:
+        return self._written(place, number or f"{self.rate:.12g}", "np.")
+
+    def _written(self, place: Place, number: str, prefix: str) -> tuple[str, ...]:
+        x = self.variable.symbol(place)
+        angle = x if number == "1" else f"{number}*{x}"
+        return (*(("1",) if self.about_mean else ()), f"{prefix}cos({angle})", f"{prefix}sin({angle})")
+
+
+@dataclass(frozen=True)
+class Timed(Factor):
+    """What has a time constant, s, that may be adapted."""
+
+    duration: float
+
+    @property
+    def number(self) -> Number:
+        return Number("T", self.duration, "s", self.duration / SPREAD, self.duration * SPREAD)
+
+    def with_number(self, value: float) -> "Timed":
+        return replace(self, duration=value)
+
+
+@dataclass(frozen=True)
+class Decay(Timed):
+    """exp(-t/T): what fades from the start of a recording."""
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return (Variable("time"),)
+
+    @property
+    def role(self) -> Role:
+        return "decay"
+
+    def values(self, seen: Seen) -> np.ndarray:
+        return np.asarray(np.exp(-seen.values[Variable("time")] / self.duration))[:, None]
+
+    def formula(self, place: Place) -> tuple[str, ...]:  # noqa: ARG002 - the clock is everywhere the same
+        return (f"exp(-t/{self.duration:.4g})",)
+
+    def code(self, place: Place, number: str) -> tuple[str, ...]:  # noqa: ARG002 - as above
+        return (f"np.exp(-t/{number})",)
+
+
+@dataclass(frozen=True)
+class Step(Factor):
+    """1 where x is larger than a threshold, else 0. x: a position or the time; reach: how far it may be adapted."""
+
+    variable: Variable
+    threshold: float
+    reach: float
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return (self.variable,)
+
+    @property
+    def number(self) -> Number:
+        x, unit = self.threshold, "s" if self.variable.kind == "time" else "{angle}"
+        return Number("x0", x, unit, x - self.reach, x + self.reach)
+
+    def with_number(self, value: float) -> "Step":
+        return replace(self, threshold=value)
+
+    @property
+    def role(self) -> Role:
+        return "step"
+
+    def values(self, seen: Seen) -> np.ndarray:
+        return (seen.values[self.variable] > self.threshold).astype(float)[:, None]
+
+    def formula(self, place: Place) -> tuple[str, ...]:
+        return (f"step({self.variable.symbol(place)} - {self.threshold:.4g})".replace("- -", "+ "),)
+
+    def code(self, place: Place, number: str) -> tuple[str, ...]:
+        return (f"np.heaviside({self.variable.symbol(place)} - {number}, 0.0)",)
+
+
+@dataclass(frozen=True)
+class Memory(Timed):
+    """z with dz/dt = (x - z)/T, zero at the start: x as a first-order lag remembers it. x: a product of powers."""
+
+    powers: tuple[Power, ...]
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return tuple(power.variable for power in self.powers)
+
+    @property
+    def role(self) -> Role:
+        return "memory"
+
+    def values(self, seen: Seen) -> np.ndarray:
+        driven = np.ones(1)
+        for power in self.powers:
+            driven = driven * power.values(seen)[:, 0]
+        parts = [first_order(driven[part], 1.0 / seen.interval, self.duration) for part in seen.parts]
+        return np.concatenate(parts)[:, None]
+
+    def formula(self, place: Place) -> tuple[str, ...]:
+        driven = "*".join(power.formula(place)[0] for power in self.powers)
+        return (f"lag({driven}, {self.duration:.4g})",)
+
+    def code(self, place: Place, number: str) -> tuple[str, ...]:
+        driven = "*".join(power.code(place, "")[0] for power in self.powers)
+        return (f"first_order({driven}, joint.rate, {number})",)
+
+    def unit(self, place: Place) -> Unit:
+        return times(*(power.unit(place) for power in self.powers))
+
+
+def unit_of(factors: tuple[Factor, ...], place: Place) -> str:
+    """Unit of a coefficient that makes a torque or force of a product of factors."""
+    own = times(*(factor.unit(place) for factor in factors), power=-1.0)
+    return written(times({"{effort}": 1.0}, own))

@@ -1,0 +1,306 @@
+"""Diagnosis with the effects of a catalogue and, where these leave something, with laws that are in none."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import hypot
+
+import numpy as np
+
+from bench.basics.progress import SILENT, Progress
+from bench.basics.threads import on_one_thread
+from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.diagnose import SearchResult, SplitProblem, answered, found_from, opened
+from bench.diagnosis.diagnose import found as search
+from bench.diagnosis.discovery.called import stood_for
+from bench.diagnosis.discovery.doubted import doubted
+from bench.diagnosis.discovery.laws import Law, laws_of
+from bench.diagnosis.discovery.merged import merged
+from bench.diagnosis.discovery.named import name_of
+from bench.diagnosis.discovery.refine import AS_GOOD, Refined
+from bench.diagnosis.discovery.search import Laws, search_laws
+from bench.diagnosis.discovery.seen import places_of
+from bench.diagnosis.discovery.smooth import tabled_laws
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.discovery.variables import Place
+from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.reason import Because, Reason
+from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
+from bench.diagnosis.rounds import judged
+from bench.diagnosis.search import MATERIAL, NEEDED
+from bench.diagnosis.verdicts import checked_error
+from bench.identification.identify import fit
+from bench.identification.mistaken import mistaken
+from bench.identification.prepare import Prepared
+from bench.identification.problem import Problem
+
+LEFT = 1.15  # times what noise leaves: where more is left, laws are looked for, whatever it varies with
+TRIED = 1000  # laws that might stand for several effects, as many as a search looks at
+UNIT = 10.0  # times the nominal gain, or a tenth: as far off, a unit or a load is wrong
+HELPS = 0.9  # of the error without a law: what an effect in its place must reach to be told as near
+
+
+@on_one_thread
+def find_missing_effects(
+    problem: Problem, *, discover: bool | None = None, progress: Progress = SILENT
+) -> Diagnosis:
+    """Physical effects that the model lacks, and laws that no catalogue has, judged on recordings not fitted.
+
+    discover: whether to look for laws, by default where the effects leave something. progress: told how far the search
+    is. Raises BenchError naming what in dataset or robot cannot be used.
+
+    Columns that are probably swapped and loads that are probably others are told. Unless that is asked for, no law is
+    looked for beside them, nor beside a drive gain that is ten times off.
+    """
+    case = opened(problem, progress)
+    progress.phase("looking for swapped columns and loads")
+    causes = mistaken(problem, case.before)
+    found = _found(case, discover, not causes, progress)
+    return replace(found, after=replace(found.after, findings=(*causes, *found.after.findings)))
+
+
+def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
+    """What is found; believed: whether nothing speaks against how the data are declared."""
+    finding = search(case, progress)
+    plain = answered(case, finding, progress)
+    gains = plain.after.drive_gains.values()
+    believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
+    wanted = something_left(plain.unexplained)
+    answer = _Answer(finding, (), plain)
+    if discover is None and not believed:
+        return plain
+    if discover is not False and not wanted:
+        answer = _with_one_for_several(case, answer, progress)
+    if answer.laws or not (wanted if discover is None else discover):
+        return answer.diagnosis
+    found_laws = search_laws(finding.origin, finding.last, _never(finding), progress)
+    if found_laws is not None:
+        answer = _with_laws(case, answer, *found_laws, progress)
+    if not answer.laws and wanted:
+        answer = _with_one_for_several(case, answer, progress)
+    return _with_tables(case, answer, progress).diagnosis
+
+
+def _never(finding: SearchResult) -> dict[str, Reason]:
+    """Effects that may not be found beside a law either: what others did as well without one may be needed with it."""
+    return {name: why for name, why in finding.barred.items() if why.because is not Because.NOT_NEEDED}
+
+
+def something_left(left: Unexplained) -> bool:
+    """Whether there is enough beyond the noise to look for laws in."""
+    return left.significant or left.error > LEFT * hypot(left.noise_floor, left.encoders)
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """What was found, the laws among it, and what is told of it."""
+
+    finding: SearchResult
+    laws: tuple[Law, ...]
+    diagnosis: Diagnosis
+
+
+def _with_laws(
+    case: SplitProblem,
+    plain: _Answer,
+    searched: Laws,
+    refined: Refined,
+    progress: Progress,
+    prior: float | None = None,
+    *,
+    fewer: bool = False,
+) -> _Answer:
+    """The answer with the laws that were found, converged and judged beside all effects; without, if they do not stay.
+
+    prior: of the laws, by default that of the terms they were found with. fewer: as small an error is enough, since
+    they stand for several effects.
+    """
+    origin, last = plain.finding.origin, searched.last
+    own = len(origin.start.effects)
+    result = fit(refined.model)
+    laws = laws_of(
+        result, refined.model.effects[own:], refined.terms, places_of(origin.start), case.problem.catalogue
+    )
+    named = [
+        instance for instance in refined.model.effects[own:] if instance.effect.name not in refined.terms
+    ]
+    model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
+    if prior is None:
+        prior = max(proposal.prior for proposal in last.proposals)
+    proposals = [proposal for proposal in last.proposals if proposal.name not in searched.terms]
+    proposals += _proposed(model, laws, prior)
+    barred = _never(plain.finding)
+    here = judged(origin, model, proposals, barred)
+    called = stood_for(here, [law.name for law in laws], barred)
+    if called:
+        laws = [law for law in laws if law.name not in called]
+        named += [
+            instance
+            for i, proposal in enumerate(proposals)
+            if i in called.values()
+            for instance in proposal.instances
+        ]
+        model = origin.with_instances([*named, *(instance for law in laws for instance in law.instances)])
+        here = judged(
+            origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
+        )
+    finding = found_from(case, origin, here, progress, barred)
+    staying = tuple(law for law in laws if law.name in finding.names)
+    if fewer:
+        good = len(finding.names) < len(plain.finding.names) and _better(finding, plain.diagnosis, -AS_GOOD)
+    else:
+        good = _better(finding, plain.diagnosis)
+    if not (staying or called) or not good:
+        return plain
+    return _Answer(finding, staying, _told(finding, staying, answered(case, finding, progress)))
+
+
+def _with_one_for_several(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
+    """The answer with one law for several frictions, where that has fewer unknowns and leaves as little."""
+    progress.phase("trying one law for several frictions")
+    finding = plain.finding
+    single = merged(finding)
+    if single is None:
+        return plain
+    prior = NEEDED + float(np.log(TRIED))
+    return _with_laws(case, plain, Laws(finding.last, {}), single, progress, prior=prior, fewer=True)
+
+
+def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Answer:
+    """The answer with functions as they were measured, where much is left that no formula fits.
+
+    They compete with what was found alone: what the effects of the catalogue are worth has been judged before.
+    """
+    finding, left = plain.finding, plain.diagnosis.unexplained
+    if not (left.significant or left.much):
+        return plain
+    progress.phase("tabling what no formula fits")
+    origin = finding.origin
+    own = len(origin.start.effects)
+    laws = tabled_laws(finding, {*case.problem.catalogue, *(law.name for law in plain.laws)})
+    if not laws:
+        return plain
+    instances = [*finding.model.effects[own:], *(instance for law in laws for instance in law.instances)]
+    model = origin.with_instances(instances)
+    proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
+    proposals += _proposed(model, laws, NEEDED)
+    here = judged(origin, model, proposals, finding.barred)
+    wider = found_from(case, origin, here, progress, finding.barred)
+    staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
+    if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
+        return plain
+    told = _told(wider, staying, answered(case, wider, progress))
+    judged_before = {verdict.effect for verdict in told.ranking}
+    others = tuple(verdict for verdict in plain.diagnosis.ranking if verdict.effect not in judged_before)
+    return _Answer(wider, staying, replace(told, ranking=(*told.ranking, *others)))
+
+
+def _proposed(model: Prepared, laws: Sequence[Law], prior: float) -> list[Proposal]:
+    """Laws as a converged model has them, as proposals."""
+    return [
+        Proposal(
+            law.name,
+            tuple(instance for instance in model.effects if instance.effect.name == law.name),
+            False,
+            "",
+            prior,
+        )
+        for law in laws
+    ]
+
+
+def _better(finding: SearchResult, plain: Diagnosis, by: float = MATERIAL) -> bool:
+    error = finding.after.error.validate
+    return error is not None and error < (1.0 - by) * plain.unexplained.error
+
+
+def _told(finding: SearchResult, laws: Sequence[Law], diagnosis: Diagnosis) -> Diagnosis:
+    """The laws as what was discovered, and the catalogue's names as what is missing."""
+    names = {law.name for law in laws}
+    ranking = tuple(_without(verdict, names) for verdict in diagnosis.ranking if verdict.effect not in names)
+    ranking = doubted(finding, laws, ranking)
+    return replace(
+        diagnosis,
+        missing=tuple(name for name in diagnosis.missing if name not in names),
+        ranking=ranking,
+        discovered=tuple(
+            _discovered(finding, law, i)
+            for law in laws
+            for i, place in enumerate(law.places)
+            if _stays_at(finding, law, place)
+        ),
+    )
+
+
+def _stays_at(finding: SearchResult, law: Law, place: Place) -> bool:
+    """Whether a law that stays has stayed at a place: it goes from those where it is nothing."""
+    return place.name in finding.after.effect_parameters[law.name]
+
+
+def _without(verdict: EffectVerdict, laws: set[str]) -> EffectVerdict:
+    """A verdict that names effects of the catalogue alone."""
+    left = tuple(name for name in verdict.alternatives if name not in laws)
+    if left == verdict.alternatives:
+        return verdict
+    if verdict.verdict == "indistinguishable" and not left:
+        return replace(
+            verdict, alternatives=left, verdict="resembles" if verdict.actuators else "not supported"
+        )
+    return replace(verdict, alternatives=left)
+
+
+def _discovered(finding: SearchResult, law: Law, i: int) -> Discovered:
+    place = law.places[i]
+    values = finding.after.effect_parameters[law.name][place.name]
+    linear = [parameter.name for parameter in law.instances[0].effect.parameters]
+    numbers = {label: value for label, value in values.items() if label not in linear}
+    terms = law.at({label: value.value for label, value in numbers.items()})
+    formulas = [
+        (formula, _looks_at(term.part(k), place))
+        for term in terms
+        for k, formula in enumerate(term.formulas(place))
+    ]
+    error = finding.after.error
+    without = finding.fits(frozenset(finding.names) - {law.name}).error
+    single = {name_of(term) for term in law.terms}
+    return Discovered(
+        place=place.name,
+        law=law.name,
+        terms=tuple(
+            LawTerm(formula, values[label].value, values[label].std, values[label].unit, looks_at)
+            for label, (formula, looks_at) in zip(linear, formulas, strict=True)
+        ),
+        numbers=numbers,
+        identify=error.identify,
+        validate=error.validate,
+        without=without.identify if without.validate is None else without.validate,
+        named=single.pop() if len(single) == 1 else None,
+        nearest=_nearest(finding, law.name, without.validate),
+        source=law.source,
+    )
+
+
+def _looks_at(term: Term, place: Place) -> tuple[LooksAt, ...]:
+    return tuple(
+        LooksAt(variable.kind, variable.motor(place) if variable.ahead else "", factor.role)
+        for factor in term.factors
+        for variable in factor.variables
+    )
+
+
+def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[str, float] | None:
+    """The effect of the catalogue that does best in the place of a law, and the error with it."""
+    system, proposals = finding.last.system, finding.last.proposals
+    chosen = finding.last.found.best.fit.chosen
+    others = tuple(i for i in chosen if proposals[i].name != law)
+    here = checked_error(system, finding.last.found.best.fit)
+    error = finding.after.error.validate
+    if not here or error is None or without is None:
+        return None
+    scale = error / here
+    tried = [
+        (checked_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
+        for i in finding.last.found.singles
+        if i not in chosen
+    ]
+    best = min(tried, default=None)
+    return None if best is None or best[0] > HELPS * without else (best[1], best[0])

@@ -1,0 +1,135 @@
+"""The laws that are tried: carriers times modulators, with memory, in a fixed order."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from bench.diagnosis.discovery.factors import Decay, Factor, Memory, Power, Step, Wave
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.discovery.variables import Variable
+
+V, A, Q, LOAD = (Variable(kind) for kind in ("velocity", "acceleration", "position", "load"))
+T, TOOL = Variable("time"), Variable("tool_speed")
+EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
+DURATIONS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # s, of what is remembered
+SHARES = (0.05, 0.1, 0.2, 0.4, 0.8)  # of a recording's duration, in which something fades
+PARTS = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the travel, or of a recording, where something sets in
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What there is for laws to look at, at all motors alike.
+
+    others: how many other motors; tool: whether there is one. duration s, of the longest recording. lowest, highest:
+    positions, rad or m; rates: of waves over the position, rad a unit; pulses: of waves over the time, rad/s.
+    shortest s: between samples.
+    """
+
+    others: int
+    tool: bool
+    duration: float
+    lowest: float
+    highest: float
+    rates: tuple[float, ...]
+    pulses: tuple[float, ...]
+    shortest: float
+
+
+def grammar(scope: Scope) -> list[Term]:
+    """Every term that is tried, each once."""
+    speed = [*_powers(V, EXPONENTS, (1.0, 2.0)), Power(V, 0.0)]
+    inertial = [*_powers(A, (1.0, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(A, 0.0)]
+    load = [*_powers(LOAD, (0.5, 1.0, 1.5, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(LOAD, 0.0)]
+    place = [Power(Q), Power(Q, 2.0, odd=False), Power(Q, 3.0), Power(Q, 1.0, odd=False)]
+    waves = [Wave(Q, rate, 0.5) for rate in scope.rates]
+    clock = [
+        *_decays(scope),
+        Power(T),
+        *(Wave(T, pulse, np.pi / scope.duration, free=True) for pulse in scope.pulses),
+    ]
+    steps = [*_steps(Q, scope.lowest, scope.highest), *_steps(T, 0.0, scope.duration)]
+    tool = [Power(TOOL, exponent, odd=False) for exponent in (1.0, 2.0)] if scope.tool else []
+    others = [factor for ahead in range(1, scope.others + 1) for factor in _of_another(ahead)]
+    groups: list[list[Factor]] = [list(speed), list(inertial), list(load), [*place, *waves]]
+    singles = [factor for group in groups for factor in group]
+    beside: list[Factor] = [*clock, *steps, *tool, *others]
+    terms = [Term((factor,)) for factor in (*singles, *beside)]
+    for i, group in enumerate(groups):
+        terms += _products(group, [factor for later in groups[i + 1 :] for factor in later])
+    carriers = [Power(V, 0.0), Power(V), Power(A), Power(LOAD), Power(V, 1.0, odd=False)]
+    carriers += [Power(V, 2.0), Power(A, 1.0, odd=False), Power(LOAD, 1.0, odd=False), Power(Q)]
+    terms += _products(carriers, beside)
+    terms += _remembered(scope)
+    terms += _triples([*waves[:3], Power(Q, 1.0, odd=False), Power(Q, 2.0, odd=False), Power(Q)])
+    return list(
+        {term: None for term in terms if sum(isinstance(factor, Wave) for factor in term.factors) < 2}
+    )
+
+
+def _powers(x: Variable, odd: Iterable[float], even: Iterable[float]) -> list[Power]:
+    return [*(Power(x, value) for value in odd), *(Power(x, value, odd=False) for value in even)]
+
+
+def _products(first: Sequence[Factor], second: Sequence[Factor]) -> list[Term]:
+    return [Term((factor, other)) for factor, other in product(first, second)]
+
+
+def _decays(scope: Scope) -> list[Factor]:
+    return [Decay(share * scope.duration) for share in SHARES]
+
+
+def _steps(x: Variable, low: float, high: float) -> list[Factor]:
+    return [Step(x, low + part * (high - low), 0.15 * (high - low)) for part in PARTS]
+
+
+def _of_another(ahead: int) -> list[Factor]:
+    """Of the motor so many places further."""
+    q, v, a, load = (Variable(variable.kind, ahead) for variable in (Q, V, A, LOAD))
+    powers = [Power(v, 0.0), Power(v), Power(v, 2.0), *(Power(x, 1.0, odd=False) for x in (v, a, load))]
+    return [
+        *powers,
+        Power(v, 2.0, odd=False),
+        Power(a),
+        Power(load),
+        Power(q),
+        *(Wave(q, h, 0.5) for h in (1.0, 2.0)),
+    ]
+
+
+def _remembered(scope: Scope) -> list[Term]:
+    """What is remembered by itself, and friction that follows it."""
+    signed: list[tuple[Power, ...]] = [
+        (Power(V, 0.0),),
+        (Power(V),),
+        (Power(V, 2.0),),
+        (Power(A),),
+        (Power(LOAD),),
+        (Power(Q),),
+    ]
+    signed += [(Power(V), Power(Q, 2.0, odd=False))]
+    sized: list[tuple[Power, ...]] = [
+        (Power(V, 1.0, odd=False),),
+        (Power(V, 2.0, odd=False),),
+        (Power(A, 1.0, odd=False),),
+    ]
+    sized += [(Power(LOAD, 1.0, odd=False),), (Power(LOAD, 2.0, odd=False),)]
+    sized += [(Power(V, 1.0, odd=False), Power(LOAD, 1.0, odd=False))]
+    known = [value for value in DURATIONS if 2.0 * scope.shortest < value < scope.duration]
+    terms = [Term((Memory(duration, pair),)) for pair in signed for duration in known]
+    carriers = (Power(V, 0.0), Power(V), Power(LOAD))
+    slow = [value for value in (*known, 0.5 * scope.duration) if value >= 0.1]
+    return terms + [
+        Term((carrier, Memory(duration, pair))) for carrier in carriers for pair in sized for duration in slow
+    ]
+
+
+def _triples(places: Sequence[Factor]) -> list[Term]:
+    """Products of three variables of the motor itself."""
+    sizes = [Power(A, 1.0, odd=False), Power(LOAD, 1.0, odd=False)]
+    friction = [Power(V, 0.0), Power(V), Power(V, 2.0)]
+    terms = [Term((power, *sizes)) for power in friction]
+    terms += [Term((power, size, place)) for power in friction for size in sizes for place in places]
+    terms += [Term((Power(V, 1.0, odd=False), Power(LOAD), place)) for place in places]
+    return terms + [Term((Power(V, 1.0, odd=False), Power(A), place)) for place in places]

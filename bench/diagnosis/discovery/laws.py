@@ -1,0 +1,85 @@
+"""Terms that were found, as laws: one effect for all motors at which the same terms show."""
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+
+from bench.diagnosis.discovery.source import labelled, law_effect
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.discovery.variables import Place
+from bench.diagnosis.pruning import SHOWS
+from bench.effects import EffectInstance
+from bench.identification.result import Identification
+
+
+@dataclass(frozen=True)
+class Law:
+    """Terms that make one effect at some motors; instances: with their numbers there; source: its file."""
+
+    name: str
+    terms: tuple[Term, ...]
+    places: tuple[Place, ...]
+    instances: tuple[EffectInstance, ...]
+    source: str
+
+    def at(self, numbers: Mapping[str, float]) -> list[Term]:
+        """Its terms with these numbers, by label."""
+        return [
+            term.with_numbers([numbers[label] for label in own])
+            for term, own in zip(self.terms, labelled(self.terms)[1], strict=True)
+        ]
+
+
+def laws_of(
+    result: Identification,
+    effects: Sequence[EffectInstance],
+    terms: Mapping[str, Term],
+    places: Sequence[Place],
+    taken: Collection[str],
+) -> list[Law]:
+    """Laws of the terms of a fitted model, each at the motors at which it shows.
+
+    effects: of the model; terms: by the name of their effect; taken: names that laws cannot have.
+    """
+    shown: dict[int, list[Term]] = {}
+    for place in places:
+        for instance in effects:
+            if instance.effect.name not in terms or instance.joint != place.name:
+                continue
+            values = result.effect_parameters[instance.effect.name][instance.place]
+            linear = [values[parameter.name] for parameter in instance.effect.parameters]
+            if any(abs(value.value) > SHOWS * value.std for value in linear):
+                term = terms[instance.effect.name].with_numbers(list(instance.effect.shape_values().values()))
+                shown.setdefault(place.index, []).append(term)
+    groups: dict[object, list[int]] = {}
+    for index, some in shown.items():
+        alike = tuple((law_term.structure, law_term.unit(places[index])) for law_term in some)
+        groups.setdefault(alike, []).append(index)
+    used = set(taken)
+    laws = []
+    for at in groups.values():
+        name = _name([places[i] for i in at], len(places), used)
+        used.add(name)
+        laws.append(_law(name, shown, [places[i] for i in at]))
+    return laws
+
+
+def _name(at: Sequence[Place], motors: int, taken: Collection[str]) -> str:
+    """Such as law_left; law of all motors."""
+    everywhere = len(at) == motors and motors > 1
+    plain = re.sub(
+        r"\W", "_", "law" if everywhere else "_".join(["law", *(place.name for place in at)])
+    ).lower()
+    return next(name for i in count(1) if (name := plain if i == 1 else f"{plain}_{i}") not in taken)
+
+
+def _law(name: str, shown: Mapping[int, Sequence[Term]], at: Sequence[Place]) -> Law:
+    terms = tuple(shown[at[0].index])
+    effect, source = law_effect(name, terms, at[0])
+    instances = []
+    for place in at:
+        numbers, names = labelled(shown[place.index])
+        values = {label: numbers[label].value for own in names for label in own}
+        instances.append(EffectInstance(replace(effect, **values), place.name, f"{name}:{place.name}"))
+    return Law(name, terms, tuple(at), tuple(instances), source)

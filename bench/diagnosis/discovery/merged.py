@@ -1,0 +1,58 @@
+"""One power of the velocity in place of several frictions of the catalogue that only together come near it."""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+from bench.diagnosis.diagnose import SearchResult
+from bench.diagnosis.discovery.factors import Power
+from bench.diagnosis.discovery.grammar import V
+from bench.diagnosis.discovery.refine import AS_GOOD, Refined, instances_of
+from bench.diagnosis.discovery.screen import Screened
+from bench.diagnosis.discovery.seen import places_of
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.rounds import error_of
+from bench.effects import EffectInstance
+
+EXPONENTS = (0.5, 1.5, 2.5)
+NAME = "power"
+
+
+def merged(finding: SearchResult) -> Refined | None:
+    """The found model with a power of the velocity for some of its frictions, if that has fewer unknowns and leaves as
+    little; None where there is nothing to be saved, or it leaves more.
+    """
+    origin = finding.origin
+    added = finding.model.effects[len(origin.start.effects) :]
+    sits = [instance for instance in added if instance.effect.of_velocity]
+    motors = [instance.joint for instance in sits]
+    alike = [instance for instance in sits if motors.count(instance.joint) > 1]
+    if not alike:
+        return None
+    others = [instance for instance in added if instance not in alike]
+    places = [place for place in places_of(origin.start) if place.name in {each.joint for each in alike}]
+    enough = (1.0 + AS_GOOD) * error_of(finding.model)
+    for kept in fewer(alike, 2 * len(places)):
+        found = []
+        for exponent in EXPONENTS:
+            term = Term((Power(V, exponent, free=True),))
+            instances = instances_of(NAME, Screened(term, {}, 0.0), places)
+            model = origin.with_instances([*others, *kept, *instances])
+            found.append(Refined(model, {NAME: term}, error_of(model)))
+        best = min(found, key=lambda refined: refined.error)
+        if best.error < enough:
+            return best
+    return None
+
+
+def fewer(alike: Sequence[EffectInstance], own: int) -> Iterator[list[EffectInstance]]:
+    """The frictions that may stay beside a law with `own` unknowns, the fewest first, so that unknowns are saved."""
+    names = sorted({instance.effect.name for instance in alike})
+    for size in range(len(names)):
+        for stay in combinations(names, size):
+            kept = [instance for instance in alike if instance.effect.name in stay]
+            if _unknowns(kept) + own < _unknowns(alike):
+                yield kept
+
+
+def _unknowns(instances: Sequence[EffectInstance]) -> int:
+    return sum(len(instance.effect.parameters) + len(instance.effect.shape) for instance in instances)

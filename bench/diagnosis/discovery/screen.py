@@ -1,0 +1,307 @@
+"""How much of what a model leaves every term of the grammar would explain, at the fit's rate."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bench.diagnosis.discovery.factors import Factor
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.discovery.variables import Place, Seen
+from bench.identification.bounded import minimum_between
+from bench.identification.partial_regression import PartialRegression
+
+MOST_ROWS = 4000  # that are looked at: more add nothing to a first choice
+TOGETHER = 256  # columns at a time
+MOST_BYTES = 20_000_000  # of a motor's columns that are kept
+INVISIBLE = 1e-3  # share of a column that the model must leave of it
+RIDGE = 1e-9  # added to a unit diagonal, so that parts that are alike can be solved
+DEPENDENT = 1e-10  # of the largest singular value
+DIGITS = 7  # of the share that a term explains
+TOLERANCE = 1e-3  # relative, of a number
+
+
+@dataclass(frozen=True)
+class Screened:
+    """A term, with its numbers at each motor, and the share of what is left, in squares, that it explains."""
+
+    term: Term
+    numbers: Mapping[int, tuple[float, ...]]
+    share: float
+
+
+class Known:
+    """Columns of some terms at one motor in few rows, computed once; those of others, each time.
+
+    groups: which of the terms are looked at together.
+    """
+
+    def __init__(self, seen: Seen, rows: np.ndarray, terms: Sequence[Term]) -> None:
+        self._seen, self._rows = seen, rows
+        self.groups = _groups(terms)
+        self._terms, self._kept = terms, dict[int, np.ndarray]()
+        self._may_keep = 8 * len(rows) * sum(term.parts for term in terms) <= MOST_BYTES
+        every = {factor for term in terms for factor in term.factors}
+        self._values = {factor: factor.values(seen)[rows] for factor in every}
+
+    def values(self, factor: Factor) -> np.ndarray:
+        """Its parts (M, parts)."""
+        found = self._values.get(factor)
+        return factor.values(self._seen)[self._rows] if found is None else found
+
+    def columns(self, terms: Sequence[Term]) -> np.ndarray:
+        """Of terms of as many parts each, (M, T p)."""
+        found = np.empty((len(self._rows), len(terms), terms[0].parts))
+        for i, term in enumerate(terms):
+            first, *others = term.factors
+            column = self.values(first)
+            for factor in others:
+                column = column * self.values(factor)
+            found[:, i] = column
+        return found.reshape(len(found), -1)
+
+    def parts_of(self, group: int) -> int:
+        """How many parts each term of a group has."""
+        return self._terms[self.groups[group][0]].parts
+
+    def columns_of(self, group: int) -> np.ndarray:
+        """Of the terms of one of the groups, (M, T p)."""
+        found = self._kept.get(group)
+        if found is None:
+            found = self.columns([self._terms[i] for i in self.groups[group]])
+            if self._may_keep:
+                self._kept[group] = found
+        return found
+
+
+def _groups(terms: Sequence[Term]) -> list[list[int]]:
+    """Which terms are looked at together: not too many at a time, of as many parts each."""
+    found = []
+    for parts in sorted({term.parts for term in terms}):
+        chosen = [i for i, term in enumerate(terms) if term.parts == parts]
+        size = max(1, TOGETHER // parts)
+        found += [chosen[at : at + size] for at in range(0, len(chosen), size)]
+    return found
+
+
+class Left:
+    """What a model and some terms leave at all motors, in few rows, and their columns there, orthonormal.
+
+    basis (M, r), error (M,), weights (M,) motor by motor: the weights take torque to errors, and are
+    zero at standstill. fewer: what is left without the last columns of the basis.
+    """
+
+    def __init__(
+        self,
+        basis: Sequence[np.ndarray],
+        error: Sequence[np.ndarray],
+        weights: Sequence[np.ndarray],
+        known: Sequence[Known],
+        fewer: "Left | None" = None,
+    ) -> None:
+        self.basis, self.error, self.weights, self.known, self.fewer = basis, error, weights, known, fewer
+        self.squares = float(sum(values @ values for values in error))
+
+    @property
+    def motors(self) -> int:
+        """How many there are."""
+        return len(self.error)
+
+    @property
+    def rows(self) -> int:
+        """Of all motors together."""
+        return sum(map(len, self.error))
+
+    def beside(self, candidate: "Screened", motors: Sequence[int] | None = None) -> "Left":
+        """What is left with a term at every motor, or at some, each with a coefficient of its own."""
+        some = range(self.motors) if motors is None else motors
+        columns = [
+            self.known[j].columns(
+                [candidate.term.with_numbers(candidate.numbers[j]) if candidate.numbers else candidate.term]
+            )
+            * self.weights[j][:, None]
+            for j in some
+        ]
+        size = columns[0].shape[1]
+        rows = np.zeros((self.rows, len(some) * size))
+        at = np.cumsum([0, *map(len, self.error)])
+        for i, (j, column) in enumerate(zip(some, columns, strict=True)):
+            rows[at[j] : at[j + 1], i * size : (i + 1) * size] = column
+        own = np.concatenate(self.basis)
+        lengths = np.linalg.norm(rows, axis=0)
+        for _ in range(2):  # the second time for what rounding left of the first
+            rows = rows - own @ (own.T @ rows)
+        rows = rows[:, np.linalg.norm(rows, axis=0) > INVISIBLE * lengths]
+        new = np.linalg.qr(rows)[0]
+        error = np.concatenate(self.error)
+        error = error - new @ (new.T @ error)
+        basis = np.concatenate((own, new), axis=1)
+        parts = at[1:-1]
+        return Left(np.split(basis, parts), np.split(error, parts), self.weights, self.known, self)
+
+    def explained(self) -> np.ndarray:
+        """Sum of squares that each of the known terms explains at all motors together, (T,)."""
+        found = np.zeros(sum(map(len, self.known[0].groups)))
+        for some, products in zip(self.known[0].groups, self.products, strict=True):
+            found[some] = products.explained()
+        return found
+
+    def explained_at(self, term: Term, motor: int) -> float:
+        """The same for one term at one motor."""
+        columns = [self.known[motor].columns([term])]
+        return float(self._products(columns, [motor], term.parts).explained()[0])
+
+    @cached_property
+    def products(self) -> "list[Products]":
+        """Of the known terms in their groups; only the new columns are looked at beside what is left without them."""
+        every = range(self.motors)
+        found = []
+        for k in range(len(self.known[0].groups)):
+            columns = [known.columns_of(k) for known in self.known]
+            if self.fewer is None:
+                found.append(self._products(columns, every, self.known[0].parts_of(k)))
+            else:
+                found.append(self._beside(self.fewer, self.fewer.products[k], columns))
+        return found
+
+    def _beside(self, before: "Left", products: "Products", columns: Sequence[np.ndarray]) -> "Products":
+        """Products with columns (M, T p) of some terms at every motor, from those where less is taken away."""
+        new = [values[:, before.basis[j].shape[1] :] for j, values in enumerate(self.basis)]
+        along = [(values * self.weights[j][:, None]).T @ columns[j] for j, values in enumerate(new)]
+        count = len(products.normal)
+        within = np.concatenate([entry.reshape(len(entry), count, -1) for entry in along], axis=2)
+        taken = sum(values.T @ before.error[j] for j, values in enumerate(new))
+        return products.without(within, np.asarray(taken))
+
+    def fitted(self, term: Term) -> dict[int, tuple[float, ...]]:
+        """Numbers of a term at every motor, each in turn where it explains most there."""
+        return {j: self._numbers(term, j) for j in range(self.motors)} if term.numbers else {}
+
+    def _numbers(self, term: Term, motor: int) -> tuple[float, ...]:
+        for i, number in enumerate(term.numbers):
+
+            def unexplained(value: float, i: int = i, term: Term = term) -> float:
+                values = [other.value for other in term.numbers]
+                values[i] = float(value)
+                return -self.explained_at(term.with_numbers(values), motor)
+
+            found, least = minimum_between(unexplained, number.low, number.high, TOLERANCE * abs(number.high))
+            values = [other.value for other in term.numbers]
+            if least < unexplained(values[i]):
+                values[i] = found
+            term = term.with_numbers(values)
+        return tuple(other.value for other in term.numbers)
+
+    def _products(self, columns: Sequence[np.ndarray], motors: Sequence[int], parts: int) -> "Products":
+        """Of columns (M, T p) of terms of so many parts at some motors."""
+        inner, across, towards, whole = [], [], [], []
+        for j, column in zip(motors, columns, strict=True):
+            rows = column * self.weights[j][:, None]
+            own = rows.reshape(len(rows), -1, parts)
+            count = own.shape[1]
+            inner.append(np.einsum("mtp,mtq->tpq", own, own, optimize=True))
+            across.append((self.basis[j].T @ rows).reshape(-1, count, parts))
+            towards.append((self.error[j] @ rows).reshape(count, parts))
+            whole.append(np.sqrt(np.einsum("tpp->tp", inner[-1])))
+        right, lengths = np.concatenate(towards, axis=1), np.concatenate(whole, axis=1)
+        size = len(inner) * parts
+        normal = np.zeros((len(right), size, size))
+        for j, entry in enumerate(inner):
+            at = slice(j * parts, (j + 1) * parts)
+            normal[:, at, at] = entry
+        within = np.concatenate(across, axis=2)  # (r, T, n p)
+        return Products(normal, right, lengths).without(within, np.zeros(len(within)))
+
+
+@dataclass(frozen=True)
+class Products:
+    """Of each of some terms: inner products (T, q, q) of its columns, those with what is left (T, q), lengths (T, q).
+
+    All but the lengths without what the model and other terms take away. q: the parts of a term at all motors.
+    """
+
+    normal: np.ndarray
+    right: np.ndarray
+    lengths: np.ndarray
+
+    def without(self, within: np.ndarray, taken: np.ndarray) -> "Products":
+        """The same with more orthonormal columns taken away: their products (r, T, q), with what is left (r,)."""
+        normal = self.normal - np.einsum("rti,rtk->tik", within, within, optimize=True)
+        return Products(normal, self.right - np.einsum("r,rti->ti", taken, within), self.lengths)
+
+    def explained(self) -> np.ndarray:
+        """Sum of squares that each term explains, (T,)."""
+        left = np.sqrt(np.maximum(np.einsum("tii->ti", self.normal), 0.0))
+        left[left <= INVISIBLE * self.lengths] = np.inf
+        scaled = self.normal / (left[:, :, None] * left[:, None, :])
+        each = np.arange(left.shape[1])
+        scaled[:, each, each] = 1.0 + RIDGE
+        right = self.right / left
+        solved = np.linalg.solve(scaled, right[..., None])[..., 0]
+        return np.asarray((right * solved).sum(axis=1))
+
+
+def left_without(
+    left: PartialRegression,
+    known: Sequence[Known],
+    rows: np.ndarray,
+    without: Sequence[int] = (),
+    values: Sequence[float] = (),
+) -> Left:
+    """What a solved model leaves of its currents in these rows of every motor, without some of its columns.
+
+    without: their places among the model's; values: their coefficients. All are linearised about the same solution,
+    that of the whole model, so that what is left without a part of it can be compared.
+    """
+    motors, out = range(len(left.columns)), list(without)
+    own = np.concatenate([np.delete(left.columns[j][rows], out, axis=1) for j in motors])
+    gone = [left.columns[j][rows][:, out] @ np.array(values, dtype=float) for j in motors]
+    basis = _orthonormal(own)
+    error = left.remainder[rows].T.reshape(-1) - np.concatenate(gone)
+    error = error - basis @ (basis.T @ error)
+    weights = [left.moving[rows, j] * left.weights[j] for j in motors]
+    return Left(np.split(basis, len(motors)), np.split(error, len(motors)), weights, known)
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal columns of the same span."""
+    lengths = np.linalg.norm(columns, axis=0)
+    orthogonal, triangle = np.linalg.qr(columns / np.where(lengths > 0.0, lengths, 1.0))
+    left, singular, _ = np.linalg.svd(triangle)
+    return np.asarray(orthogonal @ left[:, singular > DEPENDENT * singular[0]])
+
+
+def few_rows(samples: int) -> np.ndarray:
+    """The rows of each motor that are looked at."""
+    return np.arange(0, samples, -(-samples // MOST_ROWS))
+
+
+def screened(
+    left: Left, terms: Sequence[Term], most: int, but: Collection[object] = frozenset()
+) -> list[Screened]:
+    """Of the known terms those that explain most, each structure once, with their numbers adapted at every motor.
+
+    but: structures that are not wanted.
+    """
+    explained = left.explained()
+    rounded = np.round(explained / left.squares, DIGITS)
+    best: dict[object, int] = {}
+    taken: set[float] = set()
+    for i in sorted(range(len(terms)), key=lambda i: (-rounded[i], terms[i].strangeness)):
+        structure = terms[i].structure
+        if structure in but or structure in best or rounded[i] in taken:
+            continue  # what explains as much to so many digits is the same in these data
+        best[structure] = i
+        taken.add(rounded[i])
+        if len(best) == most:
+            break
+    return [
+        Screened(terms[i], left.fitted(terms[i]), float(explained[i]) / left.squares) for i in best.values()
+    ]
+
+
+def at_place(candidate: Screened, place: Place) -> Term:
+    """The term with the numbers that it has at a motor."""
+    numbers = candidate.numbers.get(place.index)
+    return candidate.term if numbers is None else candidate.term.with_numbers(numbers)

@@ -1,0 +1,146 @@
+"""From what a diagnosis leaves unexplained to laws: terms of a grammar compete with the effects of the catalogue."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.progress import SILENT, Progress
+from bench.diagnosis.candidates import Proposal
+from bench.diagnosis.discovery.choose import best_set
+from bench.diagnosis.discovery.grammar import grammar
+from bench.diagnosis.discovery.named import BASICS, name_of
+from bench.diagnosis.discovery.refine import Refined, better, instances_of, refined
+from bench.diagnosis.discovery.screen import Known, few_rows, left_without
+from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
+from bench.diagnosis.discovery.states import State, best_states
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.rounds import Origin, Round, error_of, reshaped, system_about
+from bench.diagnosis.search import NEEDED, Found, score
+from bench.identification.partial_regression import partial_regression
+from bench.identification.prepare import Prepared
+from bench.identification.solve_only import solved_quickly
+
+ROUNDS = 4
+MOST_TERMS = 16  # that join the effects of the catalogue in a round
+BEGUN = 12  # sets of terms from which the search may set out
+
+
+@dataclass(frozen=True)
+class Laws:
+    """The last round of a search, and the terms of the grammar among its proposals by the name of their effect."""
+
+    last: Round
+    terms: Mapping[str, Term]
+
+    @property
+    def found(self) -> dict[str, Term]:
+        """The terms of the best set."""
+        return {name: term for name, term in self.terms.items() if name in self.last.names}
+
+
+def search_laws(
+    origin: Origin, last: Round, barred: Collection[str], progress: Progress = SILENT
+) -> tuple[Laws, Refined] | None:
+    """Terms that do better than the catalogue alone, beside its effects or in place of them; None where none does.
+
+    Rounds end where the converged model is no better than the last one. last: of a search among the effects of the
+    catalogue, with its converged model; barred: names that may not be found.
+    """
+    last = replace(last, model=origin.exactly(last.model))
+    laws, own = Laws(last, {}), len(origin.start.effects)
+    best = Refined(last.model, {}, error_of(last.model))
+    for number in range(ROUNDS):
+        progress.phase(f"searching for laws, round {number + 1}")
+        states, count = _states(origin, laws)
+        if not states:
+            break
+        if number:
+            laws = replace(laws, last=replace(laws.last, proposals=reshaped(origin, laws.last, SILENT)))
+        new = _round(origin, laws, barred, states, count)
+        if new.last.names == laws.last.names:
+            laws = new
+            break
+        model = origin.with_proposals(new.last.proposals, new.last.chosen)
+        converged = Refined(model, new.found, error_of(model))
+        if not better(converged, best, own):
+            break
+        laws, best = replace(new, last=replace(new.last, model=model)), converged
+    if not laws.found:
+        return None
+    return laws, refined(origin, laws.last.model, laws.found, places_of(origin.start))
+
+
+def _round(origin: Origin, laws: Laws, barred: Collection[str], states: Sequence[State], count: int) -> Laws:
+    """The best set of what was found and new terms, about the model of what was found; of so many that were tried."""
+    here = laws.last
+    places = places_of(origin.start)
+    terms = dict(laws.found)
+    proposals = [
+        proposal for proposal in here.proposals if proposal.name not in laws.terms or proposal.name in terms
+    ]
+    taken = {proposal.name for proposal in proposals}
+    own = {term.structure: name for name, term in terms.items()}
+    fresh = [screened for state in states for screened in state.terms]
+    prior = NEEDED + float(np.log(count))
+    numbers = iter(range(len(fresh) + len(taken)))
+    for screened in fresh:
+        if len(terms) >= MOST_TERMS:
+            break
+        if screened.term.structure in own or name_of(screened.term) is not None:
+            continue
+        name = next(name for i in numbers if (name := f"term_{i}") not in taken)
+        terms[name], own[screened.term.structure] = screened.term, name
+        proposals.append(Proposal(name, instances_of(name, screened, places), False, "", prior))
+    index = {proposal.name: i for i, proposal in enumerate(proposals)}
+    usable = [
+        i for i, proposal in enumerate(proposals) if not proposal.absorbed and proposal.name not in barred
+    ]
+    begin = [[index[name] for name in here.names]]
+    for state in states[:BEGUN]:
+        names = {
+            own.get(candidate.term.structure) or name_of(candidate.term) or "" for candidate in state.terms
+        }
+        chosen = {index[name] for name in (*names, *state.beside) if name in index}
+        begin.append(sorted(chosen.intersection(usable)))
+    system = system_about(origin, here.model, proposals)
+    best = best_set(system, begin, usable)
+    empty = solve_set(system, ())
+    singles = {i: score(system, solve_set(system, (i,)), empty) for i in usable}
+    return Laws(Round(here.model, proposals, system, Found(best, singles, empty)), terms)
+
+
+def _states(origin: Origin, laws: Laws) -> tuple[list[State], int]:
+    """Sets of terms beside nothing, what was found, and that without each of its effects; and how many were tried."""
+    model, own = laws.last.model, len(origin.start.effects)
+    names = laws.last.names
+    stack, solution = solved_quickly(model)
+    left = partial_regression(stack, solution)
+    seen = replace(model, signals=origin.nearby.signals(model.present, model.signals))
+    places = places_of(seen)
+    terms = grammar(scope_of(seen, left, places))
+    rows = few_rows(len(left.remainder))
+    known = [Known(seen_at(seen, place), rows, terms) for place in places]
+    columns, unknowns = _columns_of(model, own)
+    lefts = {}
+    fewer = [names, *(names - {name} for name in sorted(names)), set[str]()]
+    for kept in {tuple(sorted(some)): some for some in fewer}.values():
+        out = [i for name, some in columns.items() if name not in kept for i in some]
+        count = sum(unknowns[name] for name in kept)
+        lefts[tuple(sorted(kept))] = left_without(left, known, rows, out, solution.theta[out].tolist()), count
+    return best_states(lefts, terms, BASICS), len(terms)
+
+
+def _columns_of(model: Prepared, own: int) -> tuple[dict[str, list[int]], dict[str, int]]:
+    """By effect beyond the first `own` ones: its columns among the model's, and how many unknowns it has."""
+    columns: dict[str, list[int]] = {}
+    unknowns: dict[str, int] = {}
+    at = model.layout.size - model.layout.effects
+    for i, instance in enumerate(model.effects):
+        size, name = len(instance.effect.parameters), instance.effect.name
+        if i >= own:
+            columns.setdefault(name, []).extend(range(at, at + size))
+            unknowns[name] = unknowns.get(name, 0) + size + len(instance.effect.shape)
+        at += size
+    return columns, unknowns

@@ -1,0 +1,104 @@
+"""What laws see of the fitted recordings at the fit's rate, and what there is for them to look at."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from bench.diagnosis.discovery.grammar import Scope
+from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
+from bench.effects import RobotSignals
+from bench.effects.load import load_at
+from bench.effects.tool_motion import tool_speed
+from bench.identification.partial_regression import PartialRegression
+from bench.identification.prepare import Prepared
+from bench.signals.decimation import decimated_indices
+
+HARMONICS = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)  # of a turn
+WITHIN = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # waves within the travel of a slide
+PULSES = 2  # waves over the time that are tried at every motor
+FINER = 8  # steps of the search for them in what one more period within a recording is
+
+
+def places_of(prepared: Prepared) -> tuple[Place, ...]:
+    """The motors at which laws may sit."""
+    joints = prepared.signals[0].joints
+    names, rotates = tuple(joints), tuple(signals.rotates for signals in joints.values())
+    return tuple(Place(names, rotates, i) for i in range(len(names)))
+
+
+def seen_at(prepared: Prepared, place: Place) -> Seen:
+    """What a law at a motor sees of the fitted recordings."""
+    robots = _fitted(prepared)
+    step = prepared.settings.decimation
+    samples = [decimated_indices(len(signals.time), step) for signals in robots]
+    ends = np.cumsum([0, *map(len, samples)])
+
+    def stacked(values: Sequence[np.ndarray]) -> np.ndarray:
+        return np.concatenate([value[at] for value, at in zip(values, samples, strict=True)])
+
+    every: dict[Variable, np.ndarray] = {Variable("time"): stacked([signals.time for signals in robots])}
+    if has_tool(prepared):
+        every[Variable("tool_speed")] = stacked([tool_speed(signals) for signals in robots])
+    for ahead in range(len(place.motors)):
+        for kind in OF_A_MOTOR:
+            variable = Variable(kind, ahead)
+            motor = variable.motor(place)
+            every[variable] = stacked(
+                [
+                    load_at(signals, motor) if kind == "load" else getattr(signals.joints[motor], kind)
+                    for signals in robots
+                ]
+            )
+    rate = next(iter(robots[0].joints.values())).rate
+    return Seen(every, [slice(int(a), int(b)) for a, b in pairwise(ends)], step / rate)
+
+
+def scope_of(prepared: Prepared, left: PartialRegression, places: Sequence[Place]) -> Scope:
+    """What there is for laws to look at."""
+    fitted = prepared.fitted
+    positions = np.concatenate([observation.position for observation in fitted])
+    slides = [j for j, place in enumerate(places) if not place.rotates[place.index]]
+    travel = float(np.ptp(positions[:, slides], axis=0).max()) if slides else 0.0
+    rates = [*(HARMONICS if len(slides) < len(places) else ())]
+    rates += [2.0 * np.pi * value / travel for value in WITHIN if travel > 0.0]
+    robots = _fitted(prepared)
+    interval = prepared.settings.decimation / next(iter(robots[0].joints.values())).rate
+    return Scope(
+        others=len(places) - 1,
+        tool=has_tool(prepared),
+        duration=max(float(observation.time[-1] - observation.time[0]) for observation in fitted),
+        lowest=float(positions.min()),
+        highest=float(positions.max()),
+        rates=tuple(rates),
+        pulses=_pulses(left, [len(observation.time) for observation in fitted], interval),
+        shortest=interval,
+    )
+
+
+def has_tool(prepared: Prepared) -> bool:
+    """Whether the robot says where its tool is."""
+    return prepared.model.geometry.tool is not None
+
+
+def _fitted(prepared: Prepared) -> list[RobotSignals]:
+    return [
+        signals
+        for signals, measurement in zip(prepared.signals, prepared.measured, strict=True)
+        if measurement.recording.use == "identify"
+    ]
+
+
+def _pulses(left: PartialRegression, lengths: Sequence[int], interval: float) -> tuple[float, ...]:
+    """Frequencies, rad/s, that stand out of the errors of all recordings together, motor by motor."""
+    size = FINER * max(lengths)
+    parts = np.split(left.remainder, np.cumsum(lengths)[:-1])
+    power = sum(np.abs(np.fft.rfft(part, n=size, axis=0)) ** 2 for part in parts)
+    frequencies = 2.0 * np.pi * np.fft.rfftfreq(size, interval)
+    found: list[float] = []
+    for own in np.asarray(power).T:
+        inside = own[1:-1]
+        peaks = 1 + np.flatnonzero((inside > own[:-2]) & (inside >= own[2:]))
+        peaks = peaks[peaks > FINER]  # at least a period within a recording
+        found += frequencies[peaks[np.argsort(own[peaks])[::-1][:PULSES]]].tolist()
+    return tuple(sorted(set(found)))

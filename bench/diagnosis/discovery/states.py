@@ -1,0 +1,88 @@
+"""Small sets of terms that explain much of what a model leaves, kept side by side (a beam)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+import numpy as np
+
+from bench.diagnosis.discovery.screen import Left, Screened, screened
+from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.search import NEEDED
+
+WIDTH = 6  # sets that are kept
+WIDER = 5  # terms that each of them is tried with
+DEPTH = 3  # terms in a set
+
+
+@dataclass(frozen=True)
+class State:
+    """Terms beside a model with some effects, what they leave, and half the logarithm of the squares that are left,
+    with a charge for each unknown, `charged` for those of the effects.
+    """
+
+    beside: tuple[str, ...]
+    terms: tuple[Screened, ...]
+    left: Left
+    charged: float
+    cost: float
+
+
+def best_states(
+    lefts: Mapping[tuple[str, ...], tuple[Left, int]], terms: Sequence[Term], basics: Sequence[Term]
+) -> list[State]:
+    """Sets of up to DEPTH terms beside models with these effects, which leave so much with so many unknowns.
+
+    The best of each size, then the second best, and so on; as long as more terms are worth what they cost.
+    basics: terms beside which others may show; each model is tried with them as well.
+    """
+    price = NEEDED + float(np.log(len(terms)))
+    levels: list[list[State]] = []
+    alone = [
+        _state(names, (), left, _charge(left, unknowns, NEEDED * len(names)), price)
+        for names, (left, unknowns) in lefts.items()
+    ]
+    beam = list(alone)
+    least = min(state.cost for state in alone)
+    for basic in basics:
+        beam += [_joined(state, Screened(basic, {}, 0.0), price) for state in beam]
+    for _ in range(DEPTH):
+        wider = [
+            _joined(state, candidate, price)
+            for state in beam
+            for candidate in screened(state.left, terms, WIDER, _known(state))
+        ]
+        beam = _distinct(wider)[:WIDTH]
+        if not beam or beam[0].cost >= least:
+            break
+        least = beam[0].cost
+        levels.append(beam)
+    return [state for rank in zip_longest(*levels) for state in rank if state is not None]
+
+
+def _known(state: State) -> set[object]:
+    return {candidate.term.structure for candidate in state.terms}
+
+
+def _state(
+    beside: tuple[str, ...], terms: tuple[Screened, ...], left: Left, charged: float, price: float
+) -> State:
+    unknowns = sum(candidate.term.parts + len(candidate.term.numbers) for candidate in terms) * left.motors
+    charge = charged + _charge(left, unknowns, price * len(terms))
+    return State(beside, terms, left, charged, float(0.5 * np.log(left.squares) + charge))
+
+
+def _charge(left: Left, unknowns: int, price: float) -> float:
+    return float((0.5 * np.log(left.rows) * unknowns + price) / left.rows)
+
+
+def _joined(state: State, candidate: Screened, price: float) -> State:
+    return _state(state.beside, (*state.terms, candidate), state.left.beside(candidate), state.charged, price)
+
+
+def _distinct(states: Sequence[State]) -> list[State]:
+    """The best of each set of structures, the best first."""
+    found: dict[frozenset[object], State] = {}
+    for state in sorted(states, key=lambda candidate: candidate.cost):
+        found.setdefault(frozenset((*_known(state), *state.beside)), state)
+    return list(found.values())

@@ -1,0 +1,95 @@
+"""What a law may look at: a motor's own motion and load, those of other motors, the tool's speed, and the clock."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bench.basics.joint_units import joint_units
+from bench.diagnosis.discovery.units import Unit
+
+Kind = Literal["position", "velocity", "acceleration", "load", "time", "tool_speed"]
+SYMBOLS: dict[Kind, str] = {
+    "position": "q",
+    "velocity": "v",
+    "acceleration": "a",
+    "load": "load",
+    "time": "t",
+    "tool_speed": "tool_speed",
+}
+MEANINGS: dict[Kind, str] = {
+    "position": "position, rad or m",
+    "velocity": "velocity, rad/s or m/s",
+    "acceleration": "acceleration, rad/s2 or m/s2",
+    "load": "torque or force of the motor, N*m or N",
+    "time": "time from the start of the recording, s",
+    "tool_speed": "speed of the tool, m/s",
+}
+OF_A_MOTOR: tuple[Kind, ...] = ("position", "velocity", "acceleration", "load")
+UNITS: dict[Kind, Unit] = {
+    "position": {"{angle}": 1.0},
+    "velocity": {"{angle}": 1.0, "s": -1.0},
+    "acceleration": {"{angle}": 1.0, "s": -2.0},
+    "load": {"{effort}": 1.0},
+    "time": {"s": 1.0},
+    "tool_speed": {"m": 1.0, "s": -1.0},
+}
+
+
+@dataclass(frozen=True, order=True)
+class Variable:
+    """One of these; ahead: of the motor so many places further in the robot's order, 0: of the law's own motor."""
+
+    kind: Kind
+    ahead: int = 0
+
+    @property
+    def depends_on_model(self) -> bool:
+        """Whether another model would have other values of it."""
+        return self.kind == "load"
+
+    def motor(self, place: "Place") -> str:
+        """The motor whose variable it is, for a law at a place."""
+        return place.motors[(place.index + self.ahead) % len(place.motors)]
+
+    def symbol(self, place: "Place") -> str:
+        """Such as v, or v_right of another motor."""
+        name = SYMBOLS[self.kind]
+        return f"{name}_{self.motor(place)}" if self.ahead else name
+
+    def unit(self, place: "Place") -> Unit:
+        """In symbols of the law's own motor, or in plain units where another motor is of another kind."""
+        own = UNITS[self.kind]
+        rotates = place.rotates[(place.index + self.ahead) % len(place.motors)]
+        if rotates == place.rotates[place.index]:
+            return own
+        units = joint_units(rotates)
+        plain = {"{effort}": units.effort, "{angle}": units.position}
+        return {plain.get(symbol, symbol): exponent for symbol, exponent in own.items()}
+
+
+@dataclass(frozen=True)
+class Place:
+    """The motor at which a law sits, among all motors of the robot."""
+
+    motors: tuple[str, ...]
+    rotates: tuple[bool, ...]
+    index: int
+
+    @property
+    def name(self) -> str:
+        """Of the motor."""
+        return self.motors[self.index]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a law at one motor sees, M samples of all recordings one after the other.
+
+    values (M,) by variable; parts: the recordings; interval s between samples.
+    """
+
+    values: Mapping[Variable, np.ndarray]
+    parts: Sequence[slice]
+    interval: float

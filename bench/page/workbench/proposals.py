@@ -1,0 +1,47 @@
+"""Effects that can be ticked: those found as they are, all others in the shape that suits beside them."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bench.basics.progress import SILENT
+from bench.diagnosis.candidates import Proposal, propose
+from bench.diagnosis.normal_equations import solve_set
+from bench.diagnosis.rounds import Origin, Round, reshaped, system_about
+from bench.diagnosis.search import Found, score
+from bench.effects import Effect, EffectInstance
+from bench.identification.perturbations import Nearby
+from bench.identification.prepare import with_effects
+from bench.page.workbench.found_model import FoundModel
+
+
+def instances_of(
+    model: FoundModel, effects: Mapping[str, Effect], nearby: Nearby
+) -> tuple[EffectInstance, ...]:
+    """These effects wherever the recordings show them, in the shape in which a diagnosis about `model` judges them.
+
+    In the order of `effects`; an effect that the model takes up everywhere has no instance. nearby: of `model`.
+    """
+    origin = Origin(model.plain, nearby)
+    proposals = propose(origin.context(with_effects(model.found, model.plain.effects)), effects)
+    if model.effects:
+        proposals = _about_the_found(origin, model, proposals)
+    instances = [instance for each in proposals if not each.absorbed for instance in each.instances]
+    names = list(effects)
+    return tuple(sorted(instances, key=lambda instance: names.index(instance.effect.name)))
+
+
+def _about_the_found(origin: Origin, model: FoundModel, proposals: list[Proposal]) -> list[Proposal]:
+    """Proposals as the last round of a search leaves them, which found the effects of `model`."""
+    found = {(instance.effect.name, instance.joint) for instance in model.effects}
+    some = []
+    for proposal in proposals:
+        kept = tuple(each for each in proposal.instances if (proposal.name, each.joint) not in found)
+        if kept:
+            some.append(replace(proposal, instances=kept))
+    names = dict.fromkeys(instance.effect.name for instance in model.effects)
+    groups = [tuple(instance for instance in model.effects if instance.effect.name == name) for name in names]
+    every = [*(Proposal(each[0].effect.name, each, False, "") for each in groups), *some]
+    system = system_about(origin, model.found, every)
+    empty = solve_set(system, ())
+    best = score(system, solve_set(system, range(len(groups))), empty)
+    return reshaped(origin, Round(model.found, every, system, Found(best, {}, empty)), SILENT)

@@ -1,0 +1,107 @@
+"""All columns that the page can ask for, motor by motor: the model's own, and those of every effect at every place."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects import EffectInstance
+from bench.identification.effect_rows import effect_rows
+from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.perturbations import Nearby
+from bench.page.workbench.decorrelated import set_apart
+from bench.page.workbench.found_model import FoundModel
+
+
+@dataclass(frozen=True)
+class PageSystem:
+    """columns (M, n, C) over all recordings, zero where a joint stands still: the model's own, then each effect's.
+
+    effects: with shapes, and linearised, as found; starts: the first column of each, and C. reference (C,): how the
+    found model combines the columns; gains (n,) its drive gains; modelled, error (M, n): its current and what it
+    leaves. moving (M, n). fitted (M,): whether a row is fitted. basis (own, C): columns are combined so that they are
+    far from each other; the model's parameters are basis @ the coordinates by these, an effect's its coordinates.
+    """
+
+    columns: np.ndarray
+    effects: tuple[EffectInstance, ...]
+    starts: tuple[int, ...]
+    reference: np.ndarray
+    gains: np.ndarray
+    modelled: np.ndarray
+    error: np.ndarray
+    moving: np.ndarray
+    fitted: np.ndarray
+    basis: np.ndarray
+
+    def filled(self) -> np.ndarray:
+        """Which columns are more than zero at each motor (n, C)."""
+        return np.asarray(self.columns.any(axis=0))
+
+
+def build(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
+    """The system of a model with the columns of these effects, those that it found among them. nearby: of `model`."""
+    plain = model.plain
+    moving = np.concatenate([observation.moving for observation in plain.observations])
+    fitted = np.concatenate(
+        [np.full(len(observation.time), observation.use == "identify") for observation in plain.observations]
+    )
+    known = (
+        np.concatenate(
+            [known_rows(observation, plain.dataset.payloads) for observation in plain.observations]
+        )
+        * moving
+    )
+    current = np.concatenate([observation.current for observation in plain.observations]) * moving
+    own = np.concatenate([regressor_rows(observation, plain.layout) for observation in plain.observations])
+    columns = np.concatenate((own, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
+    starts = np.cumsum([own.shape[2], *(len(instance.effect.parameters) for instance in instances)])
+    reference = _reference(model, instances, starts)
+    modelled = (columns @ reference + known) / model.solution.gains
+    basis = set_apart(columns, reference, columns[fitted] * model.solution.weights[:, None], own.shape[2])
+    return PageSystem(
+        columns=columns,
+        effects=tuple(instances),
+        starts=tuple(int(start) for start in starts),
+        reference=reference,
+        gains=model.solution.gains,
+        modelled=modelled,
+        error=current - modelled,
+        moving=moving,
+        fitted=fitted,
+        basis=basis,
+    )
+
+
+def _added(model: FoundModel, instances: Sequence[EffectInstance], nearby: Nearby) -> np.ndarray:
+    """Columns (M, n, k) of effects about the found model; of those not found as they are seen nearby."""
+    found, decimation = model.found, model.found.settings.decimation
+    near = nearby.signals(found.present, found.signals)
+    exact = [instance for instance in instances if instance in model.effects]
+    as_fitted = np.concatenate(
+        [
+            np.zeros(0, bool),
+            *(np.full(len(instance.effect.parameters), instance in exact) for instance in instances),
+        ]
+    )
+    rows = []
+    for signals, nearly in zip(found.signals, near, strict=True):
+        added = effect_rows(nearly, decimation, instances)
+        added[:, :, as_fitted] = effect_rows(signals, decimation, exact)
+        rows.append(added)
+    return np.concatenate(rows)
+
+
+def _reference(model: FoundModel, instances: Sequence[EffectInstance], starts: np.ndarray) -> np.ndarray:
+    """The found model by the columns (C,)."""
+    theta = model.solution.theta
+    reference = np.zeros(starts[-1])
+    at = own = int(starts[0])
+    reference[:own] = theta[:own]
+    places = [(instance.effect.name, instance.joint) for instance in instances]
+    for instance in model.effects:
+        count = len(instance.effect.parameters)
+        start = starts[places.index((instance.effect.name, instance.joint))]
+        reference[start : start + count] = theta[at : at + count]
+        at += count
+    return reference
