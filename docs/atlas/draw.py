@@ -50,7 +50,7 @@ ROBOT, DURATION = "five_bar", 12.0
 NOISE, ENCODER_BITS, SEED = 0.005, 20, 1
 FOLLOWED: tuple[Variable, ...] = ("direction", "velocity", "position", "acceleration", "current", "time")
 SHOWN = ("velocity", "position", "acceleration", "current", "time", "reversals", "positions", "spectrum")
-COLOURS = 64
+COLOURS = 48
 MOST_SENTENCES = 3
 
 
@@ -132,13 +132,13 @@ def _gains_off(simulation: Simulation, result: Identification) -> dict[str, floa
 def _figure(what: Compared, joint: str) -> Figure:
     """Eight panels of the page that `bench compare` draws."""
     charts = motor_charts(error_breakdown(what, joint))
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(12.0, 5.2), dpi=100, layout="constrained")
-        axes = figure.subplots(2, 4).ravel()
+    with mpl.rc_context(STYLE | {"axes.labelsize": 9.0}):
+        figure = Figure(figsize=(9.4, 7.0), dpi=120, layout="constrained")
+        *axes, last = figure.subplots(3, 3).ravel()
         for place, name in zip(axes, SHOWN, strict=True):
             draw(place, charts[name])
-        handles, labels = axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper right", ncols=len(labels), frameon=False)
+        last.set_axis_off()
+        last.legend(*axes[0].get_legend_handles_labels(), loc="center", frameon=False)
     return figure
 
 
