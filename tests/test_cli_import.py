@@ -93,6 +93,8 @@ def test_units_are_named_and_hold_for_all_joints(run, log, tmp_path):
     [
         (["t"], 1e3, "add --scale time=ms"),
         (["q1", "q2"], 180.0 / np.pi, "add --scale position=deg"),
+        (["q1", "q2"], 1e3, "add --scale position=mrad"),
+        (["q1", "q2"], 1e-3, "looks 1000 times too small for radians"),
         (["i1", "i2"], 1e6, "(--accept units if that is meant); add --scale current=mA"),
     ],
 )
@@ -138,6 +140,9 @@ def test_payload_is_defined_and_then_named(run, tmp_path):
     [
         ([*MAPS], "time"),
         ([*MAPS, "--map", "time=clock"], "'clock'"),
+        ([*MAPS], "--map time=t (with --scale time=ms where it is in ms)"),
+        ([*MAPS[:-1], "current.right=temprature", "--map", "time=t"], "did you mean 'temperature'?"),
+        ([*MAPS[:-1], "curent.right=i2", "--map", "time=t"], "did you mean 'current.right'?"),
         ([*MAPS, "--map", "time=t", "--map", "time=t"], "'time' is given twice"),
         ([*MAPS, "--map", "time"], "'time'"),
         ([*MAPS, "--map", "time=t", "--scale", "time=fortnight"], "no unit 'fortnight'"),
@@ -163,6 +168,20 @@ def test_mistake_is_one_line_and_writes_nothing(run, capsys, tmp_path, arguments
     assert err.count("\n") == 1
     assert culprit in err
     assert os.listdir(tmp_path) == ["log.npz"]
+
+
+def test_a_mapping_says_what_goes_beside_it(log, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    np.savez("log.npz", **log)
+    columns = ["'{}' = '{}'".format(*target.split("=")) for target in (*MAPS[1::2], "time=t")]
+    (tmp_path / "map.toml").write_text(
+        "\n".join(["robot = 'five_bar'", "[columns]", *columns, "[[logs]]", "files = 'log.npz'", ""])
+    )
+    assert main(["import", "--mapping", "map.toml", "-o", "data", "-q"]) == 0
+    assert capsys.readouterr().out == ""
+    assert main(["import", "--mapping", "map.toml", "-o", "data", "--replace"]) == 0
+    assert main(["import", "--mapping", "map.toml", "-o", "data", "--rate", "5"]) == 2
+    assert "--rate goes into the mapping file" in capsys.readouterr().err
 
 
 def test_all_that_is_wrong_with_many_logs_is_told_at_once_with_what_mends_it(log, tmp_path, capsys):

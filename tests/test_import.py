@@ -157,7 +157,7 @@ BAD_MAPS: dict[str, tuple[LogMap, tuple[str, ...]]] = {
     ),
     "vectors of different length": (
         LogMap({**MAP.columns, "gain": "kp"}),
-        ("'kp'", "gain", "1 samples", "2000"),
+        ("'kp'", "gain", "1 sample,", "2000"),
     ),
     "time and a rate": (LogMap(MAP.columns, rate=500.0), ("rate", "time")),
     "a rate of nothing": (LogMap(without("time").columns, rate=0.0), ("rate", "0 Hz")),
@@ -268,7 +268,7 @@ def test_text_in_a_column_that_nobody_needs_does_no_harm_and_is_told_where_one_i
     head, *lines = file.read_text().splitlines()
     file.write_text("\n".join([f"{head},state", *(f"{line},RUN" for line in lines)]) + "\n")
     imported(file, robot, MAP, tmp_path / "out")
-    with pytest.raises(BenchError, match=r"no 'status' for state .*state \(with text\)"):
+    with pytest.raises(BenchError, match=r"no 'status' for state: did you mean 'state'.*state \(with text\)"):
         imported(file, robot, LogMap({**MAP.columns, "state": "status"}), tmp_path / "other")
 
 
@@ -280,17 +280,22 @@ def test_rows_of_a_log_without_lines_are_those_of_the_log(tmp_path: Path, robot:
         imported(tmp_path / "log.npz", robot, MAP, tmp_path / "out", validate_fraction=0.5)
 
 
-def test_a_payload_that_is_defined_twice_is_told_with_its_repair(
+def test_the_same_payload_may_be_told_again_and_another_one_of_its_name_not(
     tmp_path: Path, robot: str, mat: Path
 ) -> None:
     (tmp_path / "out").mkdir()
     path = tmp_path / "out" / "dataset.toml"
-    path.write_text(
-        f'robot = "{robot}"\n\n[payloads.disc]\nmass = 1.0\n\n[[recordings]]\nfile = "a.csv"\nuse = "identify"\n'
-    )
-    with pytest.raises(BenchError, match="give its name alone, or edit") as caught:
-        imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0))
-    assert str(caught.value).endswith(str(path))
+    text = f'robot = "{robot}"\n\n[payloads.disc]\nmass = 1.0\n\n[[recordings]]\nfile = "a.csv"\nuse = "identify"\n'
+    path.write_text(text)
+    with pytest.raises(
+        BenchError, match=r"defined already with 1 kg, not 2 kg; give its name alone, another name"
+    ):
+        imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 2.0))
+    with pytest.raises(BenchError, match="defined already with other numbers"):
+        imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0, np.zeros(3)))
+    assert path.read_text() == text
+    imported(mat, robot, MAP, tmp_path / "out", payload=Payload("disc", 1.0))
+    assert path.read_text().count("[payloads.disc]") == 1
 
 
 def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
@@ -301,7 +306,7 @@ def test_nothing_is_overwritten_and_nothing_of_another_robot_added(
     before = {path: path.read_bytes() for path in out.iterdir()}
     other = write_robot(tmp_path / "other")
     for arguments, expected in (
-        ({"robot": robot}, f"or delete the file and edit {out / 'dataset.toml'}"),
+        ({"robot": robot}, "or --replace to put this log in its place"),
         ({"robot": str(other), "name": "b.csv"}, "robot"),
         ({"robot": robot, "name": "b.csv", "payload": "disk"}, "'disk' is not defined"),
         ({"robot": robot, "name": "b.csv", "payload": Payload("disc", -1.0)}, "mass must be positive"),
@@ -372,8 +377,16 @@ def test_a_unit_in_a_name_is_told_where_nobody_gave_one(tmp_path: Path, robot: s
 
 
 @pytest.mark.parametrize(("mass", "asked"), [(1500.0, True), (0.5, False), (4.0, False)])
-def test_a_payload_in_grams_is_asked_about(mass: float, asked: bool, tmp_path: Path, robot: str) -> None:
+def test_a_payload_in_grams_is_asked_about_before_it_is_taken(
+    mass: float, asked: bool, tmp_path: Path, robot: str
+) -> None:
     write_table(tmp_path / "log.csv", log())
-    found = told(tmp_path / "log.csv", robot, MAP, tmp_path / "out", payload=Payload("disc", mass))
-    said = [note for file, note in found.notes if file == tmp_path / "out" / "dataset.toml"]
-    assert [note.endswith("grams? then mass = 1.5") for note in said] == [True] * asked
+    payload, out = Payload("disc", mass), tmp_path / "out"
+    if asked:
+        with pytest.raises(
+            BenchError, match=r"is that in grams, 1\.5 kg\? .* --accept mass if 1500 kg is meant"
+        ):
+            told(tmp_path / "log.csv", robot, MAP, out, payload=payload)
+        assert not out.exists()
+    told(tmp_path / "log.csv", robot, MAP, out, payload=payload, accept=("mass",) if asked else ())
+    assert load_dataset(out).payloads["disc"].mass == mass

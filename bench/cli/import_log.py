@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from bench.dataset.logs.importing import LogRequest
     from bench.dataset.payload import Payload
 
-CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
+CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated", "mass")
+
+BESIDE_MAPPING = ("mapping_file", "output", "replace", "quiet")
 
 
 @click.command("import")
@@ -104,7 +106,13 @@ CHECKS = ("units", "limits", "constant", "spikes", "frozen", "saturated")
     "--accept",
     type=click.Choice(CHECKS),
     multiple=True,
-    help="Take a recording that fails this check all the same.",
+    help="Take a recording that fails this check all the same; mass: a payload far heavier than the robot.",
+)
+@click.option(
+    "--replace",
+    is_flag=True,
+    help="Put the log in the place of a recording that the dataset has under its name, and change a payload that it"
+    " has to what is told here. What is replaced is kept until the new is whole.",
 )
 @click.pass_context
 def import_log(
@@ -130,12 +138,14 @@ def import_log(
     if mapping_file is not None:
         _refuse_beside_mapping(context)
         folder = output or Path(mapping_file.stem)
-        imported = import_mapping(mapping_file, folder)
+        imported = import_mapping(mapping_file, folder, replace=options["replace"])
     else:
         if file is None or options["robot"] is None:
             raise click.UsageError("give a log and --robot, or --mapping MAP.toml")
         folder = output or Path(f"{file.name}_dataset" if file.is_dir() else file.stem)
-        imported = import_log(options["robot"], _request(file, options), folder, _payload(options))
+        imported = import_log(
+            options["robot"], _request(file, options), folder, _payload(options), replace=options["replace"]
+        )
     for path, note in imported.notes:
         click.echo(f"{path}: {note}")
     for entry in imported.entries:
@@ -144,10 +154,10 @@ def import_log(
 
 
 def _refuse_beside_mapping(context: click.Context) -> None:
-    """A mapping file says it all."""
+    """A mapping file says it all, but for where it goes and how the command speaks."""
     for option in context.command.params:
         given = context.get_parameter_source(option.name or "") is not click.core.ParameterSource.DEFAULT
-        if given and option.name not in ("mapping_file", "output"):
+        if given and option.name not in BESIDE_MAPPING:
             name = option.opts[0] if option.opts[0].startswith("-") else "FILE"
             raise click.UsageError(f"{name} goes into the mapping file, not beside --mapping")
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -16,6 +15,8 @@ from bench.basics.files.atomic import write_text_atomically
 from bench.basics.files.toml_input import UserTable, read_toml
 from bench.basics.files.toml_output import toml_header, toml_line
 from bench.dataset.controller import ControlLaw, ControllerSpec
+from bench.dataset.dataset_edit import RecordingEntry as RecordingEntry
+from bench.dataset.dataset_edit import edited, payload_keys
 from bench.dataset.payload import Payload, payload_fault
 from bench.dataset.recording import Use
 from bench.dataset.recording_checks import Check
@@ -68,16 +69,6 @@ def payload_of(path: Path, name: str, spec: PayloadSpec) -> Payload:
     return payload
 
 
-@dataclass(frozen=True)
-class RecordingEntry:
-    """One [[recordings]] table to write: file name relative to the folder, use, payload, accepted checks."""
-
-    file: str
-    use: Use
-    payload: str | None = None
-    accept: tuple[Check, ...] = ()
-
-
 def write_dataset_toml(
     folder: str | Path,
     robot: str,
@@ -107,11 +98,7 @@ def toml_tables(recordings: Sequence[RecordingEntry], payloads: Sequence[Payload
     lines: list[str] = []
     for payload in payloads:
         lines += ["", toml_header("payloads", payload.name)]
-        if payload.mass is not None:
-            lines.append(toml_line("mass", float(payload.mass)))
-        for key, values in (("center_of_mass", payload.center_of_mass), ("inertia", payload.inertia)):
-            if values is not None:
-                lines.append(toml_line(key, np.asarray(values, dtype=np.float64).tolist()))
+        lines += [toml_line(key, value) for key, value in payload_keys(payload).items()]
     for entry in recordings:
         lines += ["", "[[recordings]]", toml_line("file", entry.file), toml_line("use", entry.use)]
         if entry.payload is not None:
@@ -127,10 +114,16 @@ def extended_toml(
     robot: Robot,
     entries: Sequence[RecordingEntry],
     payloads: Sequence[Payload] = (),
+    *,
+    replace: bool = False,
 ) -> str:
     """The dataset.toml of `folder` with recordings added, comments and all; a new one where there is none.
 
-    Errors: BenchError when the dataset is of another robot, lists the recording, or lacks the payload.
+    A payload that is defined already as it is told here is the same one. replace: recordings and payloads that are
+    there already become those that are given.
+
+    Errors: BenchError when the dataset is of another robot, lists the recording, lacks the payload, or has another
+    one of that name.
     """
     path = folder / DATASET_FILE
     if path.exists():
@@ -140,33 +133,67 @@ def extended_toml(
             raise BenchError(f"{path}: robot: is {other.name!r} in {other.folder}, not {robot.name!r}")
     else:
         text, defined, listed = toml_line("robot", reference) + "\n", {}, []
+    known = {recording.file for recording in listed}
     for entry in entries:
-        known = entry.file in [recording.file for recording in listed]
-        if known or (folder / entry.file).exists():
-            also = f" and edit {path}" if known else ""
-            raise BenchError(
-                f"{folder / entry.file}: exists already; choose another name for the recording, "
-                f"or delete the file{also}"
-            )
+        _check_free(folder, entry, known if replace else set(), listed=entry.file in known)
         if entry.payload is None:
             continue
         if robot.tool_site is None:
             raise BenchError(f"payload {entry.payload!r}: the robot {robot.name!r} has no [tool] site")
         if entry.payload not in {*defined, *(payload.name for payload in payloads)}:
             raise BenchError(f"{path}: payloads: {entry.payload!r} is not defined; give its mass")
+    changed = [
+        payload
+        for payload in payloads
+        if payload.name in defined and not _told_already(defined[payload.name], payload)
+    ]
     for payload in payloads:
         if (fault := payload_fault(payload)) is not None:
             raise BenchError(f"payload {payload.name!r}: {fault[0]} {fault[1]}")
-        if payload.name in defined:
-            raise BenchError(
-                f"{path}: payloads.{payload.name}: is defined already; give its name alone, or edit {path}"
-            )
-    text = text.rstrip("\n") + "\n" + "\n".join(toml_tables(entries, payloads)) + "\n"
+    if changed and not replace:
+        differing = _differing(defined[changed[0].name], changed[0])
+        raise BenchError(
+            f"{path}: payloads.{changed[0].name}: is defined already{differing}; "
+            f"give its name alone, another name for another payload, or --replace to change it"
+        )
+    text = edited(text, [entry for entry in entries if entry.file in known], changed)
+    new = [entry for entry in entries if entry.file not in known]
+    tables = toml_tables(new, [payload for payload in payloads if payload.name not in defined])
+    text = "\n".join([text.rstrip("\n"), *tables]) + "\n"
     try:
         tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise BenchError(f"{path}: recordings: write them as [[recordings]] tables to add one") from error
     return text
+
+
+def _check_free(folder: Path, entry: RecordingEntry, replaced: set[str], *, listed: bool) -> None:
+    """Raises BenchError where a recording would take the place of a file that it does not replace."""
+    path = folder / entry.file
+    if entry.file in replaced or not (listed or path.exists()):
+        return
+    if listed:
+        raise BenchError(
+            f"{path}: exists already; choose another name for the recording, or --replace to put this log in its place"
+        )
+    raise BenchError(
+        f"{path}: exists already, and {DATASET_FILE} does not list it; choose another name for the recording, or "
+        "delete the file"
+    )
+
+
+def _told_already(spec: PayloadSpec, payload: Payload) -> bool:
+    """Whether all that is told of a payload is what stands in dataset.toml."""
+    known = spec.model_dump()
+    return all(known[key] == value for key, value in payload_keys(payload).items())
+
+
+def _differing(spec: PayloadSpec, payload: Payload) -> str:
+    """In which number a payload differs, in words."""
+    if payload.mass is None or spec.mass == payload.mass:
+        return " with other numbers"
+    before = "no mass" if spec.mass is None else f"{spec.mass:g} kg"
+    return f" with {before}, not {payload.mass:g} kg"
 
 
 def _controller_table(controller: ControlLaw, joints: Sequence[str]) -> list[str]:

@@ -20,11 +20,25 @@ from bench.basics.files.recording_fault import Remedy
 from bench.basics.joint_units import joint_units
 from bench.dataset.joint_facts import JointFacts
 
-Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated"]
+Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated", "mass"]
+"""What a recording may be accepted with; mass: of its payload, which an import asks about."""
 CHECKS: tuple[Check, ...] = get_args(Check)
 
 DEGREES = 180.0 / np.pi
 MILLI = 1000.0
+LARGER: Mapping[str, tuple[tuple[float, str, Remedy], ...]] = {
+    "hinge": (
+        (DEGREES, "degrees", Remedy.FROM_DEGREES),
+        (MILLI, "milliradians", Remedy.FROM_MILLIRADIANS),
+    ),
+    "slide": (
+        (MILLI, "millimetres", Remedy.FROM_MILLIMETRES),
+        (MILLI**2, "micrometres", Remedy.FROM_MICROMETRES),
+    ),
+}
+"""Units that a position may be in by mistake: how many go into one of SI, likeliest first."""
+SMALLER = {"hinge": (DEGREES, MILLI), "slide": (MILLI,)}
+"""Times that a position is too small where it was divided although it was in SI."""
 FULL_TURN = 2.0 * np.pi
 LIMIT_SLACK = 0.05  # of a joint's range: stops give way, and an encoder's zero may be a little off
 FASTEST = {"hinge": 30.0, "slide": 20.0}  # rad/s, m/s: more is suspicious for a joint without a range
@@ -78,31 +92,37 @@ def constant(channel: Channel) -> Fault | None:
 
 
 def position_units(channel: Channel) -> Fault | None:
-    """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided.
+    """Degrees for radians, millimetres for metres: far from the joint's range, and within it once divided; or too
+    small, and within it once multiplied: a scale that was given in vain.
 
     A joint without a range is judged by its speed, and for a hinge by how many turns away it is; a motor's own
     position before a gear, which turns as often and as fast as the gear lets it, is not.
     """
     joint, values = _joint(channel), channel.values
-    factor, wrong, right, remedy = (
-        (DEGREES, "degrees", "radians", Remedy.FROM_DEGREES)
-        if joint.kind == "hinge"
-        else (MILLI, "millimetres", "metres", Remedy.FROM_MILLIMETRES)
-    )
-    if joint.lower is not None and joint.upper is not None:
-        span = joint.upper - joint.lower
-        outside = np.maximum(joint.lower - values, values - joint.upper)
-        scaled = values / factor
-        fits = joint.lower - 0.1 * span <= scaled.min() and scaled.max() <= joint.upper + 0.1 * span
-        suspicious = fits and outside.max() > span
-        why = f"up to {outside.max():.4g} outside of [{joint.lower:g}, {joint.upper:g}]"
-    elif joint.geared:
-        return None
-    else:
+    right = "radians" if joint.kind == "hinge" else "metres"
+    if joint.lower is None or joint.upper is None:
+        factor, wrong, remedy = LARGER[joint.kind][0]
         suspicious, why = _far_without_range(joint, values, channel.step, factor)
-    if not suspicious:
-        return None
-    return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}", remedy)
+        if joint.geared or not suspicious:
+            return None
+        return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}", remedy)
+    span = joint.upper - joint.lower
+    outside = np.maximum(joint.lower - values, values - joint.upper)
+    why = f"up to {outside.max():.4g} outside of [{joint.lower:g}, {joint.upper:g}]"
+    for factor, wrong, remedy in LARGER[joint.kind]:
+        if outside.max() > span and _fits(values / factor, joint.lower, joint.upper):
+            return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}", remedy)
+    for factor in SMALLER[joint.kind]:
+        if outside.min() > LIMIT_SLACK * span and _fits(values * factor, joint.lower, joint.upper):
+            what = f"looks {factor:.4g} times too small for {right}: {why} (is it in {right} already, and scaled?)"
+            return Fault("units", None, what)
+    return None
+
+
+def _fits(values: Array, lower: float, upper: float) -> bool:
+    """Whether positions lie in a range, or a tenth of it beyond."""
+    slack = 0.1 * (upper - lower)
+    return bool(lower - slack <= values.min() and values.max() <= upper + slack)
 
 
 def _far_without_range(joint: JointFacts, values: Array, step: float, factor: float) -> tuple[bool, str]:

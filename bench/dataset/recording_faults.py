@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.basics.files.recording_fault import RecordingFaultError, Remedy
+from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Remedy
 from bench.basics.files.table import FileTable
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import Channel, Fault, find
@@ -43,7 +43,7 @@ def faults_of(
         return found
     fault = time_fault(time)
     if fault is not None:
-        cure = f"; {_between_gaps(time)}" if fault.gap else ""
+        cure = f"; {_between_gaps(time)}" if fault.gap else _imported(fault.remedy)
         said = f"{table.place('time', fault.row)}: {fault.what}"
         found.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
@@ -113,7 +113,16 @@ def _longest(time: np.ndarray) -> tuple[int, int]:
 def _told(table: FileTable, column: str, finding: Fault) -> RecordingFaultError:
     accept = f" (accept = [{finding.check!r}] beside its file name if that is meant)".replace("'", '"')
     said = f"{table.place(column, finding.row)}: {finding.what}"
-    return RecordingFaultError(said, accept, finding.remedy, finding.check, column=column)
+    return RecordingFaultError(
+        said, f"{_imported(finding.remedy)}{accept}", finding.remedy, finding.check, column=column
+    )
+
+
+def _imported(remedy: Remedy | None) -> str:
+    """What turns a column in another unit into SI; "" where that is not its fault."""
+    if remedy is None or remedy not in IN_UNIT:
+        return ""
+    return f"; bench import --scale {'='.join(IN_UNIT[remedy])} turns such a log into a recording"
 
 
 def _removed(bad: np.ndarray, count: int) -> tuple[str, Remedy]:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from bench.basics.counted import counted
 from bench.basics.files.recording_fault import Remedy
 from bench.basics.interpolation import cubic_spline
 
@@ -56,7 +57,7 @@ class TimeFault:
 def time_fault(time: Array) -> TimeFault | None:
     """The first fault of the time stamps (N,) in s: order, count, unit, gaps. None when there is none."""
     if time.size < FEWEST:
-        return TimeFault(None, f"has only {time.size} samples, at least {FEWEST} are needed")
+        return TimeFault(None, f"has only {counted(time.size, 'sample')}, at least {FEWEST} are needed")
     steps = np.diff(time)
     return _order_fault(time, steps) or _unit_fault(steps) or _gap_fault(time, steps)
 

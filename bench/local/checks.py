@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from bench.basics.counted import counted
 from bench.basics.errors import BenchError
-from bench.basics.files.recording_fault import Remedy
+from bench.basics.files.recording_fault import IN_UNIT, Remedy
 from bench.basics.files.table import HUGE
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import GROUPS
-from bench.dataset.logs.importing import CUTS, LIKE
+from bench.dataset.logs.importing import CUTS
 from bench.dataset.logs.log_file import LogFile, Reading, read_log
 from bench.dataset.logs.units import UNITS, factor_of
 from bench.dataset.recording_checks import Channel, Fault, find
@@ -69,7 +70,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
         if kind not in GROUPS or found[target] or joint not in joints:
             continue
         if time is not None and values.size != time.size:
-            what = f"has {values.size} samples, time has {time.size}"
+            what = f"has {counted(values.size, 'sample')}, time has {time.size}"
             found[target].append(_problem(log, target, what, None, None))
         elif values.size > 1 and step > 0.0:
             found[target] = [
@@ -160,8 +161,8 @@ def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[
 
 def _remedy(remedy: Remedy | None, target: str, check: str | None) -> dict[str, Any] | None:
     """What mends a column of the page; or the name by which the check is switched off."""
-    if remedy is not None and remedy in LIKE and LIKE[remedy][0] == target.partition(".")[0]:
-        return {"unit": LIKE[remedy][1]}
+    if remedy is not None and remedy in IN_UNIT and IN_UNIT[remedy][0] == target.partition(".")[0]:
+        return {"unit": IN_UNIT[remedy][1]}
     if remedy in CUTS:
         return dict(CUT)
     return {"accept": check} if check is not None else None

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from bench.basics.counted import counted
 from bench.diagnosis.reason_words import judged_on, reason_sentence
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason
@@ -45,7 +46,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
     else:
         parts.append(Items("Effects that count", "", ("None: no effect of the catalogue is supported.",)))
     if rest:
-        title = f"{len(rest)} effects that the data do not support"
+        title = f"{counted(len(rest), 'effect')} that the data do not support"
         parts.append(
             on_page(
                 _with_reasons(diagnosis, rest),
@@ -55,7 +56,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
             )
         )
     if absorbed:
-        title = f"{len(absorbed)} effects that no data of this robot could show"
+        title = f"{counted(len(absorbed), 'effect')} that no data of this robot could show"
         rows = tuple(
             row(effect_name(verdict.effect), typeset(reason_sentence(verdict))) for verdict in absorbed
         )

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from bench.basics.counted import counted
 from bench.basics.errors import BenchError
 
 DELIMITERS = ",;\t"
@@ -86,9 +87,8 @@ class CsvText:
                 comma = len(cells) > len(self.names) and self.delimiter == ","
                 hint = " (decimal commas? then separate the values by semicolons)" if comma else ""
                 cure = "the file breaks off there: remove that line" if last else "mend or remove that line"
-                return (
-                    f"line {line}: has {len(cells)} values, the header names {len(self.names)}{hint}; {cure}"
-                )
+                held = counted(len(cells), "value")
+                return f"line {line}: has {held}, the header names {len(self.names)}{hint}; {cure}"
         return None
 
     @cached_property

@@ -1,5 +1,6 @@
 """A fault of a recording as an error that says, for programs, what mends it."""
 
+from collections.abc import Mapping
 from enum import Enum, auto
 
 from bench.basics.errors import BenchError
@@ -9,7 +10,9 @@ class Remedy(Enum):
     """What mends a fault; which words that takes depends on where the recording comes from."""
 
     FROM_DEGREES = auto()  # the column is in that unit
+    FROM_MILLIRADIANS = auto()
     FROM_MILLIMETRES = auto()
+    FROM_MICROMETRES = auto()
     FROM_MILLISECONDS = auto()
     FROM_MICROSECONDS = auto()
     FROM_NANOSECONDS = auto()
@@ -17,6 +20,19 @@ class Remedy(Enum):
     LEAVE_ROWS_OUT = auto()  # rows without a measurement, amid others
     REMOVE_ROWS = auto()  # such rows at the end, or without a time
     CUT_AT_GAPS = auto()  # samples were lost
+
+
+IN_UNIT: Mapping[Remedy, tuple[str, str]] = {
+    Remedy.FROM_DEGREES: ("position", "deg"),
+    Remedy.FROM_MILLIRADIANS: ("position", "mrad"),
+    Remedy.FROM_MILLIMETRES: ("position", "mm"),
+    Remedy.FROM_MICROMETRES: ("position", "um"),
+    Remedy.FROM_MILLISECONDS: ("time", "ms"),
+    Remedy.FROM_MICROSECONDS: ("time", "us"),
+    Remedy.FROM_NANOSECONDS: ("time", "ns"),
+    Remedy.FROM_THOUSANDTHS: ("current", "mA"),
+}
+"""Which columns a log has in which unit, where a check takes them for that."""
 
 
 class RecordingFaultError(BenchError):

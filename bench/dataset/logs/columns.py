@@ -5,11 +5,13 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from bench.basics.counted import counted
 from bench.basics.errors import BenchError, meant, refuse
 from bench.dataset.logs.log_file import LogFile
 from bench.dataset.logs.unit_names import unit_in, units_of
@@ -77,7 +79,7 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
     count = values["time"].size
     refuse(
         [
-            f"{file}: {sources[column]!r} for {column} has {found.size} samples, time has {count}"
+            f"{file}: {sources[column]!r} for {column} has {counted(found.size, 'sample')}, time has {count}"
             for column, found in values.items()
             if found.size != count
         ]
@@ -163,15 +165,45 @@ def _sources(
     missing = [target for target in needed if target not in sources]
     if missing:
         what = f"nothing is mapped to {', '.join(missing)} (the log has {_inventory(log)})"
-        example = f"; say which is which, as in --map {missing[0]}={shlex.quote(there[0])}" if there else ""
-        raise BenchError(f"{file}: {what}{example}{_skipping(log, sources)}")
+        raise BenchError(
+            f"{file}: {what}{_misspelt(missing, log_map)}{_example(missing[0], sources, there, robot)}"
+            f"{_skipping(log, sources)}"
+        )
     absent = [(target, source) for target, source in sources.items() if source not in there]
     if absent:
         named = ", ".join(f"{source!r} for {target}" for target, source in absent)
+        near = [name for _, source in absent for name in get_close_matches(source, there, 1)]
+        hint = (
+            f": did you mean {' or '.join(map(repr, dict.fromkeys(near)))}?"
+            if len(near) == len(absent)
+            else ""
+        )
         raise BenchError(
-            f"{file}: there is no {named} (the log has {_inventory(log)}){_skipping(log, sources)}"
+            f"{file}: there is no {named}{hint} (the log has {_inventory(log)}){_skipping(log, sources)}"
         )
     return sources
+
+
+def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
+    """What is said of a column that was mapped under a name that is nearly one that is needed."""
+    for target in log_map.columns:
+        near = get_close_matches(target, missing, 1, cutoff=0.75)
+        if near:
+            return f"; {target!r} is no column that is needed: did you mean {near[0]!r}?"
+    return ""
+
+
+def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robot: Robot) -> str:
+    """How a column that is missing is mapped to one that is free, and its unit told."""
+    free = [name for name in there if name not in sources.values()]
+    if not free:
+        return ""
+    units = units_of(target, robot)
+    unit = unit_in(free[0], units) or (units[1] if len(units) > 1 else "")
+    said = f"; say which is which, as in --map {target}={shlex.quote(free[0])}"
+    return (
+        f"{said} (with --scale {target}={unit} where it is in {unit})" if unit not in ("", units[0]) else said
+    )
 
 
 def _check_targets(

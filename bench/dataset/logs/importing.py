@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 from bench.basics.errors import BenchError, lines_of, refuse
-from bench.basics.files.atomic import write_text_atomically
-from bench.basics.files.recording_fault import RecordingFaultError, Remedy
+from bench.basics.files.atomic import atomic_path, write_text_atomically
+from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Remedy
 from bench.basics.files.table import FileTable
+from bench.basics.files.toml_input import read_toml
 from bench.dataset.catalogue import built_in_robots
-from bench.dataset.dataset_toml import DATASET_FILE, RecordingEntry, extended_toml
+from bench.dataset.dataset_toml import DATASET_FILE, DatasetSpec, RecordingEntry, extended_toml
+from bench.dataset.heavy_payload import heavy_payload
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import LogMap, columns_of
 from bench.dataset.logs.log_file import AS_FOUND, Reading, read_log
@@ -24,8 +27,7 @@ from bench.dataset.recording_checks import Check
 from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.robot import Robot, load_robot
 
-HEAVY = 2.0  # times the mass of the robot's bodies: hardly a robot carries that
-LIGHT = 5.0  # kg: lighter payloads are nothing to ask about, whatever an MJCF says of its bodies
+BEFORE = ".before"  # what a file that is replaced is called until the new one is whole
 
 
 @dataclass(frozen=True)
@@ -79,24 +81,35 @@ def _folded(faults: Sequence[LogFault]) -> list[str]:
 
 
 def import_log(
-    robot: str | Robot, request: LogRequest, folder: str | Path, payload: Payload | None = None
+    robot: str | Robot,
+    request: LogRequest,
+    folder: str | Path,
+    payload: Payload | None = None,
+    *,
+    replace: bool = False,
 ) -> Imported:
     """Write one log into a dataset folder; see import_logs."""
-    return import_logs(robot, [request], folder, () if payload is None else (payload,))
+    return import_logs(robot, [request], folder, () if payload is None else (payload,), replace=replace)
 
 
 def import_logs(
-    robot: str | Robot, requests: Sequence[LogRequest], folder: str | Path, payloads: Sequence[Payload] = ()
+    robot: str | Robot,
+    requests: Sequence[LogRequest],
+    folder: str | Path,
+    payloads: Sequence[Payload] = (),
+    *,
+    replace: bool = False,
 ) -> Imported:
     """Write logs as recordings into the dataset `folder`, all or none.
 
     A folder without a dataset.toml becomes a dataset of `robot` (or its built-in name or path); otherwise the
     recordings are added to it. `payloads` are defined in it; a request names one of them, or one that the dataset has.
-    Samples are written as they were logged, after the checks that reading a dataset makes.
+    Samples are written as they were logged, after the checks that reading a dataset makes. replace: a recording of the
+    same name, and a payload, become what is given here; until that is whole, what it replaces is kept beside it.
 
     Errors: BenchError, and nothing is written: a file, robot, joint or name that does not exist (with what there is),
     vectors of different length, everything that is wrong with the recordings, a line each; of what several logs
-    have in common, the first is told and the others named.
+    have in common, the first is told and the others named; a payload far heavier than the robot that nobody accepts.
     """
     folder = Path(folder)
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
@@ -115,15 +128,15 @@ def import_logs(
         parts += found
         entries += [RecordingEntry(part.name, part.use, request.payload, request.accept) for part in found]
         notes += [(request.file, note) for note in told]
-    refuse(_folded(faults))
+    refuse([*_folded(faults), *_doubtful(payloads, loaded, requests)])
     names = [part.name for part in parts]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise BenchError(
             f"{folder / twice}: two logs would become this recording: name one of them otherwise"
         )
-    text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads)
+    text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads, replace=replace)
+    notes += [(folder / DATASET_FILE, note) for note in _payload_notes(folder, payloads, names)]
     _write(folder, text, parts)
-    notes += [(folder / DATASET_FILE, said) for payload in payloads if (said := _heavy(payload, loaded))]
     return Imported(tuple(entries), tuple(notes))
 
 
@@ -146,15 +159,37 @@ def _parts(
     return parts, faults, (*log.notes, *columns.notes, *cuts)
 
 
-def _heavy(payload: Payload, robot: Robot) -> str | None:
-    """What is said of a payload far heavier than the robot's own bodies, as its MJCF has them."""
-    own = float(robot.mjcf_model().body_mass.sum())
-    if payload.mass is None or payload.mass <= max(HEAVY * own, LIGHT):
-        return None
-    return (
-        f"the payload {payload.name} of {payload.mass:g} kg is far heavier than the robot ({own:.3g} kg in its MJCF): "
-        f"grams? then mass = {payload.mass / 1e3:g}"
-    )
+def _doubtful(payloads: Sequence[Payload], robot: Robot, requests: Sequence[LogRequest]) -> list[str]:
+    """What is asked of payloads far heavier than the robot, unless a log that carries one is accepted so."""
+    asked = []
+    for payload in payloads:
+        accepted = any(request.payload == payload.name and "mass" in request.accept for request in requests)
+        heavy = None if accepted else heavy_payload(payload, robot)
+        if heavy is not None:
+            asked.append(
+                f"{heavy.words} Then give {heavy.if_grams:g} kg; --accept mass if {heavy.mass:g} kg is meant"
+            )
+    return asked
+
+
+def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[str]) -> list[str]:
+    """What is said of payloads whose mass is another one than the dataset had, of recordings that are not replaced."""
+    if not (folder / DATASET_FILE).exists():
+        return []
+    spec, said = read_toml(folder / DATASET_FILE, DatasetSpec), []
+    for payload in payloads:
+        before = spec.payloads[payload.name].mass if payload.name in spec.payloads else payload.mass
+        if payload.mass is None or before == payload.mass:
+            continue
+        others = [
+            entry.file
+            for entry in spec.recordings
+            if entry.payload == payload.name and entry.file not in names
+        ]
+        was = "had no mass" if before is None else f"was {before:g} kg"
+        also = f", in {listed(others)} as well" if others else ""
+        said.append(f"the payload {payload.name} {was} and is {payload.mass:g} kg now{also}")
+    return said
 
 
 def _reference(robot: Robot, folder: Path) -> str:
@@ -168,16 +203,6 @@ def _reference(robot: Robot, folder: Path) -> str:
         return robot.folder.as_posix()
     return relative if relative.startswith(".") else f"./{relative}"
 
-
-LIKE: Mapping[Remedy, tuple[str, str]] = {
-    Remedy.FROM_DEGREES: ("position", "deg"),
-    Remedy.FROM_MILLIMETRES: ("position", "mm"),
-    Remedy.FROM_MILLISECONDS: ("time", "ms"),
-    Remedy.FROM_MICROSECONDS: ("time", "us"),
-    Remedy.FROM_NANOSECONDS: ("time", "ns"),
-    Remedy.FROM_THOUSANDTHS: ("current", "mA"),
-}
-"""Which columns a log has in which unit, where a check takes them for that."""
 
 CUTS: Mapping[Remedy, str] = {
     Remedy.CUT_AT_GAPS: "cut the log there",
@@ -193,9 +218,9 @@ def _with_cure(fault: RecordingFaultError, scale: Mapping[str, float | str]) -> 
     said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
     if fault.remedy is not None and fault.remedy in CUTS:
         return f"{said}; add --split-gaps to {CUTS[fault.remedy]}"
-    if fault.remedy is None or fault.remedy not in LIKE:
+    if fault.remedy is None or fault.remedy not in IN_UNIT:
         return said
-    target, unit = LIKE[fault.remedy]
+    target, unit = IN_UNIT[fault.remedy]
     if target not in scale:
         return f"{said}; add --scale {target}={unit}"
     given = scale[target]
@@ -213,17 +238,49 @@ def _number(given: float | str) -> str:
 
 
 def _write(folder: Path, text: str, parts: Sequence[Segment]) -> None:
-    """All files, or none when something goes wrong on the way."""
-    written: list[Path] = []
+    """All files, or none when something goes wrong on the way.
+
+    Every recording is whole under another name before any that it replaces is moved aside. A command that is killed
+    between leaves a dataset as it was, or one that names a file it lacks, with both recordings beside it.
+    """
+    paths = [folder / part.name for part in parts]
+    aside: dict[Path, Path] = {}
+    written = False
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for part in parts:
-            written.append(folder / part.name)
-            write_table(folder / part.name, part.columns)
-        write_text_atomically(folder / DATASET_FILE, text)
-        written.clear()
+        toml = folder / DATASET_FILE
+        old, fresh = (
+            toml.read_bytes() if toml.exists() else None,
+            [path for path in paths if not path.exists()],
+        )
+        try:
+            with ExitStack() as stack:
+                for path, part in zip(paths, parts, strict=True):
+                    write_table(stack.enter_context(atomic_path(path)), part.columns)
+                for path in paths:
+                    if path not in fresh:
+                        aside[path] = path.replace(path.with_name(f"{path.name}{BEFORE}"))
+                write_text_atomically(toml, text)
+            written = True
+        finally:
+            _settle(toml, old, fresh, aside, written=written)
     except (FileExistsError, NotADirectoryError, PermissionError) as error:
         raise BenchError(f"{folder}: cannot be written: {error.strerror}") from error
-    finally:
-        for path in written:
-            path.unlink(missing_ok=True)
+
+
+def _settle(
+    toml: Path, old: bytes | None, fresh: Sequence[Path], aside: Mapping[Path, Path], *, written: bool
+) -> None:
+    """Remove what was replaced; or, where nothing was written, bring it back."""
+    if written:
+        for kept in aside.values():
+            kept.unlink(missing_ok=True)
+        return
+    for path, kept in aside.items():
+        kept.replace(path)
+    for path in fresh:
+        path.unlink(missing_ok=True)
+    if old is None:
+        toml.unlink(missing_ok=True)
+    elif toml.read_bytes() != old:
+        write_text_atomically(toml, old.decode("utf-8"))

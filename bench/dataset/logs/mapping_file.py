@@ -71,8 +71,8 @@ class MappingTable(UserTable):
     logs: Annotated[tuple[LogsTable, ...], Field(min_length=1)]
 
 
-def import_mapping(path: Path, folder: Path) -> Imported:
-    """Import all logs that the mapping file `path` names into the dataset `folder`, all or none.
+def import_mapping(path: Path, folder: Path, *, replace: bool = False) -> Imported:
+    """Import all logs that the mapping file `path` names into the dataset `folder`, all or none; see import_logs.
 
     Raises BenchError: what is wrong with the mapping, in one line, or with the logs, a line for each fault.
     """
@@ -96,7 +96,7 @@ def import_mapping(path: Path, folder: Path) -> Imported:
         for i, log in enumerate(table.logs)
         for file in _files(path, i, log)
     ]
-    return import_logs(robot, requests, folder, payloads)
+    return import_logs(robot, requests, folder, payloads, replace=replace)
 
 
 def _files(path: Path, index: int, table: LogsTable) -> list[Path]:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
+from bench.basics.counted import counted
 from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import CsvText, decoded, is_number
 from bench.dataset.logs.units import unit_named
@@ -170,8 +171,8 @@ def _refuse_other_header(path: Path, lines: Sequence[_Line], table: Sequence[_Li
         is_number(name.replace(",", ".")) for name in names
     ):
         raise BenchError(
-            f"{path}: line {above[-1].number}: names {len(names)} columns, the lines below have {count} values:"
-            " mend it, or add --no-header and map columns by number"
+            f"{path}: line {above[-1].number}: names {counted(len(names), 'column')}, the lines below have "
+            f"{counted(count, 'value')}: mend it, or add --no-header and map columns by number"
         )
 
 

@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 from rich.console import Console
 from rich.text import Text
 
+from bench.basics.counted import counted
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.document.terminal.tables import printed
@@ -73,7 +74,9 @@ def run_command(
 
         def progress(plan: TrialPlan) -> Report:
             stack.close()  # the bar of the kind before
-            console.print(f"[bold]{setup.name}[/], {plan.kind}: {plan.size} datasets", highlight=False)
+            console.print(
+                f"[bold]{setup.name}[/], {plan.kind}: {counted(plan.size, 'dataset')}", highlight=False
+            )
             shown.append(stack.enter_context(shown_progress(bars, plan.size)))
             return shown[-1]
 
@@ -92,7 +95,9 @@ def run_command(
     if unknown:
         nothing = [row for row in rows if row["kind"] == "nothing"]
         console.print(printed(unknown_table(unknown, nothing), console.width))
-    console.print(f"\n{len(rows)} datasets in {duration_text(time.monotonic() - start)}", highlight=False)
+    console.print(
+        f"\n{counted(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}", highlight=False
+    )
     for path in paths:
         console.print(str(path), highlight=False, soft_wrap=True)
     return 1 if rows and all(row["status"] != "ok" for row in rows) else 0

@@ -1,0 +1,41 @@
+"""A payload far heavier than the robot that carries it: grams typed as kilograms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bench.dataset.payload import Payload
+from bench.dataset.robot import Robot
+
+HEAVY = 2.0  # times the mass of the robot's bodies: hardly a robot carries that
+LIGHT = 5.0  # kg: lighter payloads are nothing to ask about, whatever an MJCF says of its bodies
+
+
+@dataclass(frozen=True)
+class HeavyPayload:
+    """What is asked about. mass: as declared, kg; own: of the robot's bodies in its MJCF, kg."""
+
+    name: str
+    mass: float
+    own: float
+
+    @property
+    def if_grams(self) -> float:
+        """What it weighs if its mass was typed in grams, kg."""
+        return self.mass / 1e3
+
+    @property
+    def words(self) -> str:
+        """The question."""
+        return (
+            f"the payload {self.name} of {self.mass:g} kg is far heavier than the robot ({self.own:.3g} kg in its "
+            f"MJCF): is that in grams, {self.if_grams:g} kg?"
+        )
+
+
+def heavy_payload(payload: Payload, robot: Robot) -> HeavyPayload | None:
+    """Whether a payload's mass is one to ask about; None where it is not, or not known."""
+    if payload.mass is None or payload.mass <= LIGHT:
+        return None
+    own = float(robot.mjcf_model().body_mass.sum())
+    return HeavyPayload(payload.name, payload.mass, own) if payload.mass > HEAVY * own else None
