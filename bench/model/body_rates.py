@@ -9,10 +9,8 @@ Robots", 2002, chapter 9.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from bench.model.kinematics import ZERO, Link, carried, rotation_of, turn_of
-from bench.model.scalars import Matrix, Scalar, Vector, add, cross, minus, scaled, turned, turned_back
+from bench.model.scalars import Matrix, Rows, Scalar, Vector, add, cross, minus, scaled, turned, turned_back
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,7 @@ class BodyRates:
 def body_rates(
     links: Sequence[Link],
     gravity: Vector,
-    q: np.ndarray,
+    q: Rows,
     v: Sequence[Scalar],
     a: Sequence[Scalar],
     motors: Sequence[Sequence[Scalar]],
@@ -58,7 +56,7 @@ def body_rates(
 def _free(
     link: Link,
     resting: Vector,
-    q: np.ndarray,
+    q: Rows,
     v: Sequence[Scalar],
     a: Sequence[Scalar],
     motors: Sequence[Sequence[Scalar]],
@@ -77,7 +75,7 @@ def _free(
 def _carried_on(
     link: Link,
     parent: BodyRates,
-    q: np.ndarray,
+    q: Rows,
     v: Sequence[Scalar],
     a: Sequence[Scalar],
     motors: Sequence[Sequence[Scalar]],

@@ -28,6 +28,7 @@ from bench.model.kinematics import (
     rates_of,
 )
 from bench.model.scalars import (
+    Rows,
     Scalar,
     Vector,
     add,
@@ -165,9 +166,7 @@ def loop_rows(closures: Closures, frames: Frames) -> tuple[list[Scalar], list[Ro
     return residual, rows
 
 
-def _combined(
-    side: tuple[tuple[int, int, float], ...], values: np.ndarray | list[Scalar], which: int
-) -> Scalar:
+def _combined(side: tuple[tuple[int, int, float], ...], values: Rows, which: int) -> Scalar:
     """Sum of factor times value, taken by the places in q (which 0) or in v (which 1)."""
     total: Scalar = 0.0
     for place in side:

@@ -12,6 +12,7 @@ import numpy as np
 from bench.model.geometry import Anchor, Geometry, Joint, JointKind
 from bench.model.scalars import (
     Matrix,
+    Rows,
     Scalar,
     Vector,
     add,
@@ -71,7 +72,7 @@ class Frames:
     rotation: dict[int, Matrix]
     origin: dict[int, Vector]
     axis: dict[int, Vector]
-    q: np.ndarray
+    q: Rows
 
 
 def link_of(index: int, joint: Joint) -> Link:
@@ -110,7 +111,7 @@ def ancestors(geometry: Geometry, joint: int) -> tuple[int, ...]:
     return tuple(reversed(chain))
 
 
-def frames_of(links: tuple[Link, ...], q: np.ndarray) -> Frames:
+def frames_of(links: tuple[Link, ...], q: Rows) -> Frames:
     """Frames of the links (parents first) at the configurations q (nq, N)."""
     frames = Frames({-1: IDENTITY}, {-1: ZERO}, {}, q)
     for link in links:
@@ -137,7 +138,7 @@ def frames_of(links: tuple[Link, ...], q: np.ndarray) -> Frames:
     return frames
 
 
-def turn_of(link: Link, angle: np.ndarray) -> Matrix:
+def turn_of(link: Link, angle: Scalar) -> Matrix:
     """Rotation of a hinge by an angle (N,). Rodrigues: a a' + sin K - cos K K."""
     sine, cosine = np.sin(angle), np.cos(angle)
     along, skew, square = link.along, link.skew, link.square
@@ -158,7 +159,7 @@ def _turned_column(
     )
 
 
-def rotation_of(quaternion: np.ndarray) -> Matrix:
+def rotation_of(quaternion: Rows) -> Matrix:
     """Rotations of unit quaternions (4, N), x y z w."""
     x, y, z, w = quaternion
     x2, y2, z2 = x + x, y + y, z + z

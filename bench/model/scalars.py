@@ -10,6 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 
 Scalar = float | np.ndarray
+Rows = np.ndarray | list[Scalar]  # a scalar for each coordinate: an array (k, N), or k scalars
 Vector = tuple[Scalar, Scalar, Scalar]
 Matrix = tuple[Vector, Vector, Vector]  # by columns: the directions of a frame's axes
 

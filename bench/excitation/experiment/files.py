@@ -1,6 +1,7 @@
 """The experiment as files: for the controller, for a simulation, and for people."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -103,6 +104,14 @@ def plan_json(plan: ExperimentPlan, told: Forecast) -> dict[str, Any]:
         },
         "assumed": list(plan.room.assumed),
         "reach": reach,
+        "proofs": {
+            name: {
+                "intervals": proof.proof.intervals,
+                "shortest": proof.proof.shortest,
+                "given_way": [asdict(told) for told in proof.given_way],
+            }
+            for name, proof in zip(plan.names, plan.proofs, strict=True)
+        },
         "recordings": {
             name: {"payload": load, "trajectory": motion.trajectory.to_dict()}
             for name, load, motion in zip(plan.names, plan.search.loads, plan.motions, strict=True)

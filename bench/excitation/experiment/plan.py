@@ -26,6 +26,7 @@ from bench.excitation.experiment.room import Room, room_of
 from bench.excitation.experiment.search import (
     RANDOM,
     Candidate,
+    Proven,
     Search,
     Shape,
     Tried,
@@ -71,7 +72,8 @@ WHOLE = Aim()
 
 @dataclass(frozen=True)
 class ExperimentPlan:
-    """An experiment. names, motions: of every recording its name and its motion; sizes (P,): against which standard
+    """An experiment. names, motions, proofs: of every recording its name, its motion, and that
+    this keeps all limits; sizes (P,): against which standard
     errors are held; targets: the unknowns that it is for; value: the criterion, relative; random: the same of motions
     at random, `best` and `median` of `RANDOM`.
     """
@@ -82,6 +84,7 @@ class ExperimentPlan:
     search: Search
     names: tuple[str, ...]
     motions: tuple[Tried, ...]
+    proofs: tuple[Proven, ...]
     sizes: np.ndarray
     targets: np.ndarray
     aim: Aim
@@ -195,8 +198,8 @@ def searched(
     progress.phase("improving the best motions", aim.steps)
     best = best_near(search, [*begun.random, *begun.sparse], aim.steps, progress)
     progress.phase("proving that the limits are kept")
-    kept = proven(search, best)
-    motions = tuple(kept[number] for number in range(len(names)))
+    proofs = tuple(proven(search, trial, load) for trial, load in zip(best, search.loads, strict=True))
+    motions = tuple(proof.tried for proof in proofs)
     return ExperimentPlan(
         robot=robot,
         nominal=search.nominal,
@@ -204,6 +207,7 @@ def searched(
         search=search,
         names=names,
         motions=motions,
+        proofs=proofs,
         sizes=begun.sizes,
         targets=begun.targets,
         aim=aim,

@@ -16,9 +16,7 @@ from bench.scenario.trajectory import FourierTrajectory
 
 CROSSING = 1.0  # s in which a joint crosses its range at the speed that is taken where none is given
 REACHING = 0.1  # s in which it reaches that speed
-CURVATURE = 2.0  # times the largest second difference: what is allowed for between samples
 LOOKED_AT = 64  # poses of a motion, those whose closures are least held
-FINE = 1000.0  # Hz, at least: at which what depends on the whole robot is looked at
 
 
 @dataclass(frozen=True)
@@ -97,6 +95,12 @@ def _check_home(geometry: Geometry, room: Room) -> None:
         raise BenchError(
             f"amplification: {room.joint.amplification:g} leaves no room, home has {largest:.3g} already"
         )
+    for limit in passive_ranges(geometry):
+        if not limit.low < at_home.q[0, limit.place] < limit.high:
+            raise BenchError(
+                f"robot {geometry.robot.name}: home is at the end of the range of {limit.joint!r}, or beyond: motions "
+                "start at home, put it further inside"
+            )
     if room.boxes:
         point = tool_positions(geometry, at_home)
         for i, box in enumerate(room.boxes):
@@ -160,45 +164,49 @@ def robot_motion(
     time: np.ndarray,
     *,
     near: Motion | None = None,
-    dense: bool = False,
 ) -> Motion | None:
-    """The motion of the whole robot if it keeps loops, singular poses and boxes; None otherwise.
-
-    dense: with an allowance for what may happen between samples: so much as a function strays from the line through
-    its samples that is bent CURVATURE times as much as its largest second difference.
+    """The motion of the whole robot if at the times it keeps loops, singular poses, ranges of passive joints and boxes;
+    None otherwise.
     """
     position, velocity, acceleration = trajectory.evaluate(time)
     try:
         motion = motion_of(geometry, time, position, velocity, acceleration, near=near)
     except BenchError:  # out of reach, or through a singular pose
         return None
-    allow = between if dense else _nothing
     if geometry.closed:
-        sizes = motion.jacobian.reshape(len(time), -1)
-        if np.any(np.abs(sizes) + allow(sizes) > room.joint.amplification):
+        if np.abs(motion.jacobian).max() > room.joint.amplification:
             return None
-        worst = motion.q if dense else motion.q[least_held(geometry, motion.q, LOOKED_AT)]
-        held = smallest_singular_values(geometry, worst)
-        if np.any(held - allow(held[:, None])[0] <= room.joint.held):
+        worst = motion.q[least_held(geometry, motion.q, LOOKED_AT)]
+        if smallest_singular_values(geometry, worst).min() <= room.joint.held:
+            return None
+    for limit in passive_ranges(geometry):
+        at = motion.q[:, limit.place]
+        if at.min() <= limit.low or at.max() >= limit.high:
             return None
     if room.boxes:
         points = tool_positions(geometry, motion)
-        if any(np.any(outside(box, points) + allow(points).max() >= 0.0) for box in room.boxes):
+        if any(outside(box, points).max() >= 0.0 for box in room.boxes):
             return None
     return motion
 
 
-def between(values: np.ndarray) -> np.ndarray:
-    """How far functions with these samples (N, k) may stray from the lines through them, (k,)."""
-    if len(values) < 3:
-        return np.zeros(values.shape[1])
-    return np.asarray(CURVATURE / 8.0 * np.abs(np.diff(values, n=2, axis=0)).max(axis=0))
+@dataclass(frozen=True)
+class PassiveRange:
+    """Between which values, rad or m, the passive joint stays that is at this place of a configuration."""
+
+    joint: str
+    place: int
+    low: float
+    high: float
 
 
-def _nothing(values: np.ndarray) -> np.ndarray:
-    return np.zeros(values.shape[1])
-
-
-def fine_times(trajectory: FourierTrajectory) -> np.ndarray:
-    """Times (N,) at which what depends on the whole robot is looked at, once a motion is chosen."""
-    return np.linspace(0.0, trajectory.duration, int(np.ceil(trajectory.duration * FINE)) + 1)
+def passive_ranges(geometry: Geometry) -> tuple[PassiveRange, ...]:
+    """The ranges of the hinges and slides without a motor of their own, where the MJCF has some."""
+    passive = set(geometry.passive.tolist())
+    return tuple(
+        PassiveRange(
+            joint.name, joint.q.start, joint.limits[0] - joint.offset, joint.limits[1] - joint.offset
+        )
+        for joint in geometry.joints
+        if joint.limits is not None and joint.kind in ("hinge", "slide") and joint.v.start in passive
+    )

@@ -9,14 +9,9 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import drive_unit
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.experiment.nominal import Equations, Evidence, Nominal, equations, evidence, seen
-from bench.excitation.experiment.room import (
-    Room,
-    between,
-    filled,
-    fine_times,
-    keeps_joints,
-    robot_motion,
-)
+from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
+from bench.excitation.experiment.proof_words import limit_in_words
+from bench.excitation.experiment.room import Room, filled, keeps_joints, robot_motion
 from bench.model.motion import Motion, motion_of
 from bench.scenario.trajectory import FourierTrajectory, random_trajectory
 
@@ -187,33 +182,33 @@ def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> Fou
     return replace(trajectory, a=trajectory.a * kept, b=trajectory.b * kept)
 
 
-def proven(search: Search, candidate: Candidate) -> dict[int, Tried]:
-    """Each motion, shrunk until it keeps every limit between samples, too, by its recording's number."""
-    geometry, room = search.nominal.model.geometry, search.room
-    kept: dict[int, Tried] = {}
-    for number, (trial, load) in enumerate(zip(candidate, search.loads, strict=True)):
-        trajectory = filled(room, trial.trajectory)
-        for _ in range(MOST_SHRINKS):
-            time = fine_times(trajectory)
-            motion = robot_motion(geometry, room, trajectory, time, dense=True)
-            if motion is not None and _keeps_torque(search, motion, load):
-                found = search.tried(trajectory, load)
-                if found is not None and keeps_joints(room, trajectory):
-                    kept[number] = found
-                    break
-            trajectory = scaled(trajectory, 1.0 - 0.2 * (1.0 - SHRINK))
+@dataclass(frozen=True)
+class Proven:
+    """A motion that keeps every limit at all times, by its proof; given_way: what could not be proven of larger."""
+
+    tried: Tried
+    proof: Proof
+    given_way: tuple[Unproven, ...] = ()
+
+
+def proven(search: Search, trial: Tried, load: str | None) -> Proven:
+    """A motion, shrunk until it is proven that it keeps every limit at all times. Raises BenchError naming the limit
+    that leaves no room.
+    """
+    given_way: list[Unproven] = []
+    trajectory = filled(search.room, trial.trajectory)
+    for _ in range(MOST_SHRINKS):
+        told = prove(Promise(search.nominal, search.room, trajectory, load))
+        if isinstance(told, Unproven):
+            given_way.append(told)
         else:
-            raise BenchError(
-                f"robot {geometry.robot.name}: no motion from home keeps all limits between samples"
-            )
-    return kept
-
-
-def _keeps_torque(search: Search, motion: Motion, load: str | None) -> bool:
-    if not np.isfinite(search.room.torque).any():
-        return True
-    torque = seen(search.nominal, motion, load).current * search.nominal.gains
-    return bool(np.all(np.abs(torque) + between(torque) <= search.room.torque))
+            found = search.tried(trajectory, load)
+            if found is not None and keeps_joints(search.room, trajectory):
+                return Proven(found, told, tuple(given_way))
+        trajectory = scaled(trajectory, 1.0 - 0.2 * (1.0 - SHRINK))
+    robot = search.nominal.model.geometry.robot.name
+    what = limit_in_words(given_way[-1]) if given_way else "all limits"
+    raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {what}")
 
 
 def random_values(search: Search, candidates: Sequence[Candidate]) -> Mapping[str, float]:

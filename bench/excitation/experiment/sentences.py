@@ -1,5 +1,7 @@
 """A plan in sentences."""
 
+import numpy as np
+
 from bench.excitation.experiment.forecast import (
     LONGEST,
     WEAK,
@@ -11,6 +13,7 @@ from bench.excitation.experiment.forecast import (
 )
 from bench.excitation.experiment.nominal import FRICTION_SHARE
 from bench.excitation.experiment.plan import ExperimentPlan
+from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.search import RANDOM
 from bench.identification.wording import and_list, in_percent
 
@@ -48,9 +51,9 @@ def sentences(plan: ExperimentPlan, told: Forecast) -> list[str]:
         lines.append(
             f"Taken as limits, because none were given: {'; '.join(plan.room.assumed)}. Check them against the machine."
         )
+    lines.append(_proven(plan))
     lines.append(
-        f"Ranges, speeds and accelerations are kept at all times, between the rows of the table too. "
-        f"{_looked_at(plan)} Currents are expected by {plan.nominal.source}; {_noise(plan)}. "
+        f"Currents are expected by {plan.nominal.source}; {_noise(plan)}. "
         "What the model lacks, such as friction, adds to the errors and to the currents."
     )
     return [line for line in lines if line]
@@ -79,18 +82,24 @@ def note_sentence(note: ForecastNote) -> str:
     return f"{and_list(subjects)} stay undetermined: they only show together, as one sum."
 
 
-def _looked_at(plan: ExperimentPlan) -> str:
-    parts = []
+def _proven(plan: ExperimentPlan) -> str:
+    """Which limits are kept at all times, and which of them made a motion smaller."""
+    room = plan.room
+    parts = ["ranges", "speeds", "accelerations"]
     if plan.nominal.model.geometry.closed:
         parts.append("the distance from singular poses")
-    if plan.room.boxes:
+    if room.boxes:
         parts.append("the workspace")
-    parts.append("torques")
-    listed = " and ".join(parts) if len(parts) < 3 else f"{parts[0]}, {parts[1]} and {parts[2]}"
-    return (
-        f"{listed[0].upper()}{listed[1:]} are checked a thousand times a second, with twice what the curvature of "
-        "what is seen there allows between."
+    if np.isfinite(room.torque).any():
+        parts.append("the limits of currents and torques")
+    kept = and_list(parts)
+    told = (
+        f"{kept[0].upper()}{kept[1:]} are proven to be kept at all times, between the rows of the table too."
     )
+    for name, proof in zip(plan.names, plan.proofs, strict=True):
+        if proof.given_way:
+            told += f" {name[0].upper()}{name[1:]} was made smaller for it, by {limit_in_words(proof.given_way[0])}."
+    return told
 
 
 def _noise(plan: ExperimentPlan) -> str:

@@ -1,0 +1,69 @@
+"""Between which positions, velocities and accelerations a trajectory stays during short intervals."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.excitation.experiment.between_samples import derivative_bound
+from bench.scenario.trajectory import FourierTrajectory
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """Times from `middle` - `half` to `middle` + `half`, (K,) s each, in order of time."""
+
+    middle: np.ndarray
+    half: np.ndarray
+
+    def halved(self) -> "Intervals":
+        """Each in two, side by side."""
+        half = np.repeat(0.5 * self.half, 2)
+        signs = np.tile([-1.0, 1.0], len(self.half))
+        return Intervals(np.repeat(self.middle, 2) + signs * half, half)
+
+    def at(self, chosen: np.ndarray) -> "Intervals":
+        """Some of them."""
+        return Intervals(self.middle[chosen], self.half[chosen])
+
+
+@dataclass(frozen=True)
+class MotorBalls:
+    """Positions, velocities and accelerations in the intervals' middles, (3, K, n), and how far each strays from that
+    in its interval.
+    """
+
+    middle: np.ndarray
+    radius: np.ndarray
+
+
+def intervals_of(trajectory: FourierTrajectory, rate: float) -> Intervals:
+    """A motion cut into intervals of the same length, at least `rate` of them a second."""
+    count = int(np.ceil(trajectory.duration * rate))
+    edges = np.linspace(0.0, trajectory.duration, count + 1)
+    return Intervals(0.5 * (edges[1:] + edges[:-1]), np.full(count, 0.5 * trajectory.duration / count))
+
+
+def motor_balls(trajectory: FourierTrajectory, intervals: Intervals) -> MotorBalls:
+    """The motors in every interval.
+
+    On either half of an interval a function stays within half^2 / 8 times the largest size of its second derivative of
+    the line through its ends there.
+    """
+    middle = np.array(trajectory.evaluate(intervals.middle))
+    before = np.array(trajectory.evaluate(intervals.middle - intervals.half))
+    after = np.array(trajectory.evaluate(intervals.middle + intervals.half))
+    away = np.maximum(np.abs(before - middle), np.abs(after - middle))
+    first, last = intervals.middle - intervals.half, intervals.middle + intervals.half
+    inside = (first >= trajectory.ramp) & (last <= trajectory.duration - trajectory.ramp)
+    bent = np.stack(
+        [
+            np.where(
+                inside[:, None],
+                derivative_bound(trajectory, order, blended=False),
+                derivative_bound(trajectory, order, blended=True),
+            )
+            for order in (2, 3, 4)
+        ]
+    )
+    rounding = 1e-12 * (np.abs(middle) + np.abs(trajectory.center) + 1.0)
+    return MotorBalls(middle, away + intervals.half[:, None] ** 2 / 8.0 * bent + rounding)

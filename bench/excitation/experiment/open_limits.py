@@ -1,0 +1,130 @@
+"""Which limits an enclosure leaves open: those that the whole of it does not keep."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.excitation.experiment.enclosed_loops import Enclosure
+from bench.excitation.experiment.enclosed_torques import enclosed_torques
+from bench.excitation.experiment.nominal import Nominal
+from bench.excitation.experiment.request import Box
+from bench.excitation.experiment.room import Room, passive_ranges
+from bench.model.balls import balls, dense_balls
+from bench.model.geometry import Geometry
+from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
+from bench.model.mobility import column_scales
+from bench.model.nodes import robot_length
+
+ROUNDING = 1e-9  # of a bound: kept free for the rounding of radii and of singular values
+
+
+class Kept(StrEnum):
+    """What a motion has to keep."""
+
+    LOOPS = "loops"
+    AMPLIFICATION = "amplification"
+    SINGULAR = "distance from singular poses"
+    PASSIVE_RANGE = "passive range"
+    WORKSPACE = "workspace"
+    TORQUE = "torque"
+
+
+Limit = tuple[Kept, str]  # and the joint or box that it is of, "" for the whole robot
+
+
+@dataclass(frozen=True)
+class Margin:
+    """What is left of a limit in intervals: in their middles, and at least in the whole of each, (K,); where the last
+    is above zero the limit is kept.
+    """
+
+    middle: np.ndarray
+    least: np.ndarray
+
+
+def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclosure) -> dict[Limit, Margin]:
+    """What is left of every limit, always in the same order."""
+    geometry = nominal.model.geometry
+    found: dict[Limit, Margin] = {}
+    if geometry.closed:
+        sizes = np.abs(enclosure.motion.jacobian)
+        found[Kept.AMPLIFICATION, ""] = _below(room.joint.amplification, sizes, sizes + enclosure.jacobian)
+        values, straying = _singular_values(geometry, enclosure)
+        found[Kept.SINGULAR, ""] = Margin(
+            values - room.joint.held, values * (1.0 - ROUNDING) - straying - room.joint.held
+        )
+    for limit in passive_ranges(geometry):
+        at, radius = enclosure.motion.q[:, limit.place], enclosure.q[:, limit.place]
+        left = np.minimum(at - limit.low, limit.high - at)
+        found[Kept.PASSIVE_RANGE, limit.joint] = Margin(left, left - radius)
+    if room.boxes:
+        points, radii = _tool(geometry, enclosure)
+        for i, box in enumerate(room.boxes):
+            found[Kept.WORKSPACE, str(i)] = Margin(
+                _clear(box, points, np.zeros_like(points)),
+                _clear(box, points, radii),
+            )
+    limited = np.flatnonzero(np.isfinite(room.torque))
+    if len(limited):
+        middle, largest = enclosed_torques(nominal, payload, enclosure)
+        for j in limited.tolist():
+            most = room.torque[j]
+            found[Kept.TORQUE, geometry.robot.joints[j]] = Margin(
+                most - middle[:, j], most - largest[:, j] * (1.0 + ROUNDING)
+            )
+    return found
+
+
+def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
+    samples = len(middle)
+    return Margin(
+        most - middle.reshape(samples, -1).max(axis=1),
+        most - largest.reshape(samples, -1).max(axis=1) * (1.0 + ROUNDING),
+    )
+
+
+def _singular_values(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest singular value of the scaled closures by the passive joints in the middles, and how far it strays at
+    most, (K,) each: no further than the norm of what the matrix changes by (Weyl).
+
+    See `scaled_jacobians`; where a row is over its largest entry, both stray.
+    """
+    scales = column_scales(geometry)
+    middle, radius = enclosure.rows * scales, enclosure.hold * scales
+    row = 0
+    for loop in geometry.loops:
+        middle[:, row : row + 3] /= robot_length(geometry)
+        radius[:, row : row + 3] /= robot_length(geometry)
+        row += loop.size
+    gears = slice(row, row + len(geometry.couplings))
+    largest = np.abs(middle[:, gears]).max(axis=2, keepdims=True, initial=0.0)
+    strays = radius[:, gears].max(axis=2, keepdims=True, initial=0.0)
+    middle[:, gears] /= largest
+    below = largest - strays
+    radius[:, gears] = np.where(
+        below > 0.0, (radius[:, gears] + np.abs(middle[:, gears]) * strays) / below, np.inf
+    )
+    passive = geometry.passive
+    values = np.linalg.svd(middle[:, :, passive], compute_uv=False)[:, -1]
+    return values, np.linalg.norm(radius[:, :, passive], axis=(1, 2)) * (1.0 + ROUNDING)
+
+
+def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:
+    """Where the tool is in the middles, (K, 3) m, and how far it strays along each axis."""
+    if geometry.tool is None:
+        raise BenchError(f"robot {geometry.robot.name}: there is no [tool] site")
+    links = tuple(link_of(i, geometry.joints[i]) for i in ancestors(geometry, geometry.tool.joint))
+    q = balls(enclosure.motion.q.T, enclosure.q.T)
+    frames = frames_of(links, q)
+    middle, radius = dense_balls(end_point(frames, end_of(geometry.tool)), len(enclosure.motion.time))
+    return middle.T, radius.T
+
+
+def _clear(box: Box, points: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """What is left between points (K, 3) with radii and the walls of a box that they keep inside or out of, (K,) m."""
+    low, high = np.asarray(box.low), np.asarray(box.high)
+    if box.keep == "inside":
+        return np.asarray(np.minimum(points - low, high - points).min(axis=1) - radii.max(axis=1))
+    return np.asarray((np.maximum(low - points, points - high) - radii).max(axis=1))

@@ -1,0 +1,191 @@
+"""Are all limits kept at every time? Proven by intervals of time, halved where that leaves it open."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.basics.errors import BenchError
+from bench.excitation.experiment.enclosed_loops import begins_at_home, enclosed, follows
+from bench.excitation.experiment.motor_balls import Intervals, intervals_of, motor_balls
+from bench.excitation.experiment.nominal import Nominal
+from bench.excitation.experiment.open_limits import Kept, Limit, margins
+from bench.excitation.experiment.room import Room
+from bench.model.geometry import Geometry
+from bench.model.motion import Motion, blocks_of, motion_beside, motion_of
+from bench.scenario.trajectory import FourierTrajectory
+
+RATE = 1000.0  # intervals a second, before any is halved
+HALVINGS = 10  # at most
+TOGETHER = 4096  # intervals
+LOOPS: Limit = (Kept.LOOPS, "")
+
+
+@dataclass(frozen=True)
+class Proof:
+    """That a motion keeps all limits: by so many intervals, the shortest of which takes so many seconds."""
+
+    intervals: int
+    shortest: float
+
+
+@dataclass(frozen=True)
+class Unproven:
+    """A limit that could not be proven at a time, s; where: the joint or the number of the box, "" for the whole robot;
+    exceeded: whether it is exceeded there.
+    """
+
+    limit: Kept
+    where: str
+    time: float
+    exceeded: bool
+
+
+@dataclass(frozen=True)
+class _Looked:
+    """Intervals, the motion in their middles, and what `Enclosure` says of them; open, exceeded (K, L): of which of the
+    limits it is not proven that they are kept, and which are not kept in the middle.
+    """
+
+    intervals: Intervals
+    motion: Motion
+    passed: np.ndarray
+    reach: np.ndarray
+    limits: tuple[Limit, ...]
+    open: np.ndarray
+    exceeded: np.ndarray
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A motion with all that it has to keep, carrying a payload or None."""
+
+    nominal: Nominal
+    room: Room
+    trajectory: FourierTrajectory
+    payload: str | None
+
+
+def prove(promise: Promise) -> Proof | Unproven:
+    """That the robot keeps its loops closed and clear of singular poses, its passive joints' ranges, the boxes of its
+    tool and the torques of its motors at all times; or what could not be proven, and when.
+
+    Ranges, speeds and accelerations of the motors follow from the trajectory alone, see `between_samples`.
+    """
+    geometry, trajectory = promise.nominal.model.geometry, promise.trajectory
+    intervals = intervals_of(trajectory, RATE)
+    try:
+        motion = motion_of(geometry, intervals.middle, *trajectory.evaluate(intervals.middle))
+    except BenchError:  # out of reach, or through a singular pose
+        return Unproven(*LOOPS, 0.0, exceeded=True)
+    known = _looked(promise, intervals, motion)
+    for halving in range(HALVINGS + 1):
+        known = _followed(geometry, known)
+        undecided = np.asarray(known.open.any(axis=1))
+        if not undecided.any():
+            return Proof(len(undecided), 2.0 * float(known.intervals.half.min()))
+        if known.exceeded.any() or halving == HALVINGS:
+            break
+        finer = known.intervals.at(undecided).halved()
+        near = known.motion.at(np.repeat(np.flatnonzero(undecided), 2))
+        try:
+            motion = motion_beside(
+                geometry, replace(near, time=finer.middle), *trajectory.evaluate(finer.middle)
+            )
+        except BenchError:
+            break
+        known = _merged(known, ~undecided, _looked(promise, finer, motion))
+    return _first(known)
+
+
+def _looked(promise: Promise, intervals: Intervals, motion: Motion) -> _Looked:
+    """What is known of intervals by themselves."""
+    geometry = promise.nominal.model.geometry
+    rates = bool(np.isfinite(promise.room.torque).any())
+    parts = []
+    for block in blocks_of(len(intervals.half), TOGETHER):
+        own = Intervals(intervals.middle[block], intervals.half[block])
+        motors = motor_balls(promise.trajectory, own)
+        enclosure = enclosed(geometry, own, motors, motion.at(block), rates=rates)
+        held = enclosure.held
+        found = margins(promise.nominal, promise.room, promise.payload, enclosure.at(held))
+        still, exceeded = np.zeros((2, len(held), 1 + len(found)), dtype=bool)
+        still[~held] = True
+        for k, margin in enumerate(found.values(), start=1):
+            still[held, k] = ~(margin.least > 0.0)
+            exceeded[held, k] = ~(margin.middle > 0.0)
+        parts.append(
+            _Looked(
+                own,
+                motion.at(block),
+                enclosure.passed,
+                enclosure.reach,
+                (LOOPS, *found),
+                still,
+                exceeded,
+            )
+        )
+    return _joined(parts)
+
+
+def _followed(geometry: Geometry, known: _Looked) -> _Looked:
+    """The same, with loops open where it is not proven that one interval's motion goes on in the next."""
+    if not geometry.closed:
+        return known
+    q, still = known.motion.q, known.open.copy()
+    apart = ~follows(geometry, q, known.passed, known.reach)
+    still[:-1, 0] |= apart
+    still[1:, 0] |= apart
+    still[0, 0] |= not begins_at_home(geometry, q, known.reach)
+    return replace(known, open=still)
+
+
+def _joined(parts: list[_Looked]) -> _Looked:
+    """Parts behind one another."""
+    motions = [part.motion for part in parts]
+    motion = Motion(
+        np.concatenate([motion.time for motion in motions]),
+        np.concatenate([motion.q for motion in motions]),
+        np.concatenate([motion.v for motion in motions]),
+        np.concatenate([motion.a for motion in motions]),
+        np.concatenate([motion.jacobian for motion in motions]),
+    )
+    intervals = Intervals(
+        np.concatenate([part.intervals.middle for part in parts]),
+        np.concatenate([part.intervals.half for part in parts]),
+    )
+    return _Looked(
+        intervals,
+        motion,
+        np.concatenate([part.passed for part in parts]),
+        np.concatenate([part.reach for part in parts]),
+        parts[0].limits,
+        np.concatenate([part.open for part in parts]),
+        np.concatenate([part.exceeded for part in parts]),
+    )
+
+
+def _merged(known: _Looked, kept: np.ndarray, finer: _Looked) -> _Looked:
+    """Those intervals that were kept and the finer ones, in order of time."""
+    both = _joined([_at(known, kept), finer])
+    return _at(both, np.argsort(both.intervals.middle, kind="stable"))
+
+
+def _at(known: _Looked, chosen: np.ndarray) -> _Looked:
+    return _Looked(
+        known.intervals.at(chosen),
+        known.motion.at(chosen),
+        known.passed[chosen],
+        known.reach[chosen],
+        known.limits,
+        known.open[chosen],
+        known.exceeded[chosen],
+    )
+
+
+def _first(known: _Looked) -> Unproven:
+    """The first limit that is exceeded, or else that stays open."""
+    exceeded = bool(known.exceeded.any())
+    which = known.exceeded if exceeded else known.open
+    interval = int(np.argmax(which.any(axis=1)))
+    limit, where = known.limits[int(np.argmax(which[interval]))]
+    return Unproven(limit, where, float(known.intervals.middle[interval]), exceeded)

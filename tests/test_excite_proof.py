@@ -1,0 +1,225 @@
+"""Limits that are proven at every time: what happens between samples is caught, and bounds are near."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.dataset.robot import load_robot
+from bench.excitation.experiment import open_limits
+from bench.excitation.experiment.enclosed_loops import enclosed, follows
+from bench.excitation.experiment.enclosed_torques import enclosed_torques
+from bench.excitation.experiment.motor_balls import intervals_of, motor_balls
+from bench.excitation.experiment.nominal import seen
+from bench.excitation.experiment.open_limits import Kept, margins
+from bench.excitation.experiment.plan import nominal_machine
+from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
+from bench.excitation.experiment.request import Box, ExperimentTable
+from bench.excitation.experiment.room import PassiveRange, filled, robot_motion, room_of, tool_positions
+from bench.model.mobility import smallest_singular_values
+from bench.model.motion import Motion, motion_of
+from bench.scenario.trajectory import random_trajectory
+
+ROBOTS = (
+    "delta",
+    "emps",
+    "five_bar",
+    "orthoglide",
+    "palletiser",
+    "stewart",
+    "three_rrr",
+    "two_link",
+    "wrist",
+)
+DURATION = 1.6
+QUICK = {"duration": DURATION, "ramp": 0.5, "harmonics": 4, "velocity": 1.0, "acceleration": 20.0}
+BALL = {"mass": 1.0, "center_of_mass": [0.0, 0.0, 0.03], "inertia": [4e-4, 4e-4, 4e-4, 0, 0, 0]}
+NEAR = 1.005  # times the true extreme: where halving must end
+DENSE = 100_000  # Hz
+
+
+class Case:
+    """A robot with a motion that keeps its own limits."""
+
+    def __init__(self, name, **changes):
+        table = ExperimentTable.model_validate({**QUICK, **changes})
+        self.nominal = nominal_machine(load_robot(name), table, [], {})
+        self.geometry = self.nominal.model.geometry
+        self.room = room_of(self.geometry, table)
+        room, slow = self.room, self.room.velocity.min() / self.room.velocity
+        trajectory = random_trajectory(
+            4,
+            room.home,
+            room.joint.high - room.joint.low,
+            room.velocity * slow,
+            acceleration_limit=room.acceleration,
+            harmonics=4,
+            base_frequency=0.7,
+            duration=DURATION,
+            ramp=0.5,
+        )
+        trajectory = filled(room, trajectory)
+        times = np.linspace(0.0, DURATION, 401)
+        while robot_motion(self.geometry, room, trajectory, times) is None:
+            trajectory = replace(trajectory, a=0.8 * trajectory.a, b=0.8 * trajectory.b)
+        self.trajectory = trajectory
+
+    def promise(self, payload=None, **limits):
+        return Promise(self.nominal, replace(self.room, **limits), self.trajectory, payload)
+
+    def dense(self, first=0.0, last=DURATION, rate=DENSE):
+        time = np.linspace(first, last, int((last - first) * rate) + 1)
+        whole = np.linspace(0.0, DURATION, 4001)
+        motion = motion_of(
+            self.geometry, np.union1d(whole, time), *self.trajectory.evaluate(np.union1d(whole, time))
+        )
+        return motion.at(np.searchsorted(motion.time, time))
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def case(request):
+    name = request.param
+    carried = {} if name == "emps" else {"payload": BALL}
+    return Case(name, **carried)
+
+
+def enclosure_of(case, rate=1000.0, window=slice(None)):
+    intervals = intervals_of(case.trajectory, rate)
+    motion = motion_of(case.geometry, intervals.middle, *case.trajectory.evaluate(intervals.middle))
+    own = intervals.at(np.arange(len(intervals.half))[window])
+    return own, enclosed(case.geometry, own, motor_balls(case.trajectory, own), motion.at(window), rates=True)
+
+
+def test_intervals_hold_all_that_a_dense_sampling_shows(case):
+    """Poses, speeds, accelerations, loop Jacobians and torques at 100 kHz lie in their intervals' bounds."""
+    window = slice(3500, 3560)
+    intervals, enclosure = enclosure_of(case, rate=8000.0, window=window)
+    assert enclosure.held.all()
+    assert follows(case.geometry, enclosure.motion.q, enclosure.passed, enclosure.reach).all()
+    first, last = intervals.middle[0] - intervals.half[0], intervals.middle[-1] + intervals.half[-1]
+    motion = case.dense(first + 1e-9, last - 1e-9)
+    at = np.clip(np.searchsorted(intervals.middle + intervals.half, motion.time), 0, len(intervals.half) - 1)
+    for name, radius in (("q", enclosure.q), ("v", enclosure.v), ("a", enclosure.a)):
+        off = np.abs(getattr(motion, name) - getattr(enclosure.motion, name)[at])
+        assert np.all(off <= radius[at] + 1e-9), name
+    off = np.abs(motion.jacobian - enclosure.motion.jacobian[at])
+    assert np.all(off <= enclosure.jacobian[at] + 1e-9)
+    load = next(iter(case.nominal.payloads), None)
+    _, largest = enclosed_torques(case.nominal, load, enclosure)
+    torque = np.abs(seen(case.nominal, motion, load).current * case.nominal.gains)
+    assert np.all(torque <= largest[at] + 1e-9 * np.abs(torque).max())
+
+
+@pytest.mark.slow
+def test_a_limit_just_above_what_is_reached_is_proven_and_one_below_is_not(case):
+    """Torques and loop amplification: halved, the bounds are within 0.5 % of the extremes of a dense sampling."""
+    load = next(iter(case.nominal.payloads), None)
+    motion = case.dense(rate=20_000)
+    torque = np.abs(seen(case.nominal, motion, load).current * case.nominal.gains).max(axis=0)
+    assert isinstance(prove(case.promise(load, torque=torque * NEAR)), Proof)
+    told = prove(case.promise(load, torque=torque / NEAR))
+    assert isinstance(told, Unproven)
+    assert told.limit is Kept.TORQUE
+    assert told.where in case.geometry.robot.joints
+    if case.geometry.closed:
+        largest = float(np.abs(motion.jacobian).max())
+        held = float(smallest_singular_values(case.geometry, motion.q).min())
+        if largest > 1.0:  # else a motor's own
+            near = replace(case.room.joint, amplification=largest * NEAR, held=0.0)
+            assert isinstance(prove(case.promise(joint=near)), Proof)
+            over = replace(case.room.joint, amplification=largest / NEAR)
+            assert prove(case.promise(joint=over)).limit is Kept.AMPLIFICATION
+        near = replace(case.room.joint, held=held / NEAR)
+        assert isinstance(prove(case.promise(joint=near)), Proof)
+        over = replace(case.room.joint, held=held * NEAR)
+        assert prove(case.promise(joint=over)).limit is Kept.SINGULAR
+
+
+@pytest.fixture(scope="module")
+def delta():
+    return Case("delta")
+
+
+def between_two_samples(values, time, rate=1000.0):
+    """A level that values (N,) exceed only between two samples of a rate: at their highest point."""
+    samples = np.interp(np.arange(0.0, time[-1], 1.0 / rate), time, values)
+    assert values.max() > samples.max()
+    return 0.5 * (values.max() + samples.max())
+
+
+def test_a_wall_that_is_passed_between_two_samples_only_is_caught(delta):
+    """A box of which the tool is outside for a part of a millisecond."""
+    motion = delta.dense()
+    height = tool_positions(delta.geometry, motion)[:, 2]
+    high = between_two_samples(height, motion.time)
+    wall = Box(low=(-9.0, -9.0, -9.0), high=(9.0, 9.0, high))
+    told = prove(delta.promise(boxes=(wall,)))
+    assert isinstance(told, Unproven)
+    assert (told.limit, told.where) == (Kept.WORKSPACE, "0")
+    assert told.time == pytest.approx(motion.time[height.argmax()], abs=2e-3)
+    roomy = Box(low=(-9.0, -9.0, -9.0), high=(9.0, 9.0, height.max() + 1e-5))
+    assert isinstance(prove(delta.promise(boxes=(roomy,))), Proof)
+    obstacle = Box(keep="outside", low=(-9.0, -9.0, high), high=(9.0, 9.0, 9.0))
+    assert prove(delta.promise(boxes=(obstacle,))).limit is Kept.WORKSPACE
+    beyond = Box(keep="outside", low=(-9.0, -9.0, height.max() + 1e-5), high=(9.0, 9.0, 9.0))
+    assert isinstance(prove(delta.promise(boxes=(beyond,))), Proof)
+
+
+def test_currents_and_singular_poses_between_two_samples_only_are_caught():
+    case = Case("five_bar")
+    motion = case.dense()
+    torque = np.abs(seen(case.nominal, motion, None).current * case.nominal.gains)
+    limits = np.full(2, np.inf)
+    limits[1] = between_two_samples(torque[:, 1], motion.time)
+    told = prove(case.promise(torque=limits))
+    assert (told.limit, told.where) == (Kept.TORQUE, "right")
+    held = -smallest_singular_values(case.geometry, motion.q)
+    over = replace(case.room.joint, held=-between_two_samples(held, motion.time))
+    assert prove(case.promise(joint=over)).limit is Kept.SINGULAR
+
+
+def test_a_loop_that_moves_faster_between_two_samples_only_is_caught():
+    case = Case("stewart")
+    motion = case.dense()
+    sizes = np.abs(motion.jacobian).reshape(len(motion.time), -1).max(axis=1)
+    over = replace(case.room.joint, amplification=between_two_samples(sizes, motion.time))
+    assert prove(case.promise(joint=over)).limit is Kept.AMPLIFICATION
+
+
+def test_ranges_of_passive_joints_between_two_samples_only_are_caught(delta, monkeypatch):
+    motion = delta.dense()
+    joint = next(
+        one for one in delta.geometry.joints if one.kind == "hinge" and one.v.start in delta.geometry.passive
+    )
+    angle = motion.q[:, joint.q.start]
+
+    def limited(high):
+        ranges = (PassiveRange(joint.name, joint.q.start, -9.0, high),)
+        monkeypatch.setattr(open_limits, "passive_ranges", lambda _: ranges)
+        return prove(delta.promise())
+
+    told = limited(between_two_samples(angle, motion.time))
+    assert (told.limit, told.where) == (Kept.PASSIVE_RANGE, joint.name)
+    assert isinstance(limited(angle.max() + 1e-5), Proof)
+
+
+def test_another_assembly_mode_is_none_that_follows():
+    """A five-bar whose elbow is on the other side is closed, too, but no motion from home leads there."""
+    case = Case("five_bar")
+    _, enclosure = enclosure_of(case)
+    q = enclosure.motion.q.copy()
+    assert follows(case.geometry, q, enclosure.passed, enclosure.reach).all()
+    q[700:, case.geometry.passive] += 0.3
+    apart = ~follows(case.geometry, q, enclosure.passed, enclosure.reach)
+    assert np.flatnonzero(apart).tolist() == [699]
+
+
+def test_margins_are_those_of_the_samples_less_what_lies_between(delta):
+    _, enclosure = enclosure_of(delta)
+    wall = Box(low=(-9.0, -9.0, -9.0), high=(9.0, 9.0, 9.0))
+    room = replace(delta.room, boxes=(wall,), torque=np.full(3, 100.0))
+    found = margins(delta.nominal, room, None, enclosure)
+    assert {limit for limit, _ in found} == {Kept.AMPLIFICATION, Kept.SINGULAR, Kept.WORKSPACE, Kept.TORQUE}
+    assert isinstance(enclosure.motion, Motion)
+    for margin in found.values():
+        assert np.all(margin.least <= margin.middle)
