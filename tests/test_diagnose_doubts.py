@@ -41,6 +41,21 @@ def test_a_gain_far_from_nominal_is_doubted_whatever_the_error(found, ratio):
     )
 
 
+@pytest.mark.parametrize(
+    ("ratio", "asked"), [(1e3, "is the payload's mass in grams?"), (1e-3, "are the currents in mA?")]
+)
+def test_gains_that_are_all_a_thousand_times_off_are_asked_about_in_every_answer_alike(found, ratio, asked):
+    gains = {
+        name: replace(gain, value=ratio * gain.nominal) for name, gain in found.after.drive_gains.items()
+    }
+    off = replace(found, after=replace(found.after, drive_gains=gains))
+    assert summary_sentences(off)[1].startswith("These names may be false. The drive gains came out at about")
+    assert asked in summary_sentences(off)[1]
+    notes = with_findings(off.after, ()).notes
+    assert [asked in text for text in notes] == [True, *[False] * (len(notes) - 1)]
+    assert not any("no drive is that far" in text for text in notes)
+
+
 @pytest.mark.parametrize("ratio", [0.6, 1.0, 1.21, 1.9])
 def test_a_gain_as_makers_give_it_is_not(found, ratio):
     assert runaway(with_gain(found, ratio).after) is None

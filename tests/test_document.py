@@ -13,10 +13,11 @@ from bench.dataset.robot import load_robot
 from bench.document.diagnosis import gains_before_after, ladder_table, parameters_before_after, ranking_table
 from bench.document.identification import effects_table, errors_table, gains_table, parameters_table
 from bench.document.markdown.tables import markdown
+from bench.document.numbers import quantity_text
 from bench.document.table import Column, Kind, Table
 from bench.document.terminal.tables import printed
 from bench.document.typeset import typeset
-from bench.identification.result import Quantity
+from bench.identification.result import DriveGain, Quantity
 from bench.page.tables import on_page
 from tests.report_kit import diagnosis
 from tests.shown import dataset_of, identification_of
@@ -130,3 +131,18 @@ def test_without_pandas_a_data_frame_says_what_it_needs(result, monkeypatch):
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(BenchError, match="parabench\\[frames\\]"):
         result.to_dataframe()
+
+
+@pytest.mark.parametrize(
+    ("quantity", "text"),
+    [
+        (Quantity(-11351789.0, 8.5e12, "kg*m^2"), "not determined"),
+        (Quantity(3.0e6, 1.0e6, "N*m/rad"), "3.0000e+06 ± 1.0e+06"),
+        (Quantity(1e-5, 0.01, "kg"), "0.000 ± 0.010"),
+        (Quantity(1.0, float("inf"), "kg"), "absorbed"),
+        (DriveGain(-4.0, 90.0, "N*m/A", 3.0), "not determined"),
+        (DriveGain(2.9, 0.1, "N*m/A", 3.0), "2.90 ± 0.10"),
+    ],
+)
+def test_a_value_that_says_nothing_is_not_printed(quantity, text):
+    assert quantity_text(quantity) == text

@@ -1,6 +1,7 @@
 """`bench open` in a real browser: from an empty folder to the applied model, by mouse and by keyboard."""
 
 import json
+import re
 import shlex
 import shutil
 
@@ -52,13 +53,16 @@ def look(chromium):
         page.close()
 
 
-def import_by_mouse(page, log, payload):
-    """Drop a log, tell what the page asks for, and import it."""
+def import_by_mouse(page, log, payload, *, again=False):
+    """Drop a log, tell what the page asks for, and import it. again: its units are known from a log before."""
     page.locator("#files").set_input_files(log)
     expect(page.locator("#robot")).to_be_visible()
     if page.locator("#robot").input_value() == "":
         page.locator("#robot").select_option("five_bar")
-    page.get_by_role("button", name="It is in deg").first.click()
+    if again:
+        expect(page.locator(".targets .said.fine").nth(1)).to_contain_text("in deg, as you told before")
+    else:
+        page.get_by_role("button", name="It is in deg").first.click()
     expect(page.locator(".targets .said.fine")).to_have_count(5)
     expect(page.locator("#import")).to_be_disabled()  # nobody has said yet what was on the tool
     if payload:
@@ -86,6 +90,13 @@ def export_by_mouse(page):
         assert content in kept.value.path().read_bytes()
 
 
+def models_have_names_of_their_own(page):
+    """Four links to four models, and no two that are called the same."""
+    names = page.get_by_role("link", name="Download the").all_inner_texts()
+    models = [name for name in names if "model" in name]
+    assert len(models) == len(set(models)) == 4
+
+
 @pytest.mark.slow
 def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -99,7 +110,7 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         expect(page.locator("#add-log [role=alert]")).to_contain_text("another file of that name")
         assert ["400 (Bad Request)" in one for one in page.heard] == [True]
         page.heard.clear()
-        import_by_mouse(page, logs / "held.csv", "disc")
+        import_by_mouse(page, logs / "held.csv", "disc", again=True)
         expect(page.locator("#add-log .done")).to_be_in_viewport()
         expect(page.locator("nav [aria-current]")).to_have_text("1 Recordings")
         expect(page.locator("#recordings-table")).to_contain_text("disc, 0.5 kg")
@@ -111,6 +122,9 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         expect(page.locator("#missing .verdict")).to_contain_text("Viscous friction at left is missing")
         expect(page.locator("#missing .verdict")).to_contain_text("the drive gain of right is")
         expect(page.locator("#missing .gains tbody tr")).to_have_count(2)
+        expect(page.locator("#missing table").first).to_contain_text(
+            re.compile(r"left: Fv = 0\.3.* ± .*N·m·s/rad")
+        )
         expect(page.locator("#job")).to_be_hidden()
         expect(page.locator("#effects input:checked")).to_have_count(1)
         expect(page.locator("#apply-found")).to_be_enabled()
@@ -128,11 +142,12 @@ def test_from_an_empty_folder_to_the_applied_model_by_mouse(look, logs, tmp_path
         page.locator("#side-by-side").click()
         expect(page.locator("#history")).to_contain_text("has viscous friction at left")
         with page.expect_download() as kept:
-            page.get_by_role("link", name="Download the model").last.click()
+            page.get_by_role("link", name="Download the model with these effects").click()
         assert json.loads(kept.value.path().read_text())["effects"] == [LEFT]
         with page.expect_download() as kept:
             page.get_by_role("link", name="Download this dataset").click()
         assert kept.value.suggested_filename == "my_data.zip"
+        models_have_names_of_their_own(page)
         assert page.heard == []
     ours = json.loads((tmp_path / "my_data.results" / "2-diagnosis.json").read_text())
     words = shlex.split(command)[1:]  # the command of the next diagnosis, given in the shell
@@ -194,6 +209,55 @@ def test_the_same_by_keyboard_and_on_a_phone(look, logs, tmp_path):
         assert page.heard == []
     models = sorted((tmp_path / "my_data.results").glob("model-*.json"))
     assert json.loads(models[-1].read_text())["effects"] == [LEFT]
+
+
+def test_a_payload_in_grams_is_asked_about_and_a_wrong_import_replaced(look, logs, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with opened(tmp_path, cwd=tmp_path) as site:
+        page = look(site)
+        page.locator("#files").set_input_files(logs / "held.csv")
+        page.locator("#robot").select_option("five_bar")
+        page.locator("#unit-time").select_option("ms")
+        page.locator("[id='unit-position.left']").select_option("deg")
+        page.locator("[id='column-position.left']").select_option("q_right")
+        expect(page.locator("[id='unit-position.left']")).to_have_value(
+            "deg"
+        )  # the unit is of the joint, not the column
+        page.locator("[id='column-position.left']").select_option("q_left")
+        page.locator("[id='unit-position.right']").select_option("deg")
+        page.get_by_role("radio", name="a new one").check()
+        page.locator("#payload").fill("disc")
+        page.locator("#mass").fill("1500")
+        expect(page.locator("#add-log [role=alert]")).to_contain_text("is that in grams?")
+        expect(page.locator("#import")).to_be_disabled()
+        page.locator("#meant").click()
+        expect(page.locator("#add-log .command pre").last).to_contain_text("--accept mass")
+        page.locator("#mass").fill("500")
+        expect(page.locator("#import")).to_be_disabled()
+        page.locator("#grams").click()
+        expect(page.locator("#mass")).to_have_value("0.5")
+        page.locator("#import").click()
+        expect(page.locator("#add-log .done")).to_be_visible()
+        toml = tmp_path / "my_data" / "dataset.toml"
+        toml.write_text(toml.read_text().replace("mass = 0.5", "mass = 1500.0"))  # by hand
+        page.reload()
+        expect(page.locator("#recordings-table")).to_contain_text("is that in grams, 1.5 kg?")
+        expect(page.locator("#recordings-table")).not_to_contain_text("all checks passed")
+        page.locator("#add-log .logs button").click()
+        for column, unit in (("time", "ms"), ("position.left", "deg"), ("position.right", "deg")):
+            page.locator(f"[id='unit-{column}']").select_option(unit)
+        page.get_by_role("radio", name="a new one").check()
+        page.locator("#payload").fill("disc")
+        page.locator("#mass").fill("0.5")
+        expect(page.locator("#import")).to_have_text("Replace held.csv")
+        expect(page.locator("#there")).to_contain_text("kept until the new one is whole")
+        page.locator("#import").click()
+        expect(page.locator("#add-log .done")).to_be_visible()
+        expect(page.locator("#recordings-table")).to_contain_text("disc, 0.5 kg")
+        expect(page.locator("#recordings-table")).to_contain_text("all checks passed")
+        assert page.heard == []
+    assert load_dataset(tmp_path / "my_data").payloads["disc"].mass == 0.5
+    assert sorted(path.name for path in (tmp_path / "my_data").iterdir()) == ["dataset.toml", "held.csv"]
 
 
 def test_names_are_shown_as_they_are_and_never_as_markup(look, tmp_path):
@@ -261,8 +325,8 @@ def test_a_robot_of_one_s_own_is_made_of_its_mjcf_and_takes_a_log_with_lines_on_
     with opened(tmp_path / "opened", cwd=tmp_path) as site:
         page = look(site, width=PHONE)
         page.locator("#files").set_input_files(log.parent / "my_arm.xml")
-        page.locator("#own-robot summary").click()
-        page.locator("#mjcf").select_option("my_arm.xml")
+        expect(page.locator("#add-log [role=status]")).to_contain_text("my_arm.xml is in the folder")
+        expect(page.locator("#mjcf")).to_have_value("my_arm.xml")
         expect(page.locator("#make-robot")).to_be_disabled()
         for joint, gain in (("left", "3"), ("right", "3.2")):
             page.locator(".motors label").filter(has_text=f"{joint} hinge").locator("input").check()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from bench.basics.counted import counted
+from bench.basics.plural import plural
 from bench.cli.completion import scenarios
 from bench.cli.last_lines import next_line, say, wrote
 from bench.cli.progress import quiet_option, shown_progress
@@ -44,7 +44,7 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
     gap = f"loop gap {simulation.loop_gap:.1e} m"
     say(
         [
-            wrote(output, f"dataset: {counted(count, 'recording')}, {gap}"),
+            wrote(output, f"dataset: {plural(count, 'recording')}, {gap}"),
             wrote(truth, "truth"),
             next_line(["compare", output], "fits the model and shows where it fails"),
         ]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from bench.basics.counted import counted
+from bench.basics.plural import plural
 from bench.cli.last_lines import say, wrote
 
 
@@ -36,6 +36,6 @@ def table(folder: Path, axes: tuple[str, ...], metrics: tuple[str, ...]) -> None
     summary, path = write_table_summary(runs, axes, metrics)
     print_summary(summary, table_console())
     pooled = pooled_axes(runs, axes)
-    values = ", ".join(f"{name} ({counted(count, 'value')})" for name, count in pooled.items())
+    values = ", ".join(f"{name} ({plural(count, 'value')})" for name, count in pooled.items())
     told = [f"all values together of {values}; --by tells them apart"] if pooled else []
     say([*told, wrote(path, "summary"), after_table(folder, axes, metrics, tuple(pooled))])

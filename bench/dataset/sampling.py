@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from bench.basics.counted import counted
 from bench.basics.files.recording_fault import Remedy
 from bench.basics.interpolation import cubic_spline
+from bench.basics.plural import plural
 
 FEWEST = 100  # samples: filters and decimation need some to settle
 SLOWEST_STEP = 0.1  # s: a robot's controller logs faster than 10 Hz
@@ -57,7 +57,7 @@ class TimeFault:
 def time_fault(time: Array) -> TimeFault | None:
     """The first fault of the time stamps (N,) in s: order, count, unit, gaps. None when there is none."""
     if time.size < FEWEST:
-        return TimeFault(None, f"has only {counted(time.size, 'sample')}, at least {FEWEST} are needed")
+        return TimeFault(None, f"has only {plural(time.size, 'sample')}, at least {FEWEST} are needed")
     steps = np.diff(time)
     return _order_fault(time, steps) or _unit_fault(steps) or _gap_fault(time, steps)
 

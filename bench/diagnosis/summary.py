@@ -262,11 +262,12 @@ def _largest_change(diagnosis: Diagnosis) -> str | None:
         return None
     before, after = diagnosis.before.drive_gains, diagnosis.after.drive_gains
     them = "it" if len(diagnosis.missing) == 1 else "them"
-    gain = after[joint]
+    gain, was = after[joint], before[joint]
+    came = f"came out at {with_error(was.value, was.std)}" if was.determined else "is not determined"
     return (
         f"With {them} the drive gain of {joint} is {with_error(gain.value, gain.std)} {gain.unit.replace('*', '·')}, "
         f"{100.0 * (gain.value / gain.nominal - 1.0):+.3g} % from its nominal {gain.nominal:.4g}; without {them} it "
-        f"came out at {with_error(before[joint].value, before[joint].std)}."
+        f"{came}."
     )
 
 

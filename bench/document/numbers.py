@@ -13,6 +13,7 @@ from bench.identification.standard_errors import StdFrom
 POOR = 0.3  # relative deviation above which a value says little
 GIVEN = "given"
 ABSORBED = "absorbed"  # by other parameters: no value of its own
+UNDETERMINED = "not determined"  # a value whose deviation is so large that it says nothing
 USES = {"identify": "fitted", "validate": "not fitted"}
 
 STD_FROM: dict[StdFrom, str] = {
@@ -74,16 +75,16 @@ def percent(share: float | None, *, signed: bool = False) -> str:
 
 
 def quantity_text(quantity: Quantity) -> str:
-    """A value with its deviation, or that it was given, or that other parameters take it up."""
+    """A value with its deviation, or that it was given, is not determined, or that other parameters take it up."""
     pair = quantity_parts(quantity)
     if pair is None:
-        return ABSORBED
+        return ABSORBED if math.isinf(quantity.std) else UNDETERMINED
     return " ".join(pair) if pair[1] == GIVEN else " ± ".join(pair)
 
 
 def quantity_parts(quantity: Quantity) -> tuple[str, str] | None:
-    """A value, and its deviation or that it was given; None where other parameters take it up."""
-    return None if math.isinf(quantity.std) else value_and_std(quantity.value, quantity.std)
+    """A value, and its deviation or that it was given; None where nothing is known of it."""
+    return value_and_std(quantity.value, quantity.std) if quantity.determined else None
 
 
 def change_between(before: float, after: float) -> str:

@@ -88,7 +88,7 @@ def _listed(names: list[str]) -> str:
 
 def _interval_text(gain: DriveGain) -> str:
     ends = interval(gain)
-    if ends is None:
+    if ends is None or not gain.determined:
         return quantity_text(gain)
     digits = max(0, len(quantity_text(gain).partition(" ")[0].partition(".")[2]))
     return f"{gain.value:.{digits}f} [{ends[0]:.{digits}f}, {ends[1]:.{digits}f}]"

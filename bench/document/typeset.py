@@ -32,8 +32,3 @@ def short(value: float, digits: int = 4) -> str:
 def effect_name(name: str) -> str:
     """An effect's name as it is said."""
     return typeset(spelled(name))
-
-
-def plural(count: int, noun: str) -> str:
-    """As in "1 recording" and "3 recordings"."""
-    return f"{count} {noun}" + ("" if count == 1 else "s")

@@ -8,7 +8,14 @@ from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.wording import in_percent, with_error
 
 UNBELIEVABLE = frozenset(
-    {Code.GAIN_RUNAWAY, Code.PARAMETER_WITHOUT_DEVIATION, Code.ROUNDING_DECIDES, Code.NOISE_DECIDES}
+    {
+        Code.GAIN_RUNAWAY,
+        Code.PARAMETER_WITHOUT_DEVIATION,
+        Code.ROUNDING_DECIDES,
+        Code.NOISE_DECIDES,
+        Code.GAINS_A_THOUSAND,
+        Code.GAINS_A_THOUSANDTH,
+    }
 )
 
 
@@ -18,8 +25,6 @@ MEND_FIRST = UNBELIEVABLE | {
     Code.OTHER_LOAD,
     Code.CLOSURE_CONTRADICTED,
     Code.MOUNTED_OTHERWISE,
-    Code.GAINS_A_THOUSAND,
-    Code.GAINS_A_THOUSANDTH,
     Code.GAINS_NEGATIVE,
     Code.GAIN_NEGATIVE,
     Code.SIGN_REVERSED,

@@ -101,10 +101,16 @@ def unlike(result: Identification) -> Finding | None:
 
 
 def runaway(result: Identification) -> Finding | None:
-    """Why an answer is not to be believed, whatever its error: a drive gain far off, or what rounding has decided."""
+    """Why an answer is not to be believed, whatever its error: a drive gain far off, or what rounding has decided.
+
+    Gains that are all off by a thousand have a unit behind them, which is asked for in place of the gain.
+    """
     for found in result.findings:
         if found.code == Code.NOISE_DECIDES:
             return found
+    thousand = a_thousand(result)
+    if thousand is not None:
+        return Finding(thousand)
     for joint, gain in result.drive_gains.items() if result.gains_fitted else ():
         if not 1.0 / FAR <= gain.value / gain.nominal <= FAR:
             return _gain(Code.GAIN_RUNAWAY, joint, gain)
@@ -127,9 +133,7 @@ def _implausible(result: Identification) -> list[Finding]:
     """What cannot be so: gains far off, all negative, or recordings unlike each other."""
     found = []
     ratios = {joint: gain.value / gain.nominal for joint, gain in result.drive_gains.items()}
-    thousand = _a_thousand(list(ratios.values())) if result.gains_fitted else None
-    if thousand is not None:
-        found.append(Finding(thousand))
+    thousand = a_thousand(result)
     error = result.error.identify
     if error is not None and error >= 1.0:
         found.append(Finding(Code.NO_MODEL_IS_BETTER, numbers={"error": error}))
@@ -165,8 +169,13 @@ def _error_turned(result: Identification, joint: str) -> float:
     return float(np.sqrt(left / all_squares)) if all_squares else float("inf")
 
 
-def _a_thousand(ratios: list[float]) -> Code | None:
+def a_thousand(result: Identification) -> Code | None:
     """Whether all gains are about a thousand times the nominal ones, or a thousandth of them: a wrong unit."""
+    ratios = (
+        [gain.value / gain.nominal for gain in result.drive_gains.values()] if result.gains_fitted else []
+    )
+    if not ratios:
+        return None
     for factor, code in ((1e3, Code.GAINS_A_THOUSAND), (1e-3, Code.GAINS_A_THOUSANDTH)):
         if all(factor / NEAR < abs(ratio) < factor * NEAR for ratio in ratios):
             return code

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -17,6 +18,8 @@ from bench.signals.settings import FilterSettings
 if TYPE_CHECKING:
     import pandas as pd
 
+VAST = 1e6  # in SI units: no parameter of a robot is known as badly as that
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -31,12 +34,22 @@ class Quantity:
         """Standard deviation as a share of the value's size."""
         return self.std / abs(self.value) if self.value else float("inf")
 
+    @property
+    def determined(self) -> bool:
+        """Whether the data say anything of it: its deviation is finite, and not both vast and larger than itself."""
+        return math.isfinite(self.std) and not (self.std >= VAST and self.std > abs(self.value))
+
 
 @dataclass(frozen=True)
 class DriveGain(Quantity):
     """An actuator's drive gain, with its nominal value."""
 
     nominal: float
+
+    @property
+    def determined(self) -> bool:
+        """Likewise; a gain that is less sure than its nominal value is large is not."""
+        return super().determined and self.std <= max(abs(self.nominal), abs(self.value))
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,8 @@ class Pages:
 
     async def shown_command(self, request: Request) -> Response:
         """The command of a step, not run."""
-        return JSONResponse({"line": command_of(self.folder, await _json(request)).line})
+        command = command_of(self.folder, await _json(request))
+        return JSONResponse({"line": command.line, "there": command.there})
 
     async def run(self, request: Request) -> Response:
         """Run the command of a step."""
@@ -169,6 +170,11 @@ class Pages:
                 "log": str(inside(_text(asked, "log"))),
                 "robot": self.folder.robot(_text(asked, "robot")),
             }
+        if name == "payload":
+            mass = asked.get("mass")
+            if not isinstance(mass, int | float):
+                raise BenchError("mass: a number is needed")
+            return {"robot": self.folder.robot(_text(asked, "robot")), "mass": float(mass)}
         if name == "parts":
             return {"model": str(inside(_text(asked, "model")))}
         if name == "runs":

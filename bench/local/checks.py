@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from bench.basics.counted import counted
 from bench.basics.errors import BenchError
 from bench.basics.files.recording_fault import IN_UNIT, Remedy
 from bench.basics.files.table import HUGE
+from bench.basics.plural import plural
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import GROUPS
 from bench.dataset.logs.importing import CUTS
@@ -70,7 +70,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
         if kind not in GROUPS or found[target] or joint not in joints:
             continue
         if time is not None and values.size != time.size:
-            what = f"has {counted(values.size, 'sample')}, time has {time.size}"
+            what = f"has {plural(values.size, 'sample')}, time has {time.size}"
             found[target].append(_problem(log, target, what, None, None))
         elif values.size > 1 and step > 0.0:
             found[target] = [

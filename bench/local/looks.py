@@ -1,6 +1,6 @@
 """What a page shows of files: read by the worker, never written."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,8 @@ from bench.basics.plain_data import finite
 from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.dataset.dataset_toml import DATASET_FILE, DatasetSpec
+from bench.dataset.heavy_payload import HeavyPayload, heavy_payload
+from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import mjcf_parts
 from bench.effects import places_in
@@ -42,6 +44,12 @@ def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     return checked(arguments["log"], load_robot(arguments["robot"]), Mapped(**given))
 
 
+def payload(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
+    """What is asked of a payload's mass before it is taken: words and the mass if that is in grams; else empty."""
+    heavy = heavy_payload(Payload("load", arguments["mass"]), load_robot(arguments["robot"]))
+    return {} if heavy is None else {"mass": heavy.mass, "own": heavy.own, "if_grams": heavy.if_grams}
+
+
 def parts(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """What an MJCF file has that motors may drive, and its sites."""
     found = mjcf_parts(arguments["model"])
@@ -53,6 +61,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
     data = load_dataset(arguments["dataset"])
     spec = read_toml(data.folder / DATASET_FILE, DatasetSpec)
     accepted = {recording.file: list(recording.accept) for recording in spec.recordings}
+    heavy = {name: heavy_payload(payload, data.robot) for name, payload in data.payloads.items()}
     return {
         "robot": data.robot.name,
         "joints": list(data.robot.joints),
@@ -65,6 +74,7 @@ def dataset(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
                 "rate": recording.rate,
                 "seconds": float(recording.time[-1] - recording.time[0]),
                 "accepted": accepted.get(recording.log, []),
+                "asked": _asked(heavy.get(recording.payload or ""), accepted.get(recording.log, [])),
             }
             for recording in data.recordings
         ],
@@ -107,11 +117,17 @@ LOOKS = {
     "columns": columns,
     "checks": checks,
     "parts": parts,
+    "payload": payload,
     "dataset": dataset,
     "curves": curves,
     "machine": machine,
     "runs": runs,
 }
+
+
+def _asked(heavy: HeavyPayload | None, accepted: Sequence[str]) -> str:
+    """What is asked of a recording that is in the dataset already; "" where nothing is."""
+    return "" if heavy is None or "mass" in accepted else heavy.words
 
 
 def _effects(data: Dataset) -> list[dict[str, Any]]:

@@ -30,7 +30,7 @@ _EFFECT = re.compile(r"[a-z][a-z0-9_]*(:[\w .-]+)?(@[\w .-]+)?")
 class ImportLog(UserTable):
     """A log becomes a recording. scale: unit or factor by column; rate: of a log without a time, Hz.
 
-    fresh: of a dataset that is not there yet.
+    fresh: of a dataset that is not there yet. replace: what the dataset has under the log's name.
     """
 
     step: Literal["import"]
@@ -50,6 +50,7 @@ class ImportLog(UserTable):
     split_gaps: bool = False
     accept: tuple[Check, ...] = ()
     skip_rows: Annotated[int, Field(ge=0)] = 0
+    replace: bool = False
 
 
 class NewRobot(UserTable):
@@ -111,12 +112,16 @@ _ASKED: TypeAdapter[Any] = TypeAdapter(Asked)
 
 @dataclass(frozen=True)
 class Command:
-    """words: after `bench`; files: what is written and read by the page, by a name, relative to the folder."""
+    """words: after `bench`; files: what is written and read by the page, by a name, relative to the folder.
+
+    there: the recording that an import finds in its place, "" where there is none.
+    """
 
     step: str
     subject: str
     words: list[str]
     files: Mapping[str, str] = field(default_factory=dict)
+    there: str = ""
 
     @property
     def line(self) -> str:
@@ -220,8 +225,10 @@ def _import(folder: Folder, step: ImportLog) -> Command:
     if step.split_gaps:
         words.append("--split-gaps")
     words += [word for kind in step.accept for word in ("--accept", kind)]
-    words += ["--name", f"{folder.name(log.stem)}.csv", "-o", folder.word(target)]
-    return Command("import", step.log, words, {"dataset": step.dataset})
+    name = f"{folder.name(log.stem)}.csv"
+    words += [*(["--replace"] if step.replace else []), "--name", name, "-o", folder.word(target)]
+    there = name if (target / name).is_file() else ""
+    return Command("import", step.log, words, {"dataset": step.dataset}, there)
 
 
 def _new_robot(folder: Folder, step: NewRobot) -> Command:

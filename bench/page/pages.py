@@ -5,13 +5,14 @@ from datetime import UTC, datetime
 
 from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
+from bench.basics.plural import plural
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.reason_words import judged_on
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.split import dataset_of
 from bench.diagnosis.unexplained import relative_noise_floor
-from bench.document.typeset import plural, typeset
+from bench.document.typeset import typeset
 from bench.export.replay.replay import Replay, TwinMotion
 from bench.export.replay.report import replay_sentences
 from bench.identification.model_file import Comparison
@@ -76,7 +77,7 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
             *([laws_section(diagnosis)] if diagnosis.discovered else []),
             ranking_section(diagnosis, problem.catalogue),
             gains_section(after, old),
-            parameters_section(after, old),
+            parameters_section(after, old, diagnosed=True),
             conditioning_section(after),
             limits_section(after, diagnosis, dataset, after.settings),
             run_section(dataset, after.settings, after, made),

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from bench.basics.counted import counted
+from bench.basics.plural import plural
 from bench.diagnosis.reason_words import judged_on, reason_sentence
 from bench.diagnosis.result import Diagnosis, EffectVerdict
 from bench.diagnosis.summary import reason
@@ -11,7 +11,7 @@ from bench.document import table as document
 from bench.document.charts.chart import Role
 from bench.document.charts.models import gains_chart
 from bench.document.diagnosis import gains_before_after, ranking_table
-from bench.document.identification import gains_table
+from bench.document.identification import effects_table, gains_table
 from bench.document.typeset import effect_name, typeset
 from bench.effects import Effect
 from bench.identification.result import DriveGain, Identification
@@ -24,6 +24,9 @@ VERDICTS_AID = (
     "missing: supported beyond what the model has. indistinguishable: these data cannot tell it from the named "
     "alternatives. resembles: it fits, and leaves much that no effect explains. "
     "Evidence: log-likelihood ratio on recordings that were not fitted, in nats; 10 is strong."
+)
+SIZES_AID = (
+    "In the completed model, after ± the standard error. What the letters mean stands under the laws below."
 )
 LAWS_AID = (
     "τ: torque or force that the motors have to overcome beside the rigid bodies'; q, q̇, q̈: a joint's position, "
@@ -39,6 +42,8 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
     parts: list[Part] = []
     if shown:
         parts.append(on_page(ranking_table(diagnosis, shown), "Effects that count", VERDICTS_AID))
+        if diagnosis.after.effect_parameters:
+            parts.append(on_page(effects_table(diagnosis.after), "How large they are", SIZES_AID))
         parts += _laws(diagnosis, catalogue)
         parts.append(
             Items("Why", "", tuple(typeset(reason(diagnosis, verdict)) for verdict in shown)),
@@ -46,7 +51,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
     else:
         parts.append(Items("Effects that count", "", ("None: no effect of the catalogue is supported.",)))
     if rest:
-        title = f"{counted(len(rest), 'effect')} that the data do not support"
+        title = f"{plural(len(rest), 'effect')} that the data do not support"
         parts.append(
             on_page(
                 _with_reasons(diagnosis, rest),
@@ -56,7 +61,7 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
             )
         )
     if absorbed:
-        title = f"{counted(len(absorbed), 'effect')} that no data of this robot could show"
+        title = f"{plural(len(absorbed), 'effect')} that no data of this robot could show"
         rows = tuple(
             row(effect_name(verdict.effect), typeset(reason_sentence(verdict))) for verdict in absorbed
         )

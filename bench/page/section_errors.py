@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
+from bench.basics.plural import plural
 from bench.diagnosis.reason_words import judged_on
 from bench.diagnosis.result import Diagnosis
 from bench.document import identification as document
@@ -9,7 +10,7 @@ from bench.document.charts.currents import Curve, currents_chart
 from bench.document.charts.models import ladder_chart
 from bench.document.diagnosis import ladder_table
 from bench.document.numbers import USES
-from bench.document.typeset import plural, share, typeset
+from bench.document.typeset import share, typeset
 from bench.identification.result import CurrentSeries
 from bench.page.chart_spec import chart_figure, rows_a_pair, spec_of
 from bench.page.model_errors import ModelBeside

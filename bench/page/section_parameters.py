@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from bench.basics.joint_units import drive_unit, units_of_gain
+from bench.basics.plural import plural
 from bench.document.charts.chart import Axis, Chart, Panel, Rule, Spans
 from bench.document.identification import effects_table, parameters_table
 from bench.document.numbers import (
@@ -13,7 +14,7 @@ from bench.document.numbers import (
     is_poor,
     settings_lines,
 )
-from bench.document.typeset import effect_name, plural, share, short, typeset
+from bench.document.typeset import effect_name, share, short, typeset
 from bench.identification.finding import Unknown
 from bench.identification.result import CurrentSeries, Identification
 from bench.page.chart_spec import chart_figure
@@ -25,8 +26,13 @@ MOST_PAIRS = 10
 REVERSALS = 3  # fewer in all recordings tell little of friction
 
 
-def parameters_section(after: Identification, before: Identification | None) -> Section:
-    """Base, payload and effect parameters with their relative deviations and groupings."""
+def parameters_section(
+    after: Identification, before: Identification | None, *, diagnosed: bool = False
+) -> Section:
+    """Base, payload and effect parameters with their relative deviations and groupings.
+
+    diagnosed: those of effects stand beside the verdicts on them.
+    """
     aid = (
         "A base parameter is what the motion can show: its own term and those named under “together with”. Marked "
         f"where the standard error is above {POOR:.0%} of the value: then it says little."
@@ -34,7 +40,7 @@ def parameters_section(after: Identification, before: Identification | None) -> 
     parts: list[Part] = [_deviations_figure(after)] if len(after.parameters) > 1 else []
     table = parameters_table(after, before=before)
     parts.append(on_page(table, "Base and payload parameters", aid))
-    if after.effect_parameters:
+    if after.effect_parameters and not diagnosed:
         aid = "What their letters mean: the handbook's atlas of effects, a page for each."
         parts.append(on_page(effects_table(after), "Parameters of the effects", aid))
     if after.left_out:

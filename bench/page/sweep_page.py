@@ -7,8 +7,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.basics.plural import plural
 from bench.basics.versions import versions
-from bench.document.typeset import plural, typeset
+from bench.document.typeset import typeset
 from bench.effects.display_names import begun
 from bench.identification.wording import and_list
 from bench.page.figures_grid import grid_figure

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.errors import BenchError
-from bench.document.typeset import plural, typeset
+from bench.basics.plural import plural
+from bench.document.typeset import typeset
 from bench.identification.wording import and_list
 from bench.page.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
 from bench.page.parts import Cell, Commands, Items, Page, PageColumn, PageTable, Part, Section, Tile, row

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from bench.basics.counted import counted
 from bench.basics.errors import BenchError
+from bench.basics.plural import plural
 
 DELIMITERS = ",;\t"
 FOREIGN = {
@@ -87,7 +87,7 @@ class CsvText:
                 comma = len(cells) > len(self.names) and self.delimiter == ","
                 hint = " (decimal commas? then separate the values by semicolons)" if comma else ""
                 cure = "the file breaks off there: remove that line" if last else "mend or remove that line"
-                held = counted(len(cells), "value")
+                held = plural(len(cells), "value")
                 return f"line {line}: has {held}, the header names {len(self.names)}{hint}; {cure}"
         return None
 

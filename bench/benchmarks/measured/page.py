@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from bench.basics.plural import plural
 from bench.benchmarks.measured.known import WITHIN, MachineTable
 from bench.benchmarks.measured.run import MachineRun, Record
 from bench.benchmarks.measured.tables import (
@@ -18,7 +19,7 @@ from bench.benchmarks.measured.tables import (
     value_rows,
 )
 from bench.document.charts.chart import Axis, Chart, Panel, Role, Rule, Spans
-from bench.document.typeset import plural, share, typeset
+from bench.document.typeset import share, typeset
 from bench.page.chart_spec import chart_figure
 from bench.page.parts import (
     Cell,

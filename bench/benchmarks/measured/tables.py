@@ -58,8 +58,8 @@ def run_rows(record: Record, table: MachineTable) -> Iterator[Cells]:
             percent(run.error_identify),
             percent(run.error_validate),
             error_goal(run, table),
-            counted([known.inside for known in run.rows]),
-            counted([known.reached for known in run.rows]),
+            plural([known.inside for known in run.rows]),
+            plural([known.reached for known in run.rows]),
             f"{run.seconds:.3g} s",
             said_missing(run),
         )
@@ -77,7 +77,7 @@ def error_goal(run: MachineRun, table: MachineTable) -> MeasuredCell:
     return MeasuredCell(f"{percent(table.error_goal)} {YES if reached else NO}", reached)
 
 
-def counted(answers: Sequence[bool | None]) -> str:
+def plural(answers: Sequence[bool | None]) -> str:
     """How many of those that have an answer are right."""
     known = [entry for entry in answers if entry is not None]
     return f"{sum(known)} of {len(known)}" if known else NONE

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from bench.basics.counted import counted
 from bench.basics.errors import BenchError, meant, refuse
+from bench.basics.plural import plural
 from bench.dataset.logs.log_file import LogFile
 from bench.dataset.logs.unit_names import unit_in, units_of
 from bench.dataset.logs.units import UNITS, factor_of, measured_by
@@ -79,7 +79,7 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
     count = values["time"].size
     refuse(
         [
-            f"{file}: {sources[column]!r} for {column} has {counted(found.size, 'sample')}, time has {count}"
+            f"{file}: {sources[column]!r} for {column} has {plural(found.size, 'sample')}, time has {count}"
             for column, found in values.items()
             if found.size != count
         ]

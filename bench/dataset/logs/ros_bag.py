@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from bench.basics.counted import counted
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import one_line
+from bench.basics.plural import plural
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
@@ -170,8 +170,8 @@ def _by_joint(
     wrong = next((i for i, value in enumerate(values) if len(value) != len(joints)), None)
     if wrong is not None:
         raise BenchError(
-            f"{where}: message {wrong}: {counted(len(values[wrong]), 'value')} of {field} for "
-            f"{counted(len(joints), 'joint')}"
+            f"{where}: message {wrong}: {plural(len(values[wrong]), 'value')} of {field} for "
+            f"{plural(len(joints), 'joint')}"
         )
     table = np.array(values)
     if any(name != names[0] for name in names):

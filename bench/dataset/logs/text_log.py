@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from bench.basics.counted import counted
 from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import CsvText, decoded, is_number
+from bench.basics.plural import plural
 from bench.dataset.logs.units import unit_named
 
 LOOKED_AT = 400  # lines that tell what the table is like
@@ -171,8 +171,8 @@ def _refuse_other_header(path: Path, lines: Sequence[_Line], table: Sequence[_Li
         is_number(name.replace(",", ".")) for name in names
     ):
         raise BenchError(
-            f"{path}: line {above[-1].number}: names {counted(len(names), 'column')}, the lines below have "
-            f"{counted(count, 'value')}: mend it, or add --no-header and map columns by number"
+            f"{path}: line {above[-1].number}: names {plural(len(names), 'column')}, the lines below have "
+            f"{plural(count, 'value')}: mend it, or add --no-header and map columns by number"
         )
 
 

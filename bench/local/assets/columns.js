@@ -3,14 +3,21 @@
 const Columns = (() => {
   const {el, field, select, spark} = Dom;
   const PAUSE = 150; // ms without a change after which the columns are checked
+  const told = new Map(); // what is measured -> the unit that somebody chose for it, in this log or one before
 
   /* look: what the server says of the log; asked: log and robot; changed: called with the mapping after each change. */
   function create(look, asked, changed) {
     const mapping = {};
     const own = (target, column) => look.stated[column] || look.units[target][0]; // the unit unless another is told
+    const kind = (target) => `${target.split(".")[0]} ${look.units[target][0]}`;
+    const remembered = (target, column) => {
+      const unit = look.stated[column] ? "" : told.get(kind(target));
+      return look.units[target].includes(unit) ? unit : "";
+    };
     for (const target of look.needs) {
       const guess = look.guesses[target] || {column: "", unit: "", why: ""};
-      mapping[target] = {...guess, unit: guess.unit || own(target, guess.column)};
+      const before = guess.unit ? "" : remembered(target, guess.column);
+      mapping[target] = {...guess, unit: guess.unit || before || own(target, guess.column), before};
     }
     const state = {
       active: look.needs.find((need) => !mapping[need].column) || look.needs[0],
@@ -80,9 +87,15 @@ const Columns = (() => {
     }
 
     function assign(target, column) {
-      mapping[target] = {column, unit: own(target, column), why: ""};
+      const before = remembered(target, column);
+      mapping[target] = {column, unit: before || own(target, column), why: "", before};
       delete state.found[target];
       change();
+    }
+
+    function tellUnit(target, unit) {
+      [mapping[target].unit, mapping[target].before] = [unit, ""];
+      told.set(kind(target), unit);
     }
 
     function change() {
@@ -103,7 +116,7 @@ const Columns = (() => {
             click: () => {
               const alike = (need) => (state.found[need]?.problems || []).some((two) => two.remedy?.unit === cure.unit);
               for (const need of needs())
-                if (need.split(".")[0] === target.split(".")[0] && alike(need)) mapping[need].unit = cure.unit;
+                if (need.split(".")[0] === target.split(".")[0] && alike(need)) tellUnit(need, cure.unit);
               change();
             },
           },
@@ -146,7 +159,8 @@ const Columns = (() => {
       const found = state.found[target];
       if (!found) return [el("p", {class: "said"}, "checking")];
       const guess = chosen.why === "order" ? " · taken in the order of their numbers: look whether it is right" : "";
-      if (found.ok) return [el("p", {class: guess ? "said poor" : "said fine"}, `✓ checked${guess}`)];
+      const unit = chosen.before ? ` · in ${Dom.unit(chosen.before)}, as you told before` : "";
+      if (found.ok) return [el("p", {class: guess ? "said poor" : "said fine"}, `✓ checked${guess}${unit}`)];
       return found.problems.map((problem) => {
         const where = problem.where ? `${problem.where}: ` : "";
         return el("p", {class: "said poor"}, `! ${where}${problem.what}`, remedy(target, problem));
@@ -158,7 +172,7 @@ const Columns = (() => {
         look.units[target].map((unit) => [unit, Dom.unit(unit)]),
         mapping[target].unit,
         (value) => {
-          mapping[target].unit = value;
+          tellUnit(target, value);
           change();
         },
         {"aria-label": `Unit of ${target}`, id: `unit-${target}`},

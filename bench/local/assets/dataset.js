@@ -30,7 +30,7 @@ const Dataset = (() => {
       load(app, recording.payload),
       `${ChartBasics.formatNumber(recording.seconds, 3)} s`,
       `${ChartBasics.formatNumber(recording.rate, 4)} Hz`,
-      recording.accepted.length ? `✓ passed; accepted: ${recording.accepted.join(", ")}` : "✓ all checks passed",
+      checked(recording),
     ]);
     const weighed =
       data.recordings.some(
@@ -52,10 +52,16 @@ const Dataset = (() => {
         "",
         "right",
         "right",
-        "keep",
+        data.recordings.some((recording) => recording.asked) ? "words" : "keep",
       ]),
       advice,
     );
+  }
+
+  /* What the checks say of a recording; what is still asked of it comes first. */
+  function checked(recording) {
+    if (recording.asked) return el("span", {class: "poor"}, `! ${recording.asked} Import its log again to correct it.`);
+    return recording.accepted.length ? `✓ passed; accepted: ${recording.accepted.join(", ")}` : "✓ all checks passed";
   }
 
   function load(app, name) {

@@ -100,9 +100,20 @@ const Dom = (() => {
     return minus.split("`").map((part, i) => (i % 2 ? el("code", {}, part) : part));
   }
 
+  const VAST = 1e6; // in SI units: no parameter of a robot is known as badly as that
+
+  /* Whether the data say anything of a number, by the rule of Quantity.determined and DriveGain.determined. */
+  function determined({value, std, nominal}) {
+    if (std === null || (std >= VAST && std > Math.abs(value))) return false;
+    return nominal === undefined || std <= Math.max(Math.abs(nominal), Math.abs(value));
+  }
+
   /* A number with its standard deviation, to the digits that it supports. */
   function quantity(found) {
-    if (found.std === null || !(found.std > 0)) return ChartBasics.formatNumber(found.value, 5);
+    if (!determined(found)) return "not determined";
+    if (!(found.std > 0)) return ChartBasics.formatNumber(found.value, 5);
+    if (Math.max(Math.abs(found.value), found.std) >= VAST)
+      return `${ChartBasics.formatNumber(found.value, 5)} ± ${ChartBasics.formatNumber(found.std, 2)}`;
     const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(found.std))));
     return `${found.value.toFixed(decimals)} ± ${found.std.toFixed(decimals)}`.replace(/-/g, "−");
   }
@@ -110,5 +121,5 @@ const Dom = (() => {
   const unit = (text) => text.replace(/\*/g, "·").replace(/\^2/g, "²").replace(/\^3/g, "³");
   const percent = (share) => (share === null || share === undefined ? "–" : ChartBasics.formatPercent(share));
 
-  return {el, field, select, radios, table, command, outcome, spark, sentence, quantity, unit, percent};
+  return {el, field, select, radios, table, command, outcome, spark, sentence, determined, quantity, unit, percent};
 })();

@@ -69,28 +69,38 @@ const Effects = (() => {
     const most = Math.max(...steps.map(([, share]) => share || 0));
     const changed = diagnosis.ladder.length > 1 || diagnosis.discovered.length > 0;
     const shown = diagnosis.ranking.filter((told) => told.verdict !== "not supported" && told.verdict !== "absorbed");
-    const table = (list) =>
+    const table = (list, sized = false) =>
       Dom.table(
-        ["effect", "verdict", "at", "why"],
+        ["effect", "verdict", "at", ...(sized ? ["value ± standard error"] : []), "why"],
         list.map((told) => [
           spoken(told.effect),
           el("span", {class: `badge ${told.verdict.replace(/ .*/, "")}`}, told.verdict),
           told.actuators.join(", "),
+          ...(sized ? [el("span", {}, ...sizes(told.effect))] : []),
           el("span", {}, ...Dom.sentence(told.why)),
         ]),
-        ["keep", "keep", "", "words"],
+        ["keep", "keep", "", ...(sized ? ["keep"] : []), "words"],
       );
     return [
       el("div", {class: "verdict"}, ...diagnosis.summary.map((text) => el("p", {}, ...Dom.sentence(text)))),
       el("p", {class: "aid"}, "Error on recordings that were not fitted, as effects are added:"),
       bars(steps, most),
-      shown.length ? table(shown) : null,
+      shown.length ? table(shown, true) : null,
       ...(diagnosis.discovered.length ? laws() : []),
       Gains.part(diagnosis.after, changed ? diagnosis.before : null),
       diagnosis.missing.length || diagnosis.discovered.length ? applying(run) : null,
       el("details", {}, el("summary", {}, `All ${diagnosis.ranking.length} verdicts`), table(diagnosis.ranking)),
-      Errors.links(run),
+      Errors.links(run, "the model that was found"),
     ].filter((part) => part !== null);
+  }
+
+  /* How large an effect is in the model that was found, a line for each of its values. */
+  function sizes(effect) {
+    return Object.entries(diagnosis.after.effect_parameters[effect] || {}).flatMap(([joint, values]) =>
+      Object.entries(values).map(([name, found]) =>
+        el("div", {}, `${joint === "robot" ? "" : `${joint}: `}${name} = ${quantity(found)} ${unit(found.unit)}`),
+      ),
+    );
   }
 
   function bars(steps, most) {
@@ -269,7 +279,7 @@ const Effects = (() => {
       "div",
       {class: "row"},
       button,
-      el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model"),
+      el("a", {href: `files/${Server.address(tried.model)}`, download: true}, "Download the model with these effects"),
       Errors.exporting(tried.model),
     );
   }
@@ -322,6 +332,7 @@ const Effects = (() => {
     await Errors.show(
       answer,
       run,
+      "the applied model",
       app.latest("compare", (job) => !job.applied),
     );
   }

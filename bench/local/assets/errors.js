@@ -28,11 +28,14 @@ const Errors = (() => {
       done: () => app.refresh(),
     };
     body.replaceChildren(...Step.create(step), answer);
-    return run ? show(answer, run) : undefined; // a chart needs its place in the page
+    return run ? show(answer, run, "the model without effects") : undefined; // a chart needs its place in the page
   }
 
-  /* Shows a run of `compare`: sentences, errors by motor, curves, files. before: another model, for the curves. */
-  async function show(holder, run, before = null) {
+  /*
+  Shows a run of `compare`: sentences, errors by motor, curves, files. called: what its model is; before: another
+  one, for the curves.
+  */
+  async function show(holder, run, called, before = null) {
     let found, gains;
     try {
       const models = before ? [run, before] : [run];
@@ -40,7 +43,7 @@ const Errors = (() => {
         [`${run.path}.json`, ...models.map((model) => model.model)].map(Server.file),
       );
     } catch {
-      return holder.replaceChildren(links(run)); // made in a shell, without --json
+      return holder.replaceChildren(links(run, called)); // made in a shell, without --json
     }
     const joints = Object.keys(found.where);
     const sentences = joints.flatMap((joint) => {
@@ -61,7 +64,7 @@ const Errors = (() => {
       el("div", {class: "part"}, Dom.table(["motor", "error", "noise of the current"], rows, ["", "right", "right"])),
       Gains.part(...gains),
       figure,
-      links(run),
+      links(run, called),
     );
     await curves(figure, models);
     return undefined;
@@ -98,7 +101,8 @@ const Errors = (() => {
     return el("a", {href, target: "_blank", rel: "noopener"}, "Laws, and what shows them");
   }
 
-  function links(run) {
+  /* called: what its model is. */
+  function links(run, called) {
     return el(
       "p",
       {class: "row"},
@@ -108,7 +112,7 @@ const Errors = (() => {
         "Open the report",
       ),
       el("a", {href: `files/${Server.address(run.path)}/report.html`, download: true}, "Download the report"),
-      run.model ? el("a", {href: `files/${Server.address(run.model)}`, download: true}, "Download the model") : null,
+      run.model ? el("a", {href: `files/${Server.address(run.model)}`, download: true}, `Download ${called}`) : null,
     );
   }
 

@@ -8,8 +8,8 @@ const Gains = (() => {
     const both = base && base !== found && base.gains_fitted;
     const rows = Object.entries(found.drive_gains).map(([joint, gain]) => [
       joint,
-      ...(both ? [said(base.drive_gains[joint])] : []),
-      said(gain),
+      ...(both ? [quantity(base.drive_gains[joint])] : []),
+      quantity(gain),
       unit(gain.unit),
       ...(found.gains_fitted ? [ChartBasics.formatNumber(gain.nominal, 5), change(gain)] : []),
     ]);
@@ -41,11 +41,8 @@ const Gains = (() => {
     );
   }
 
-  /* A gain; JSON has no infinite standard error. */
-  const said = (gain) =>
-    gain.std === null ? `${ChartBasics.formatNumber(gain.value, 5)}, not determined` : quantity(gain);
-
   function change(gain) {
+    if (!Dom.determined(gain)) return "–";
     const share = gain.value / gain.nominal - 1;
     return `${share > 0 ? "+" : ""}${ChartBasics.formatPercent(share)}`;
   }

@@ -36,5 +36,37 @@ const Payload = (() => {
     return {payload_center: numbers(form.center, 3), payload_inertia: numbers(form.inertia, 6)};
   }
 
-  return {more, fault, told};
+  const meant = (form) => form.meant !== "" && form.meant === form.mass;
+  const known = new Map();
+
+  /* What is asked of a mass that is hardly one, with its two answers; null where nothing is, or it was answered. */
+  async function doubt(form, answered) {
+    const mass = Number(form.mass);
+    if (!(mass > 0) || meant(form)) return null;
+    const key = JSON.stringify([form.robot, mass]);
+    if (!known.has(key)) known.set(key, await Server.look("payload", {robot: form.robot, mass}).catch(() => ({})));
+    const found = known.get(key);
+    if (!found.mass) return null;
+    const [heavy, own, less] = [mass, found.own, found.if_grams].map((value) => ChartBasics.formatNumber(value, 4));
+    const answer = (id, text, click) => el("button", {type: "button", class: "small", id, click}, text);
+    return el(
+      "div",
+      {class: "row", role: "alert"},
+      el(
+        "p",
+        {class: "said poor"},
+        `! ${heavy} kg is far heavier than the robot (${own} kg in its MJCF): is that in grams?`,
+      ),
+      answer("grams", `It is ${less} kg`, () => {
+        document.getElementById("mass").value = form.mass = String(found.if_grams);
+        answered();
+      }),
+      answer("meant", `${heavy} kg is meant`, () => {
+        form.meant = form.mass;
+        answered();
+      }),
+    );
+  }
+
+  return {more, fault, told, meant, doubt};
 })();

@@ -8,6 +8,7 @@ const Recordings = (() => {
     use: "identify",
     load: null,
     mass: "",
+    meant: "", // a mass that was asked about and is right
     center: "",
     inertia: "",
     topic: "",
@@ -26,6 +27,7 @@ const Recordings = (() => {
   let app,
     logs,
     setup,
+    notes = [], // what became of files that are no logs
     faults = []; // why logs were not taken
 
   function start(given) {
@@ -65,14 +67,15 @@ const Recordings = (() => {
 
   async function take(files) {
     await app.ready;
-    const refused = [];
+    const [refused, models] = [[], []];
     for (const file of files) {
       if (file.size > app.folder.largest)
         refused.push(`${file.name}: larger than this page takes; put it into the folder by hand`);
       else
         await Server.upload(file).then(
           () => {
-            if (!/\.xml$/i.test(file.name)) form.log = file.name;
+            if (/\.xml$/i.test(file.name)) models.push(file.name);
+            else form.log = file.name;
           },
           (error) => refused.push(error.message),
         );
@@ -80,7 +83,12 @@ const Recordings = (() => {
     await app.refresh();
     await choose(form.log);
     faults = refused;
+    notes = models.map(
+      (name) =>
+        `${name} is in the folder. A model alone is no robot yet: below, tick its motors and type their gains, and it becomes one.`,
+    );
     render();
+    if (models.length) await Robots.open(models.at(-1));
   }
 
   function render() {
@@ -110,6 +118,7 @@ const Recordings = (() => {
         }),
       ),
       ...faults.map((text) => el("p", {class: "fault", role: "alert"}, text)),
+      ...notes.map((text) => el("p", {class: "aid", role: "status"}, text)),
     );
     if (!setup.children.length) draw();
   }
@@ -117,7 +126,7 @@ const Recordings = (() => {
   /* Show a log, with its robot if one is chosen. */
   async function choose(log) {
     Object.assign(form, OF_ONE_LOG, {log});
-    faults = [];
+    faults = notes = [];
     form.dataset = app.dataset === null ? NEW : app.dataset;
     if (app.described && !form.robot) form.robot = robotOf(app.described.robot);
     render();
@@ -319,6 +328,7 @@ const Recordings = (() => {
       dataset: form.dataset === NEW ? nameOfNew() : form.dataset,
       fresh: form.dataset === NEW,
       ...mapped,
+      accept: [...mapped.accept, ...(fresh && Payload.meant(form) ? ["mass"] : [])],
       use: form.use,
       payload: fresh ? form.payload : form.load,
       payload_mass: fresh && Number(form.mass) > 0 ? Number(form.mass) : null,
@@ -341,8 +351,19 @@ const Recordings = (() => {
           : form.load === NEW
             ? Payload.fault(form)
             : "";
-    const {line, fault} = await Server.offer(missing, asked);
+    const doubt = missing || form.load !== NEW ? null : await Payload.doubt(form, () => command(holder));
+    const replacing = () => ({...asked(), replace: true});
+    let offered = await Server.offer(missing || (doubt ? "Say what the payload weighs." : ""), asked);
+    const {there} = offered;
+    if (there) offered = {...(await Server.offer("", replacing)), there};
     if (mine !== round) return;
+    const known = there
+      ? el(
+          "p",
+          {class: "aid", id: "there"},
+          `${there} is a recording of this dataset already: this log takes its place. The old one is kept until the new one is whole.`,
+        )
+      : null;
     const imported = async (job, {dataset}) => {
       await app.refresh(dataset);
       const said = `${form.log} is a recording of ${dataset} now.`;
@@ -353,7 +374,10 @@ const Recordings = (() => {
       done.focus({preventScroll: true});
       done.scrollIntoView({block: "center"});
     };
-    holder.replaceChildren(...Step.create({label: "Import", id: "import", asked, line, lacks: fault, done: imported}));
+    const {line, fault: lacks} = offered;
+    const step = {label: there ? `Replace ${there}` : "Import", id: "import", line, lacks, done: imported};
+    const shown = Step.create({...step, asked: there ? replacing : asked});
+    holder.replaceChildren(...[doubt, known, ...shown].filter((part) => part !== null));
   }
 
   return {start, render};

@@ -70,9 +70,10 @@ const Results = (() => {
 
   /* A gain with its interval, to the digits that its deviation supports. */
   function gain(found) {
-    if (!found.interval) return quantity(found);
+    if (!found.interval || !Dom.determined(found)) return quantity(found);
     const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(found.std))));
-    return `${quantity(found)} [${found.interval.map((end) => end.toFixed(digits)).join(", ")}]`;
+    const ends = found.interval.map((end) => end.toFixed(digits).replace("-", "−"));
+    return `${quantity(found)} [${ends.join(", ")}]`;
   }
 
   function show(holder, {line, found}) {

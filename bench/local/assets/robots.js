@@ -11,6 +11,16 @@ const Robots = (() => {
   const EMPTY = {model: "", name: "", gains: {}, order: [], unit: "A", tool: "", parts: null};
   const form = {...EMPTY, open: false}; // outlives the panel, which is drawn anew with the step
 
+  let chooseModel = () => {};
+
+  /* Show the panel with a model that was dropped. */
+  function open(model) {
+    const panel = document.getElementById("own-robot");
+    form.open = panel.open = true;
+    document.getElementById("mjcf").value = model;
+    return chooseModel(model);
+  }
+
   /* app: of the page; made: called with the robot's folder once it is there. */
   function create(app, made) {
     const body = el("div");
@@ -166,9 +176,10 @@ const Robots = (() => {
       );
     }
 
+    chooseModel = choose;
     if (form.parts && models.includes(form.model)) draw();
     return details;
   }
 
-  return {create};
+  return {create, open};
 })();

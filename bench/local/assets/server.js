@@ -30,12 +30,15 @@ const Server = (() => {
   const look = (name, asked) => post(`api/look/${name}`, asked);
   const line = async (asked) => (await post("api/command", asked)).line;
 
-  /* What a step is as a command, or what it lacks: a fault that the page knows, or the server's. */
+  /*
+  What a step is as a command, or what it lacks: a fault that the page knows, or the server's. there: what an import
+  finds in its place.
+  */
   async function offer(fault, asked) {
-    if (fault) return {line: null, fault};
-    return line(asked()).then(
-      (text) => ({line: text, fault: ""}),
-      (error) => ({line: null, fault: error.message}),
+    if (fault) return {line: null, fault, there: ""};
+    return post("api/command", asked()).then(
+      (found) => ({...found, fault: ""}),
+      (error) => ({line: null, fault: error.message, there: ""}),
     );
   }
 

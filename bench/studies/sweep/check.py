@@ -13,8 +13,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from bench.basics.counted import counted
 from bench.basics.errors import BenchError
+from bench.basics.plural import plural
 from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.designs import keep_design
 from bench.studies.sweep.plan import Plan
@@ -100,7 +100,7 @@ def update_reference(
     for name, sweep, plan, lines in _measured(options, make_work):
         path = options.reference / f"{name}.json"
         save_reference(path, new_reference(sweep, lines, reason.strip()))
-        console.print(f"Reference: {path} ({counted(plan.size, 'run')})", highlight=False, soft_wrap=True)
+        console.print(f"Reference: {path} ({plural(plan.size, 'run')})", highlight=False, soft_wrap=True)
 
 
 def identification_work(sweep: Sweep) -> Work:

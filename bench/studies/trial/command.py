@@ -14,9 +14,9 @@ import pyarrow.parquet as pq
 from rich.console import Console
 from rich.text import Text
 
-from bench.basics.counted import counted
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path, write_text_atomically
+from bench.basics.plural import plural
 from bench.document.terminal.tables import printed
 from bench.studies.sweep.console import table_console
 from bench.studies.sweep.journal import Row
@@ -75,7 +75,7 @@ def run_command(
         def progress(plan: TrialPlan) -> Report:
             stack.close()  # the bar of the kind before
             console.print(
-                f"[bold]{setup.name}[/], {plan.kind}: {counted(plan.size, 'dataset')}", highlight=False
+                f"[bold]{setup.name}[/], {plan.kind}: {plural(plan.size, 'dataset')}", highlight=False
             )
             shown.append(stack.enter_context(shown_progress(bars, plan.size)))
             return shown[-1]
@@ -96,7 +96,7 @@ def run_command(
         nothing = [row for row in rows if row["kind"] == "nothing"]
         console.print(printed(unknown_table(unknown, nothing), console.width))
     console.print(
-        f"\n{counted(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}", highlight=False
+        f"\n{plural(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}", highlight=False
     )
     for path in paths:
         console.print(str(path), highlight=False, soft_wrap=True)
