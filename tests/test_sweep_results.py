@@ -169,3 +169,12 @@ def test_a_file_that_is_no_table_is_refused(tmp_path):
     (tmp_path / "runs.parquet").write_text("nothing")
     with pytest.raises(BenchError, match="cannot be read as a Parquet table"):
         summarise(tmp_path / "runs.parquet", [], ["gain_error"])
+
+
+def test_a_number_that_rounds_up_to_another_digit_stays_readable() -> None:
+    from bench.studies.sweep.print_summary import number
+
+    assert number(99.7, 2) == "100"
+    assert number(99.4, 2) == "99"
+    assert number(0.0123, 2) == "0.012"
+    assert number(12345.0) == "12345"

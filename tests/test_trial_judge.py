@@ -1,5 +1,6 @@
 """Cases drawn from seeds, and answers held against them."""
 
+import json
 from dataclasses import fields
 
 import numpy as np
@@ -10,6 +11,8 @@ from bench.effects import CATALOGUE
 from bench.studies.trial.cases import KINDS, SETS_FROM, SHARES, SHARES_OF, Kind, datasets_a_seed, draw_case
 from bench.studies.trial.compatible import compatible, exclusive, expected
 from bench.studies.trial.judge import Named, judged
+from bench.studies.trial.name_list import cell_of
+from bench.studies.trial.places import placed
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import hidden_places
 from bench.studies.trial.setup import Setup, make_setup
@@ -239,3 +242,20 @@ def test_figures_of_a_trial() -> None:
     assert [one.first.of for one in found.misses] == [1, 0, 3, 0, 0]
     assert found.failed == {"lost": 1}
     assert targets[TargetFigure.TWO_EXACT].reached is None
+
+
+def test_the_motors_that_are_named_are_held_against_those_that_have_an_effect() -> None:
+    def case(hidden: str, joints: str, *named: tuple[str, list[str]]) -> dict[str, object]:
+        verdicts = json.dumps([{"effect": name, "actuators": at} for name, at in named])
+        return trial_row("one", hidden, cell_of(n for n, _ in named), joints=joints, verdicts=verdicts)
+
+    two = cell_of(("backlash", "viscous_friction"))
+    rows = [
+        case("viscous_friction", "left,right", ("viscous_friction", ["right", "left"])),
+        case("viscous_friction", "left", ("viscous_friction", ["right", "left"])),  # one too many
+        case("viscous_friction", "left,right", ("viscous_friction", ["left"])),  # one too few
+        case("viscous_friction", "left", ("quadratic_drag", ["left"])),  # another effect
+        case("base_tilt", "machine", ("base_tilt", ["left"])),  # at no motor
+        case(two, cell_of(("left", "right")), ("viscous_friction", ["right"])),  # found beside a missed one
+    ]
+    assert placed(rows) == Share(2, 4)

@@ -1,5 +1,9 @@
 """Rows of a trial, written by hand."""
 
+import json
+
+from bench.studies.trial.name_list import cell_of, names_in
+
 INTERVAL = '[{"effect": "viscous_friction", "parameter": "Fv", "truth": 1.0, "value": 1.1, "std": %s}]'
 
 
@@ -13,6 +17,8 @@ def trial_row(kind, hidden, missing, **more):
         "kind": kind,
         "hidden": hidden,
         "missing": missing,
+        "joints": cell_of("motor" for _ in names_in(hidden)),
+        "verdicts": json.dumps([{"effect": name, "actuators": ["motor"]} for name in names_in(missing)]),
         "absorbed": False,
         "unexplained": False,
         "first": exact,

@@ -3,6 +3,7 @@
 import inspect
 import json
 import re
+import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,15 +13,21 @@ import mkdocs_gen_files
 import pyarrow.parquet as pq
 
 from bench.document.markdown.tables import rows_in_markdown
+from bench.document.numbers import pretty_unit
 from bench.effects import CATALOGUE, Effect
 from bench.effects.display_names import begun, spoken
 from bench.effects.effect import EffectParameter, ShapeParameter
 from bench.identification.wording import in_percent
 from bench.residuals.look_alikes import QUESTION
 from bench.studies.trial.name_list import names_in
-from bench.studies.trial.summary import LARGE, NOTHING, SOMETHING
+from bench.studies.trial.summary import LARGE, first_named
 
 RESULTS = Path(__file__).resolve().parents[2] / "results"
+SIZES = tomllib.loads(
+    (Path(__file__).resolve().parents[1] / "atlas" / "sizes.toml").read_text(encoding="utf-8")
+)
+"""Published sizes of effects."""
+
 PLACES = {
     "actuator": "a motor",
     "passive": "a joint without a motor",
@@ -29,6 +36,23 @@ PLACES = {
     "robot": "the robot as a whole",
 }
 Numbers = Mapping[str, Any]
+UNITS_OF_TRUTH = {
+    ("backlash", "play"): "rad",
+    ("geometric_error", "error"): "m",
+    ("payload_mass_error", "error"): "kg",
+    **{
+        (effect, name): unit
+        for effect in ("backlash", "drive_flexibility")
+        for name, unit in (("stiffness", "N*m/rad"), ("damping", "N*m*s/rad"), ("rotor_inertia", "kg*m^2"))
+    },
+    **{(effect, "period"): "rad" for effect in ("cogging_torque", "torque_ripple", "transmission_error")},
+    **{(effect, "q0"): "rad" for effect in ("joint_spring", "passive_spring")},
+    **{("base_tilt", name): "rad" for name in ("about_x", "about_y")},
+    ("hysteretic_cable", "reach"): "rad",
+    ("platform_force", "fx"): "N",
+    ("presliding_hysteresis", "stiffness"): "N*m/rad",
+}
+"""Of parameters that the simulated machine names otherwise than the model, at hinges; `bench/truth/hidden` has them."""
 
 
 def page(effect: Effect, drawn: Numbers, robots: Numbers, trials: Mapping[str, Sequence[Numbers]]) -> str:
@@ -51,15 +75,30 @@ def law(effect: Effect) -> str:
     rows = [(f"`{one.name}`", units(one)) for one in effect.parameters]
     rows += [(f"`{one.name}`", f"{units(one)}, found from the data") for one in effect.shape]
     quoted = f"> {effect.law}\n>\n> {effect.symbols}\n\n" if effect.law else ""
-    about = inspect.cleandoc(type(effect).__doc__ or "")
+    first, _, rest = inspect.cleandoc(type(effect).__doc__ or "").partition("\n\n")
+    about = rest if rest and said_by(first, effect.law) else f"{first}\n\n{rest}"
     table = rows_in_markdown(("parameter", "unit at a hinge or a slide"), rows)
     return f"{quoted}{about}\n\nIt sits at {PLACES[effect.place]}.\n\n{table}"
+
+
+def said_by(sentence: str, law: str) -> bool:
+    """Whether the words of a sentence, formulas aside, all stand in the law."""
+    words = set(re.findall(r"[a-z]{3,}", law.lower()))
+    return set(re.findall(r"[a-z]{3,}", sentence.lower())) - {"tau", "tanh", "exp"} <= words
 
 
 def units(one: EffectParameter | ShapeParameter) -> str:
     """Its unit at a hinge, and at a slide where it is another."""
     both = dict.fromkeys((one.unit_at(rotates) or "1").replace("*", "·") for rotates in (True, False))
     return " or ".join(both)
+
+
+def sized(effect: str, name: str, value: float) -> str:
+    """A parameter of the simulated machine with its value and its unit; the joints of the five-bar are hinges."""
+    law = CATALOGUE[effect]
+    own = {one.name: one.unit_at(True) for one in (*law.parameters, *law.shape)}
+    unit = own[name] if name in own else UNITS_OF_TRUTH[effect, name]
+    return f"{name} = {value:g} {pretty_unit(unit)}" if unit not in ("", "1") else f"{name} = {value:g}"
 
 
 def look(name: str, drawn: Numbers) -> str:
@@ -71,7 +110,7 @@ def look(name: str, drawn: Numbers) -> str:
     what = ", ".join(
         f"{spoken(one['effect'])}"
         + (f" at {one['joint']}" if "joint" in one else "")
-        + f" ({', '.join(f'{key} = {value:g}' for key, value in one.items() if key not in ('effect', 'joint'))})"
+        + f" ({', '.join(sized(one['effect'], key, one[key]) for key in one if key not in ('effect', 'joint'))})"
         for one in hidden["hidden"]
     )
     said = "\n".join(f"> - {sentence}" for sentence in hidden["says"]) or (
@@ -121,30 +160,31 @@ def confused(effect: Effect, trials: Mapping[str, Sequence[Numbers]]) -> str:
     if not rows:
         text = "No case of a trial hid it alone with an error of three times the noise floor or more."
         return f"## With what it is confused\n\n{text}\n\nTo see it, {effect.shown_by}."
-    table = rows_in_markdown(("robot", "named first", "named instead", "openly one of two, beside"), rows)
+    table = rows_in_markdown(
+        ("robot", "named first", "named instead", "openly undecided between it and"), rows
+    )
     motions = "\n".join(
         f"- from [{spoken(name)}]({name}.md): {effect.shown_by}; {CATALOGUE[name].shown_by}"
         for name, _ in others.most_common(4)
     )
-    apart = f"\n\nWhat tells them apart:\n\n{motions}" if motions else f"\n\nTo see it, {effect.shown_by}."
-    note = f"Blind trials, cases in which its error is at least {LARGE:g} times the noise floor."
+    apart = f"\n\nTo see it, {effect.shown_by}."
+    if motions:
+        apart += f"\n\nWhat tells them apart (`bench discriminate` designs the motion):\n\n{motions}"
+    note = (
+        f"[Blind trials](../trust.md), cases in which its error is at least {LARGE:g} times the noise floor. "
+        "Openly undecided: a case may be counted as named first, too, and with several others."
+    )
     return f"## With what it is confused\n\n{note}\n\n{table}{apart}"
 
 
-def first_named(row: Numbers) -> str:
-    """The effect named first; nothing, or something unexplained, where none was."""
-    named = names_in(row["missing"])
-    return named[0] if named else (SOMETHING if row["unexplained"] else NOTHING)
-
-
 def listed_beside(row: Numbers, name: str) -> list[str]:
-    """What a verdict names openly beside the hidden effect."""
-    found = []
+    """What the verdicts of a case name openly beside the hidden effect, each once."""
+    found: set[str] = set()
     for one in json.loads(row["verdicts"]):
         group = {one["effect"], *one["alternatives"]}
         if one["verdict"] == "indistinguishable" and name in group:
-            found += sorted(group - {name})
-    return found
+            found |= group - {name}
+    return sorted(found)
 
 
 def counted(names: Mapping[str, int]) -> str:
@@ -171,25 +211,42 @@ def shown_by_robots(name: str, robots: Numbers) -> str:
     rows = [(kind, ", ".join(names)) for kind, names in by.items() if names]
     return (
         "## Which robots can show it\n\n"
-        "Computed with the movements and payloads of each robot's scenario. Where a robot absorbs it, the model's own "
+        "Computed with the movements and payloads of each robot's scenario (`make atlas`, commit "
+        f"`{robots['about']['commit'][:7]}`). Where a robot absorbs it, the model's own "
         "parameters take it up, and no data of that kind can tell it from them.\n\n"
         + rows_in_markdown(("robots that", ""), rows)
     )
 
 
 def measured(name: str) -> str:
-    """Its sizes on measured machines, beside what is known of them."""
-    rows = []
+    """Its sizes on measured machines beside what is known of them, what was found there, and what is published."""
+    rows, verdicts = [], []
     for path in sorted((RESULTS / "measured").glob("*.json")):
-        for one in json.loads(path.read_text(encoding="utf-8"))["runs"][0]["rows"]:
+        runs = json.loads(path.read_text(encoding="utf-8"))["runs"]
+        for one in runs[0]["rows"]:
             if one["quantity"].partition(" ")[0] == name:
                 known = "–" if one["known"] is None else f"{one['known']:g}"
-                value = f"{one['value']:.4g} ± {one['std']:.2g} {one['unit'].replace('*', '·')}"
+                value = f"{one['value']:.4g} ± {one['std']:.2g} {pretty_unit(one['unit'])}"
                 rows.append((path.stem, one["place"], one["quantity"].partition(" ")[2], value, known))
-    if not rows:
-        return ""
-    table = rows_in_markdown(("machine", "at", "parameter", "found", "known"), rows)
-    return f"## On real machines\n\nSources of what is known: [measured machines](../measured.md).\n\n{table}"
+        verdicts += [
+            f"- `bench {run['command']}` says of it: {one['verdict']}, at {', '.join(one['places'])}."
+            for run in runs
+            for one in run["found"]
+            if one["effect"] == name
+        ]
+    published = [
+        f"- {one['machine']}: {one['size']} ([{one['source']}]({one['address']}))."
+        for one in SIZES.get(name, ())
+    ]
+    parts = [rows_in_markdown(("machine", "at", "parameter", "found", "known"), rows)] if rows else []
+    parts += ["\n".join(lines) for lines in (verdicts, published) if lines]
+    if rows or verdicts:
+        parts.append("Logs and sources of what is known: [measured machines](../measured.md).")
+    if not parts:
+        parts = [
+            "None of the [measured machines](../measured.md) has shown it, and no published size was checked."
+        ]
+    return "\n\n".join(("## On real machines", *parts))
 
 
 def command(effect: Effect) -> str:

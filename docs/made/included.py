@@ -21,9 +21,10 @@ PAGES = {
         for path in sorted((ROOT / "results" / kind).glob("*.md"))
     },
 }
-WIDE = ("measured.md",)  # whose tables need the room of the contents
+WIDE = ("measured.md", "trust/")  # pages and folders whose tables need the room of the contents
 PICTURES = {"results/pictures": "pictures", "results/trial": "trust", "results/atlas": "atlas"}
 FENCED = re.compile(r"(^```.*?^```$)", re.DOTALL | re.MULTILINE)
+HEAD = re.compile(r"^\|.*\|$(?=\n\|[-:| ]+\|$)", re.MULTILINE)
 LINK = re.compile(r"(?<!!)\[([^\][]+)\]\(([^)#\s]+)(#[^)]*)?\)")
 
 
@@ -40,17 +41,17 @@ def turned(text: str, source: Path, page: Path) -> str:
         return f"[{found[1]}]({up}{PAGES[target]}{found[3] or ''})"
 
     parts = FENCED.split(text)  # what is code stays as it is: every second part
-    return "".join(part if i % 2 else unbroken(LINK.sub(link, part)) for i, part in enumerate(parts))
+    return "".join(part if i % 2 else HEAD.sub(broken, LINK.sub(link, part)) for i, part in enumerate(parts))
 
 
-def unbroken(text: str) -> str:
-    """A number keeps its percent sign, in tables too."""
-    return re.sub(r"(?<=\d) %(?=[\s|.,;:)]|$)", "\u00a0%", text)
+def broken(head: re.Match[str]) -> str:
+    """The heads of a table; a name of a metric may go on in the next line, behind a part of it."""
+    return re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", head[0])
 
 
 for source, page in PAGES.items():
     with mkdocs_gen_files.open(page, "w") as written:
-        written.write("---\nhide: [toc]\n---\n\n" if page in WIDE else "")
+        written.write("---\nhide: [toc]\n---\n\n" if page.startswith(WIDE) else "")
         written.write(turned((ROOT / source).read_text(encoding="utf-8"), Path(source), Path(page)))
 for folder, there in PICTURES.items():
     for picture in sorted((ROOT / folder).glob("*.png")):

@@ -33,7 +33,7 @@ def keys(
     for name, one in of.get("properties", {}).items():
         path = f"{before}{name}"
         target, many = _target(schema, one)
-        default = "" if one.get("default") is None else json.dumps(one["default"], ensure_ascii=False)
+        default = _default(one, target)
         needed = "needed" if name in of.get("required", ()) else default
         yield (
             f"`{path}{many}`",
@@ -42,6 +42,12 @@ def keys(
         )
         if target is not None:
             yield from keys(schema, target, f"{path}{many}.")
+
+
+def _default(one: Mapping[str, Any], target: Mapping[str, Any] | None) -> str:
+    """As JSON; nothing for none, and for a table whose keys have their own."""
+    value = one.get("default")
+    return "" if value is None or (target and value) else json.dumps(value, ensure_ascii=False)
 
 
 def _target(schema: Mapping[str, Any], one: Mapping[str, Any]) -> tuple[Mapping[str, Any] | None, str]:
@@ -85,7 +91,7 @@ def page() -> str:
         file = f"schemas/{name.removesuffix('.toml')}.json"
         with mkdocs_gen_files.open(f"reference/{file}", "w") as written:
             written.write(json.dumps(schema, indent=2, ensure_ascii=False) + "\n")
-        rows = rows_in_markdown(("key", "takes", "left out"), keys(schema, schema))
+        rows = rows_in_markdown(("key", "takes", "if left out"), keys(schema, schema))
         sections.append(f"## {name}\n\nFor {about}. [JSON schema]({file})\n\n{rows}\n")
     return "\n".join(sections)
 

@@ -51,9 +51,10 @@ def last_values(path: Path = HISTORY) -> dict[str, float]:
 
 
 def append_history(figures: Sequence[SpeedFigure], path: Path = HISTORY) -> None:
-    """Add a line to the history: figures by name, the program, the machine."""
+    """Add a line to the history: figures and their units by name, the program, the machine."""
     record: dict[str, Any] = {
         "figures": {figure.name: float(f"{figure.value:.4g}") for figure in figures},
+        "units": {figure.name: figure.unit for figure in figures},
         "cores": len(os.sched_getaffinity(0)),
         "machine": platform.machine(),
         **versions().columns(),

@@ -58,7 +58,8 @@ def explanation(summary: Summary) -> str:
 
 def number(value: float, digits: int = 3) -> str:
     """A number to a few significant digits, large whole numbers in full."""
-    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
+    short = f"{value:.{digits}g}"
+    return short if abs(float(short)) < 10**digits else f"{value:.0f}"
 
 
 Columns = list[tuple[str, list[str]]]

@@ -15,6 +15,7 @@ from bench.basics.chi_squared import WITHIN_95
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.compatible import COMPANIONS, optional
 from bench.studies.trial.name_list import names_in
+from bench.studies.trial.places import placed
 from bench.studies.trial.target import Share, Target, TargetFigure
 
 LARGE = 3.0
@@ -118,6 +119,8 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         count = Share(sum(test(row) for row in rows), len(rows))
         return Target(figure, count.value, bounds.get("least"), bounds.get("most"), count)
 
+    hiding = [row for row in large if row["kind"] != "outside"]
+    places = placed(hiding)
     found = [
         share(TargetFigure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
         share(TargetFigure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
@@ -125,13 +128,13 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         share(TargetFigure.TWO_UNDECIDED, of("two"), lambda r: r["exact_undecided"]),
         share(TargetFigure.THREE_EXACT, of("three"), lambda r: r["exact"], least=0.70),
         share(TargetFigure.THREE_UNDECIDED, of("three"), lambda r: r["exact_undecided"]),
+        Target(TargetFigure.PLACES, places.value, None, None, places),
         share(TargetFigure.ALARM, of("nothing", done), _alarm, most=0.02),
         share(TargetFigure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
         share(TargetFigure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
         share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
         share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
-    hiding = [row for row in large if row["kind"] != "outside"]
     found += _gain_targets(hiding)
     floors = [row["error_over_floor.after"] for row in hiding]
     found.append(Target(TargetFigure.FLOOR_MEDIAN, _median(floors), None, FLOOR_FACTOR))

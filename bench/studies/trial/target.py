@@ -27,6 +27,7 @@ class TargetFigure(StrEnum):
     TWO_UNDECIDED = auto()
     THREE_EXACT = auto()
     THREE_UNDECIDED = auto()
+    PLACES = auto()
     ALARM = auto()
     ALARM_NAMED = auto()
     OUTSIDE_HONEST = auto()

@@ -1,0 +1,13 @@
+"""A number keeps its percent sign on every page, in tables too."""
+
+import re
+from typing import Any
+
+FENCED = re.compile(r"(^ *```.*?^ *```$|`[^`\n]+`)", re.DOTALL | re.MULTILINE)
+PERCENT = re.compile(r"(?<=\d)[ \n]%(?=[\s|.,;:)*&]|$)")
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """What MkDocs calls with the text of a page; what is code stays as it is."""
+    parts = FENCED.split(markdown)  # every second part is code
+    return "".join(part if i % 2 else PERCENT.sub("\u00a0%", part) for i, part in enumerate(parts))
