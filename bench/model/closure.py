@@ -6,6 +6,7 @@ spin, which has a rate and no position.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -46,6 +47,8 @@ from bench.model.scalars import (
     turned,
 )
 from bench.model.spin import idle_spins
+
+KEPT = 16  # geometries whose constants are kept: a search moves joints of one and comes back to it
 
 
 @dataclass(frozen=True)
@@ -94,8 +97,9 @@ class Closures:
         return loops + len(self.gears) + len(self.idle)
 
 
+@lru_cache(maxsize=KEPT)
 def closures_of(geometry: Geometry) -> Closures:
-    """What the closures need of the geometry, as constants."""
+    """What the closures need of the geometry, as constants; worked out once for each of the geometries in use."""
     spins = idle_spins(geometry)
     chains = {
         anchor.joint: ancestors(geometry, anchor.joint)

@@ -103,7 +103,7 @@ class Coupling:
     polynomial: tuple[float, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # told apart by identity, so that what follows from one can be kept for it
 class Geometry:
     """All that identification knows of a robot beside its measurements.
 

@@ -59,16 +59,14 @@ def _downhill(follower: Follower, pose: Pose, value: float) -> tuple[np.ndarray,
     for _ in range(MOST_STEPS):
         if step < LAST_STEP:
             break
-        better: Pose | None = None
-        for change in np.concatenate((np.diag(high - low), np.diag(low - high))):
-            target = np.clip(pose.q[index] + step * change, low, high)
-            moved, share = advance(follower, pose, target)
-            own = float(smallest_singular_values(geometry, moved.q[None])[0])
-            ended |= share < 1.0
-            if own < value:
-                better, value = moved, own
-        if better is None:
-            step /= 2.0
+        changes = np.concatenate((np.diag(high - low), np.diag(low - high)))
+        targets = np.clip(pose.q[index] + step * changes, low, high)
+        reached = [advance(follower, pose, target) for target in targets]
+        ended |= any(share < 1.0 for _, share in reached)
+        values = smallest_singular_values(geometry, np.array([moved.q for moved, _ in reached]))
+        lowest = int(np.argmin(values))
+        if values[lowest] < value:
+            pose, value = reached[lowest][0], float(values[lowest])
         else:
-            pose = better
+            step /= 2.0
     return pose.q, value, ended
