@@ -107,3 +107,20 @@ def test_answers_have_the_keys_that_the_formats_name(project_root):
         keys = re.findall(r'^        "(\w+)":', code, flags=re.MULTILINE)
         assert len(keys) > 8
         assert [key for key in keys if f"`{key}`" not in page] == []
+
+
+def test_a_notebook_holds_the_cells_of_its_script_and_what_they_print(site, project_root):
+    for script in sorted((project_root / "docs" / "notebooks").glob("*.py")):
+        book = json.loads((site / "notebooks" / f"{script.stem}.ipynb").read_text(encoding="utf-8"))
+        assert book["nbformat"] == 4
+        code = ["".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "code"]
+        text = script.read_text(encoding="utf-8")
+        assert code
+        assert all(cell in text for cell in code)
+        kept = json.loads((script.parent / "outputs.json").read_text(encoding="utf-8"))[script.stem]
+        shown = [
+            "".join("".join(output["text"]) for output in cell["outputs"])
+            for cell in book["cells"]
+            if cell["cell_type"] == "code"
+        ]
+        assert shown == kept

@@ -3,9 +3,12 @@
 import os
 import subprocess
 import sys
+import tarfile
 import zipfile
 
 import pytest
+
+from bench import __version__
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +71,25 @@ for name in built_in_robots():
     assert scenarios.split() == sorted(path.stem for path in (project_root / "scenarios").glob("*.toml"))
     assert robots, "the catalogue is empty"
     assert all(path.startswith(str(site / "bench" / "_catalogue")) for path in models)
+    for command in ("bench", "parabench"):  # another package installs a `bench`, too
+        done = subprocess.run(
+            [sys.executable, str(site / "bin" / command), "--version"],
+            cwd=elsewhere,
+            env={**os.environ, "PYTHONPATH": str(site)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert __version__ in done.stdout
+
+
+def test_what_is_published_as_source_builds_the_same_wheel(wheel, project_root, tmp_path):
+    build = [sys.executable, "-m", "hatchling", "build", "--directory", str(tmp_path), "--target"]
+    subprocess.run([*build, "sdist"], cwd=project_root, check=True, capture_output=True)
+    (packed,) = tmp_path.glob("parabench-*.tar.gz")
+    with tarfile.open(packed) as archive:
+        archive.extractall(tmp_path, filter="data")
+    folder = tmp_path / packed.name.removesuffix(".tar.gz")
+    subprocess.run([*build, "wheel"], cwd=folder, check=True, capture_output=True)
+    (again,) = tmp_path.glob("parabench-*.whl")
+    assert zipfile.ZipFile(again).namelist() == zipfile.ZipFile(wheel).namelist()

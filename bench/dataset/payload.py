@@ -14,9 +14,9 @@ FAR = 10.0  # m: a centre of mass or a radius of gyration farther away than this
 class Payload:
     """A body fixed to the tool site. What is None is not known, and is estimated.
 
-    mass            kg
-    center_of_mass  (3,) m, in the tool frame
-    inertia         (6,) kg·m², Ixx Iyy Izz Ixy Ixz Iyz at the payload's centre of mass, tool axes
+    - `mass`: kg
+    - `center_of_mass`: (3,) m, in the tool frame
+    - `inertia`: (6,) kg·m², Ixx Iyy Izz Ixy Ixz Iyz at the payload's centre of mass, tool axes
     """
 
     name: str

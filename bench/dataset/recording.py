@@ -23,17 +23,17 @@ Array = npt.NDArray[np.float64]
 class Recording:
     """Joint positions and current references on a uniform time grid.
 
-    name      the file name as dataset.toml gives it
-    use       "identify": fitted; "validate": only compared
-    payload   name of the payload on the tool, or None
-    time      (N,) s, uniform
-    position  (N, n) rad or m, in the order of the robot's actuators
-    current   (N, n) current reference in the drive's unit (A or V), same order
-    extra     other columns of numbers, each (N,), for plots; positions of the joints of redundant motors;
-              logged velocities
-    part_of   the log that this is a part of, by name; empty: a log by itself
-    started   when that log begins, s; None: with the first sample
-    redundant (N, r) current references of the robot's redundant motors, in their order; None: it has none
+    - `name`: the file name as dataset.toml gives it
+    - `use`: "identify": fitted; "validate": only compared
+    - `payload`: name of the payload on the tool, or None
+    - `time`: (N,) s, uniform
+    - `position`: (N, n) rad or m, in the order of the robot's actuators
+    - `current`: (N, n) current reference in the drive's unit (A or V), same order
+    - `extra`: other columns of numbers, each (N,), for plots; positions of the joints of redundant motors;
+      logged velocities
+    - `part_of`: the log that this is a part of, by name; empty: a log by itself
+    - `started`: when that log begins, s; None: with the first sample
+    - `redundant`: (N, r) current references of the robot's redundant motors, in their order; None: it has none
     """
 
     name: str
