@@ -15,7 +15,6 @@ from tests import hidden_kit
 from tests.hidden_kit import BRIEF, SHORT, STEP, cart
 
 run = functools.partial(hidden_kit.run, design=BRIEF)
-plain = functools.partial(hidden_kit.plain, duration=BRIEF["duration"])
 # asked for by default; less where a robot's motors or controller would not stand it
 SHARE = 0.03
 SHARES = {"gain_saturation": 0.01, "current_loop_lag": 0.01, "current_delay": 0.01, "backlash": 0.01}
@@ -23,6 +22,12 @@ COARSE = 0.001  # s, of a simulation of which no more than a share is asked
 STIFF = {"backlash", "drive_flexibility"}  # springs that swing too fast for it
 ROUGH = {"drive_flexibility", "torque_drift"}  # springs that swing; long waves in a second
 SLOW = {"hysteretic_cable"}  # wound up over more than a second's way
+
+
+@functools.cache
+def reference_of(robot, duration=BRIEF["duration"], **overrides):
+    """The movement of a robot in a simulation without hidden effects."""
+    return Reference(hidden_kit.plain(robot, duration=duration, **overrides))
 
 
 def entry(effect, robot):
@@ -57,7 +62,7 @@ def test_every_effect_has_one_rule():
 @pytest.mark.parametrize("effect", HIDDEN_EFFECTS)
 def test_a_simulation_shows_the_share_that_was_asked_for(effect, robot):
     design, step = SHORT if effect in SLOW else BRIEF, STEP if effect in STIFF else COARSE
-    reference = Reference(plain(robot, duration=design["duration"], step=step))
+    reference = reference_of(robot, duration=design["duration"], step=step)
     hidden = entry(effect, robot)
     share = SHARES.get(effect, SHARE)
     hidden |= typical(effect, reference, share, hidden.get("joint"))
@@ -75,7 +80,7 @@ def test_a_simulation_shows_the_share_that_was_asked_for(effect, robot):
 
 @pytest.mark.parametrize("effect", ["viscous_friction", "base_tilt", "geometric_error", "drive_flexibility"])
 def test_a_larger_share_is_a_stronger_effect(effect):
-    reference, joint = Reference(plain("five_bar")), entry(effect, "five_bar").get("joint")
+    reference, joint = reference_of("five_bar"), entry(effect, "five_bar").get("joint")
     small, large = (typical(effect, reference, share, joint) for share in (0.01, 0.04))
     key = {"drive_flexibility": "stiffness", "geometric_error": "error", "viscous_friction": "Fv"}.get(effect)
     ratio = large[key] / small[key] if key else sum(large.values()) / sum(small.values())
@@ -84,7 +89,7 @@ def test_a_larger_share_is_a_stronger_effect(effect):
 
 def test_an_offset_larger_than_the_movement_is_refused():
     """A turret about the vertical: its zero changes no torque, whatever the size."""
-    reference = Reference(plain("palletiser"))
+    reference = reference_of("palletiser")
     with pytest.raises(BenchError, match="the torque of joint motor_1 hardly depends on its zero"):
         typical("encoder_offset", reference, 0.01, "motor_1")
     assert 0 < typical("encoder_offset", reference, 0.01, "motor_2")["offset"] < 0.3
@@ -92,7 +97,7 @@ def test_an_offset_larger_than_the_movement_is_refused():
 
 def test_a_position_dependent_friction_is_never_negative():
     for robot in ("five_bar", "delta"):
-        reference = Reference(plain(robot))
+        reference = reference_of(robot)
         for joint in reference.simulation.robot.joints:
             size = typical("position_dependent_friction", reference, 0.1, joint)
             q = reference.movement(joint).position * size.get("harmonic", 1.0)
@@ -133,7 +138,7 @@ def test_a_slide_and_a_robot_without_passive_joints(tmp_path):
 
 
 def test_shares_that_an_effect_cannot_have_are_refused():
-    reference = Reference(plain("five_bar"))
+    reference = reference_of("five_bar")
     for effect in ("gain_saturation", "current_loop_lag", "current_delay", "acceleration_dependent_friction"):
         with pytest.raises(BenchError, match="joint left: a share of 0\\.9 of its torque is too large"):
             typical(effect, reference, 0.9, "left")
@@ -161,7 +166,7 @@ def test_inverse_dynamics_gives_the_torque_of_the_simulation(robot):
 
 
 def test_sizes_do_not_depend_on_what_they_are_tried_with():
-    reference = Reference(plain("five_bar"))
+    reference = reference_of("five_bar")
     before = reference.torque().copy()
     first = typical("geometric_error", reference, 0.02, "left")
     assert typical("geometric_error", reference, 0.02, "left") == first

@@ -42,15 +42,15 @@ def assembled(model: mujoco.MjModel, home: Array, dofs: Indices, target: Array) 
     return np.array(data.qpos)
 
 
-def close_loops(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) -> None:
+def close_loops(model: mujoco.MjModel, data: mujoco.MjData, passive: Indices) -> Array:
     """Close the loops by moving the passive joints (velocity indices); data.qpos is changed in place.
 
-    Raises BenchError if they do not close.
+    Returns their Jacobian (m, nv) in the closed pose. Raises BenchError if they do not close.
     """
     for _ in range(20):
         gap, jacobian = loop_rows(model, data)
         if gap.size == 0 or np.abs(gap).max() < CLOSED:
-            return
+            return jacobian
         move = np.zeros(model.nv)
         move[passive] = -np.linalg.lstsq(jacobian[:, passive], gap, rcond=None)[0]
         qpos = np.array(data.qpos)
@@ -99,8 +99,12 @@ def holding_torque(model: mujoco.MjModel, qpos: Array, dofs: Indices) -> Array:
 def following(model: mujoco.MjModel, data: mujoco.MjData, dofs: Indices) -> Array:
     """Velocities (nv, n) of all joints for a unit velocity of each actuated joint, at data.qpos, loops closed."""
     _, jacobian = loop_rows(model, data)
-    passive = np.setdiff1d(np.arange(model.nv), dofs)
-    follow = np.zeros((model.nv, len(dofs)))
+    return followed(jacobian, dofs, np.setdiff1d(np.arange(model.nv), dofs))
+
+
+def followed(jacobian: Array, dofs: Indices, passive: Indices) -> Array:
+    """The same from the Jacobian (m, nv) of the loops; passive: velocity indices of the other joints."""
+    follow = np.zeros((jacobian.shape[1], len(dofs)))
     follow[dofs] = np.eye(len(dofs))
     follow[passive] = -np.linalg.lstsq(jacobian[:, passive], jacobian[:, dofs], rcond=None)[0]
     return follow

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.truth.assembly import close_loops, following, loop_rows
+from bench.truth.assembly import close_loops, followed, following, loop_rows
 from bench.truth.machine import Machine
 
 Array = NDArray[np.float64]
@@ -33,11 +33,11 @@ def motor_torque(
     for k, pose in enumerate(poses):
         data.qpos[:] = pose
         data.qpos[addresses] = q[k]
-        close_loops(model, data, passive)
-        follow = following(model, data, dofs)
+        jacobian = close_loops(model, data, passive)
+        follow = followed(jacobian, dofs, passive)
         velocity = follow @ qd[k]
         acceleration = follow @ qdd[k]
-        acceleration[passive] += _bent(model, data, velocity, passive)
+        acceleration[passive] += _bent(model, data, jacobian[:, passive], velocity)
         data.qvel[:] = velocity
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
@@ -67,10 +67,11 @@ def powers(machine: Machine, payload: str | None, poses: Array, torque: Array) -
     return found
 
 
-def _bent(
-    model: mujoco.MjModel, data: mujoco.MjData, velocity: Array, passive: NDArray[np.signedinteger]
-) -> Array:
-    """Accelerations of the passive joints that keep the loops closed while the others move evenly."""
+def _bent(model: mujoco.MjModel, data: mujoco.MjData, held: Array, velocity: Array) -> Array:
+    """Accelerations of the passive joints that keep the loops closed while the others move evenly.
+
+    held (m, passive): their columns of the loops' Jacobian.
+    """
     here = data.qpos.copy()
     ends = []
     for time in (-NUDGE, NUDGE):
@@ -79,6 +80,5 @@ def _bent(
         data.qpos[:] = qpos
         ends.append(loop_rows(model, data)[1] @ velocity)
     data.qpos[:] = here
-    _, jacobian = loop_rows(model, data)
     change = (ends[1] - ends[0]) / (2 * NUDGE)
-    return np.asarray(-np.linalg.lstsq(jacobian[:, passive], change, rcond=None)[0], dtype=np.float64)
+    return np.asarray(-np.linalg.lstsq(held, change, rcond=None)[0], dtype=np.float64)

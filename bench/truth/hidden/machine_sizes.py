@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,6 @@ from bench.truth.simulate import Simulation, simulate
 
 Array = NDArray[np.float64]
 
-SAMPLES = 40  # of each recording
 CLOSE = 0.02  # of the wished share
 FURTHEST = np.log(100.0)  # step of a search, as a logarithm
 ROTOR = 0.1  # of the inertia that the joint feels
@@ -31,7 +30,7 @@ def passive_spring_size(reference: Reference, effect: str, joint: str | None, sh
     q0 = 0.0
     if joint is not None:
         address = int(reference.simulation.machine.models[None].joint(joint).qposadr[0])
-        q0 = float(np.mean(np.concatenate([s.pose[:, address] for s in _samples(reference)])))
+        q0 = float(np.mean(np.concatenate([s.pose[:, address] for s in reference.samples])))
     return _scaled(reference, effect, joint, None, share, lambda x: {"k": x, "q0": q0}, 0.1)
 
 
@@ -139,56 +138,18 @@ def machine_sizes(kind: type[HiddenEffect], reference: Reference, joint: str | N
     return _scaled(reference, kind.name, joint, actuated, share, lambda x: {name: x}, start)
 
 
-@dataclass(frozen=True, eq=False)
-class _Samples:
-    """Some samples of one recording."""
-
-    payload: str | None
-    rows: NDArray[np.signedinteger]
-    """Of the recording."""
-    first: int
-    """Row of the recording's first sample, all recordings one after the other."""
-    pose: Array
-    q: Array
-    qd: Array
-    qdd: Array
-
-
-def _samples(reference: Reference) -> list[_Samples]:
-    machine = reference.simulation.machine
-    m = machine.leading
-    found, first = [], 0
-    for recording in reference.simulation.recordings:
-        motion = recording.motion
-        rows = np.linspace(0, len(motion.time) - 1, SAMPLES + 2).astype(int)[1:-1]
-        pose = motion.qpos[rows]
-        found.append(
-            _Samples(
-                recording.table.payload,
-                rows,
-                first,
-                pose,
-                pose[:, machine.addresses[:m]],
-                motion.qvel[rows][:, machine.dofs[:m]],
-                motion.qacc[rows][:, machine.dofs[:m]],
-            )
-        )
-        first += len(motion.time)
-    return found
-
-
 def _felt(
     reference: Reference, effect: str, joint: str | None, motor: str | None, parameters: Sizes
 ) -> float:
     """Share of the torque of a motor (of all, if None) that the effect changes in the same movement."""
     scenario = _with(reference, effect, joint, parameters)
-    machine, without = build_machine(scenario), reference.simulation.machine
+    machine = build_machine(scenario)
     columns = slice(None) if motor is None else machine.robot.joints.index(motor)
     changes, torques = [], []
-    for s in _samples(reference):
-        with_it, other = (motor_torque(m, s.payload, s.pose, s.q, s.qd, s.qdd) for m in (machine, without))
-        changes.append((with_it - other)[:, columns])
-        torques.append(other[:, columns])
+    for s in reference.samples:
+        with_it = motor_torque(machine, s.payload, s.pose, s.q, s.qd, s.qdd)
+        changes.append((with_it - s.torque)[:, columns])
+        torques.append(s.torque[:, columns])
     return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
 
 
@@ -213,15 +174,14 @@ def _shifted(reference: Reference, j: JointMovement, shifts: list[Array]) -> flo
         )
     i = machine.robot.joints.index(j.joint)
     changes, torques = [], []
-    for s in _samples(reference):
+    for s in reference.samples:
         moved = []
         for values, shift in zip((s.q, s.qd, s.qdd), shifts, strict=True):
             moved.append(values.copy())
             moved[-1][:, i] += shift[s.first + s.rows]
         moved_torque = motor_torque(machine, s.payload, s.pose, *moved)
-        other = motor_torque(machine, s.payload, s.pose, s.q, s.qd, s.qdd)
-        changes.append((moved_torque - other)[:, i])
-        torques.append(other[:, i])
+        changes.append((moved_torque - s.torque)[:, i])
+        torques.append(s.torque[:, i])
     return rms(np.concatenate(changes)) / rms(np.concatenate(torques))
 
 

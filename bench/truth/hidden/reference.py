@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -10,9 +11,27 @@ from numpy.typing import NDArray
 
 from bench.basics.errors import BenchError
 from bench.truth.hidden.movement import JointMovement
+from bench.truth.inverse import motor_torque
 from bench.truth.simulate import Simulation
 
 Array = NDArray[np.float64]
+SAMPLES = 40  # of each recording, at which torques are compared
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceSamples:
+    """Some samples (S,) of one recording; torque (S, n): what the motors have to supply there."""
+
+    payload: str | None
+    rows: NDArray[np.signedinteger]
+    """Of the recording."""
+    first: int
+    """Row of the recording's first sample, all recordings one after the other."""
+    pose: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    torque: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +44,23 @@ class Reference:
         if self.simulation.machine.hidden:
             names = {effect.name for effect in self.simulation.machine.hidden}
             raise BenchError(f"a reference has no hidden effects, this one has {', '.join(sorted(names))}")
+
+    @cached_property
+    def samples(self) -> tuple[ReferenceSamples, ...]:
+        """Some of every recording: what effects change is compared with them."""
+        machine = self.simulation.machine
+        m = machine.leading
+        found, first = [], 0
+        for recording in self.simulation.recordings:
+            motion, payload = recording.motion, recording.table.payload
+            rows = np.linspace(0, len(motion.time) - 1, SAMPLES + 2).astype(int)[1:-1]
+            pose = motion.qpos[rows]
+            q = pose[:, machine.addresses[:m]]
+            qd, qdd = motion.qvel[rows][:, machine.dofs[:m]], motion.qacc[rows][:, machine.dofs[:m]]
+            torque = motor_torque(machine, payload, pose, q, qd, qdd)
+            found.append(ReferenceSamples(payload, rows, first, pose, q, qd, qdd, torque))
+            first += len(motion.time)
+        return tuple(found)
 
     def torque(self) -> Array:
         """(N, n) of the motors, all recordings one after the other."""
