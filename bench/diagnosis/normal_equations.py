@@ -144,11 +144,14 @@ def build_system(
     decimation = prepared.settings.decimation
     blocks: dict[str, list[np.ndarray]] = {"identify": [], "validate": []}
     for signals, nearly, observation in zip(prepared.signals, near, prepared.observations, strict=True):
-        added = effect_rows(nearly, decimation, every)
-        added[:, :, as_fitted] = effect_rows(
-            signals, decimation, [instance for instance in every if instance in exact]
-        )
-        blocks[observation.use].append(_rows(prepared, observation, added, start))
+
+        def added(signals: RobotSignals = signals, nearly: RobotSignals = nearly) -> np.ndarray:
+            columns = effect_rows(nearly, decimation, every)
+            own = [instance for instance in every if instance in exact]
+            columns[:, :, as_fitted] = effect_rows(signals, decimation, own)
+            return columns
+
+        blocks[observation.use].append(_rows(prepared, observation, added(), start))
     change, lengths = _orthonormal(_triangle(blocks["identify"], start), prepared.layout.size)
     base = change.shape[1] - len(lengths)
     listed = []

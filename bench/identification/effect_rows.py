@@ -21,15 +21,18 @@ def effect_rows(signals: RobotSignals, decimation: int, effects: Sequence[Effect
     count = sum(len(effect_instance.effect.parameters) for effect_instance in effects)
     kept = len(decimated_indices(signals.length, decimation))
     rows = np.zeros((kept, len(signals.joints), count))
-    made_of = [_made_of(signals, effect_instance) for effect_instance in effects]
-    parts = iter(_kept_or_computed(signals, decimation, [part for entry in made_of for part, _ in entry]))
+    parts: list[EffectInstance] = []
+    places: list[tuple[np.ndarray, float]] = []
     at = 0
-    for entry, instance in zip(made_of, effects, strict=True):
+    for instance in effects:
         own = rows[:, :, at : at + len(instance.effect.parameters)]
         at += own.shape[2]
-        for _, share in entry:
-            part = next(parts)
-            own += part if share == 1.0 else share * part
+        for part, share in _made_of(signals, instance):
+            parts.append(part)
+            places.append((own, share))
+    for i, values in _kept_or_computed(signals, decimation, parts):
+        own, share = places[i]
+        own += values if share == 1.0 else share * values
     return rows
 
 
@@ -59,14 +62,20 @@ def _made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[Effe
 
 def _kept_or_computed(
     signals: RobotSignals, decimation: int, effects: Sequence[EffectInstance]
-) -> list[np.ndarray]:
-    """The rows (M, n, k) of every effect as it is, computed only where they are not known yet.
+) -> Iterator[tuple[int, np.ndarray]]:
+    """The rows (M, n, k) of every effect as it is, with its index, computed only where they are not known yet.
 
-    In a search, those that are tried with many shapes or about many models are computed at few samples.
+    Those that are known come first, one after the other, so that not all are held at once. In a search, those that are
+    tried with many shapes or about many models are computed at few samples.
     """
     sources = [_seen_by(signals, instance.effect) for instance in effects]
-    found = [_kept(seen, decimation, instance) for seen, instance in zip(sources, effects, strict=True)]
-    missing = [i for i, rows in enumerate(found) if rows is None]
+    missing: list[int] = []
+    for i, (seen, instance) in enumerate(zip(sources, effects, strict=True)):
+        rows = _kept(seen, decimation, instance)
+        if rows is None:
+            missing.append(i)
+        else:
+            yield i, rows
     for seen in {id(sources[i]): sources[i] for i in missing}.values():
         own = [i for i in missing if sources[i] is seen]
         together: list[tuple[int, np.ndarray, np.ndarray]] = []
@@ -77,10 +86,9 @@ def _kept_or_computed(
             size += columns.nbytes
             if size > TOGETHER or i == own[-1]:
                 for k, rows in _filtered(seen, decimation, together):
-                    found[k] = rows
                     _keep(seen, decimation, effects[k], rows)
+                    yield k, rows
                 together, size = [], 0
-    return [rows for rows in found if rows is not None]
 
 
 def _seen_by(signals: RobotSignals, effect: Effect) -> RobotSignals:
