@@ -14,6 +14,7 @@ from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.open_limits import Kept, margins
 from bench.excitation.experiment.plan import nominal_machine
 from bench.excitation.experiment.proof import Promise, Proof, Unproven, prove
+from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.request import Box, ExperimentTable
 from bench.excitation.experiment.room import PassiveRange, filled, robot_motion, room_of, tool_positions
 from bench.model.mobility import smallest_singular_values
@@ -223,3 +224,9 @@ def test_margins_are_those_of_the_samples_less_what_lies_between(delta):
     assert isinstance(enclosure.motion, Motion)
     for margin in found.values():
         assert np.all(margin.least <= margin.middle)
+
+
+def test_a_limit_that_stays_open_is_told_in_words():
+    assert limit_in_words(Unproven(Kept.TORQUE, "elbow", 1.25, True)) == "the torque of elbow at t = 1.2500 s"
+    assert limit_in_words(Unproven(Kept.WORKSPACE, "1", 0.5, False)) == "workspace[1] at t = 0.5000 s"
+    assert limit_in_words(Unproven(Kept.LOOPS, "", None, True)) == "the loops"

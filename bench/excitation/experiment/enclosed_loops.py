@@ -25,6 +25,9 @@ WIDER = 4.0  # times what is passed through: the set of poses, so that the next 
 LEAST = 0.5  # of the largest radius of a pose's set: a joint that hardly moves has that
 STARTS = 1e-12  # rad, or of the robot's length: what a closed pose may be off, beside its residual
 MOST_TURNED = 0.5  # of I - C A_p
+MOST_MOVED = (
+    0.1  # rad, or of the robot's length: of a ball or free joint in its set, whose rates turn with it
+)
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,8 @@ def enclosed(
     passed = _evened(geometry, passed)
     passed[:, passive] += start.bounds
     held = (wide.largest <= MOST_TURNED) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
+    for part in _vectors(geometry):
+        held &= reach[:, part.start] <= MOST_MOVED * column_scales(geometry)[part.start]
     passed = np.where(held[:, None], passed, reach)
     tight, middle = _linear(geometry, closures, motion, passed, reach, start.inverse)
     held &= tight.largest <= MOST_TURNED
@@ -167,9 +172,10 @@ def _start(geometry: Geometry, closures: Closures, motion: Motion) -> _Start:
             if matrix.shape[1] == matrix.shape[2]
             else np.linalg.inv(turned @ matrix) @ turned
         )
-    off = np.abs(np.einsum("kpm,km->kp", inverse, residual))
+    scales = column_scales(geometry)[passive]
+    off = np.abs(np.einsum("kpm,km->kp", inverse, residual)) / scales
     bounds = np.zeros_like(motion.v)
-    bounds[:, passive] = 2.0 * off + STARTS * column_scales(geometry)[passive]
+    bounds[:, passive] = (2.0 / LEAST * off.max(axis=1, keepdims=True, initial=0.0) + STARTS) * scales
     return _Start(inverse, _evened(geometry, bounds)[:, passive])
 
 

@@ -30,13 +30,13 @@ class Proof:
 
 @dataclass(frozen=True)
 class Unproven:
-    """A limit that could not be proven at a time, s; where: the joint or the number of the box, "" for the whole robot;
-    exceeded: whether it is exceeded there.
+    """A limit that could not be proven at a time, s, None where the loops could not be closed somewhere; where: the
+    joint or the number of the box, "" for the whole robot; exceeded: whether it is exceeded there.
     """
 
     limit: Kept
     where: str
-    time: float
+    time: float | None
     exceeded: bool
 
 
@@ -76,7 +76,7 @@ def prove(promise: Promise) -> Proof | Unproven:
     try:
         motion = motion_of(geometry, intervals.middle, *trajectory.evaluate(intervals.middle))
     except BenchError:  # out of reach, or through a singular pose
-        return Unproven(*LOOPS, 0.0, exceeded=True)
+        return Unproven(*LOOPS, None, exceeded=True)
     known = _looked(promise, intervals, motion)
     for halving in range(HALVINGS + 1):
         known = _followed(geometry, known)

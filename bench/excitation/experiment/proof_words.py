@@ -10,4 +10,4 @@ def limit_in_words(told: Unproven) -> str:
         what = f"workspace[{told.where}]"
     else:
         what = f"the {told.limit}" + (f" of {told.where}" if told.where else "")
-    return f"{what} at t = {told.time:.4f} s"
+    return what if told.time is None else f"{what} at t = {told.time:.4f} s"
