@@ -63,8 +63,10 @@ def percent(share: float | None, *, signed: bool = False) -> str:
     size = abs(value)
     if size >= 1000.0:
         return f"{'<-' if value < 0 else '>'}1000 %"
-    if size >= 99.5:
+    if size >= 99.95:
         text = f"{size:.0f}"
+    elif size >= 99.5:
+        text = f"{size:.1f}"
     elif size >= 0.9995:
         text = f"{size:.2f}"
     elif size >= 0.00095 or size == 0.0:

@@ -9,7 +9,7 @@ from bench.page.chart_spec import beside
 from bench.page.model_errors import ModelBeside
 from bench.page.parts import Choice, Figure, Linked, PageColumn, PageTable, Section, Variant, row
 from bench.residuals.error_breakdown import error_breakdown
-from bench.residuals.words import MOST_LOOKS, whole_alike, whole_sentences
+from bench.residuals.words import MOST_LOOKS, overlapping, whole_alike, whole_sentences
 
 ON_PAPER = 6  # motors that are printed
 LAWS = "laws-alike"  # the id of the table with them
@@ -56,7 +56,9 @@ def where_section(models: Sequence[ModelBeside]) -> Section:
         variants,
         tuple(f"{j}{paper}" for j in range(len(joints)))[:ON_PAPER],
     )
-    lead = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
+    told = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
+    shares = next((words for model in models if (words := overlapping(model.where))), "")
+    lead = f"{told} {shares}".rstrip()
     return Section("where", "Where it fails", lead, (figure, *laws))
 
 

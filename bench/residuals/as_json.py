@@ -12,6 +12,7 @@ from bench.residuals.words import (
     dependence_words,
     level_sentence,
     line_words,
+    overlapping,
     where_sentences,
 )
 
@@ -25,6 +26,7 @@ def where_json(where: WhereItFails) -> dict[str, Any]:
         "noise_floor": {motor.joint: motor.noise for motor in where.motors},
         "where": {motor.joint: _motor(motor) for motor in where.motors},
         "sentences": where_sentences(where),
+        "shares": overlapping(where),
     }
     return dict(finite(answer))
 

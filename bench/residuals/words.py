@@ -14,6 +14,10 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 
 MOST_LOOKS, MOST_NAMES = 2, 4
 TURN = 2.0 * math.pi  # rad
+OVERLAPPING = (
+    "Shares of one motor's squared error overlap: each is another way of looking at the same error, and they add up to "
+    "no whole."
+)
 CHANGES = {
     "warm-up": "friction changes while it moves, as with warming up",
     "load": "friction changes with the load",
@@ -23,6 +27,15 @@ CHANGES = {
 def where_sentences(where: WhereItFails) -> list[str]:
     """One sentence for every motor, and one for all that was found of its error."""
     return [line for motor in where.motors for line in (level_sentence(motor), *finding_sentences(motor))]
+
+
+def overlapping(where: WhereItFails) -> str:
+    """How two shares of one motor's error go together; "" where no motor has two."""
+    for motor in where.motors:
+        found = (*motor.concentrations, *motor.dependences, *motor.lines)
+        if sum(not getattr(finding, "of_rest", False) for finding in found) > 1:
+            return OVERLAPPING
+    return ""
 
 
 def whole_sentences(motor: MotorErrors) -> list[str]:

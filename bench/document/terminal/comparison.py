@@ -7,7 +7,7 @@ from bench.document.table import Column, Table
 from bench.document.terminal.identification import sentences_list
 from bench.document.terminal.tables import printed
 from bench.residuals.residuals import WhereItFails
-from bench.residuals.words import where_sentences
+from bench.residuals.words import overlapping, where_sentences
 
 
 def where_report(where: WhereItFails, console: Console | None = None) -> None:
@@ -17,6 +17,8 @@ def where_report(where: WhereItFails, console: Console | None = None) -> None:
     console.print(printed(motors_table(where), console.width))
     console.print()
     console.print(sentences_list(where_sentences(where)))
+    if shares := overlapping(where):
+        console.print(Text(shares, "dim"))
     console.print()
 
 

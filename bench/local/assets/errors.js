@@ -61,6 +61,7 @@ const Errors = (() => {
     const figure = el("div", {class: "part"});
     holder.replaceChildren(
       el("ul", {class: "said"}, ...sentences.map((said) => el("li", {}, ...said))),
+      found.shares ? el("p", {class: "aid"}, found.shares) : "",
       el("div", {class: "part"}, Dom.table(["motor", "error", "noise of the current"], rows, ["", "right", "right"])),
       Gains.part(...gains),
       figure,
