@@ -32,9 +32,9 @@ from tests.report_kit import (
 ORDER = [
     "verdict",
     "ladder",
+    "ranking",
     "currents",
     "where",
-    "ranking",
     "gains",
     "parameters",
     "conditioning",

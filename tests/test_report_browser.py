@@ -116,6 +116,18 @@ def test_a_link_lands_on_its_section(look, report):
         assert landed(page, name) <= 2, name
 
 
+def test_a_phone_has_the_contents_in_reach_wherever_it_is_read(look):
+    page = look(width=PHONE)
+    for name in ("currents", "run"):
+        link = page.locator(f"nav.contents a[href='#{name}']")
+        link.click()
+        landed(page, name)
+        expect(link).to_be_in_viewport(ratio=0.9)
+        top = page.evaluate("(name) => document.getElementById(name).getBoundingClientRect().top", name)
+        assert top >= page.locator("nav.contents").bounding_box()["height"] - 2, name
+        assert top < 200, name
+
+
 def test_effects_that_leave_such_errors_lead_to_their_laws(look, tmp_path):
     series = tuple(
         replace(one, modelled=one.measured + 0.05 * np.sign(one.velocity))
@@ -206,7 +218,7 @@ def test_nothing_is_wider_than_the_screen(look, width):
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     wide = page.evaluate(
         """(width) => [...document.querySelectorAll("body *")].filter((one) =>
-             !one.closest(".scroll, pre, svg") && one.getBoundingClientRect().right > width + 1
+             !one.closest(".scroll, pre, svg, nav.contents") && one.getBoundingClientRect().right > width + 1
            ).map((one) => one.outerHTML.slice(0, 80))""",
         width,
     )

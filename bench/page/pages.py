@@ -72,10 +72,10 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
         tiles=diagnosis_tiles(diagnosis),
         sections=(
             ladder,
-            currents_section(models, _moving(judged, after.recordings, after.settings)),
-            where_section(models),
             *([laws_section(diagnosis)] if diagnosis.discovered else []),
             ranking_section(diagnosis, problem.catalogue),
+            currents_section(models, _moving(judged, after.recordings, after.settings)),
+            where_section(models),
             gains_section(after, old),
             parameters_section(after, old, diagnosed=True),
             conditioning_section(after),

@@ -81,8 +81,8 @@ def mobility_in_words(mobility: Mobility) -> str:
     """The count of degrees of freedom as one sum."""
     sign = "=" if mobility.remaining == mobility.motors else "≠"
     return (
-        f"{mobility.tree} of the tree − {mobility.rank} (rank of {mobility.equations} closure equations) "
-        f"{f'− {mobility.spins} (idle spins) ' if mobility.spins else ''}"
+        f"{mobility.tree} of the tree - {mobility.rank} (rank of {mobility.equations} closure equations) "
+        f"{f'- {mobility.spins} (idle spins) ' if mobility.spins else ''}"
         f"= {mobility.remaining} {sign} {count(mobility.motors, 'motor')}"
     )
 

@@ -169,6 +169,7 @@
   /* Marks in the contents which section is being read. */
   function startContents() {
     const links = [...document.querySelectorAll("nav.contents a")];
+    const row = document.querySelector("nav.contents"); // on a phone, wider than it shows
     const mark = () => {
       let current = links[0];
       for (const link of links) {
@@ -179,6 +180,7 @@
         if (link === current) link.setAttribute("aria-current", "true");
         else link.removeAttribute("aria-current");
       }
+      row.scrollLeft = current.offsetLeft - row.clientWidth / 3;
     };
     addEventListener("scroll", mark, {passive: true});
     mark();
