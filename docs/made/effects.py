@@ -89,7 +89,7 @@ def said_by(sentence: str, law: str) -> bool:
 
 def units(one: EffectParameter | ShapeParameter) -> str:
     """Its unit at a hinge, and at a slide where it is another."""
-    both = dict.fromkeys((one.unit_at(rotates) or "1").replace("*", "·") for rotates in (True, False))
+    both = dict.fromkeys(pretty_unit(one.unit_at(rotates) or "1") for rotates in (True, False))
     return " or ".join(both)
 
 
@@ -250,11 +250,13 @@ def measured(name: str) -> str:
 
 
 def command(effect: Effect) -> str:
-    """How it is added to a model, and how a motion is designed that shows it."""
+    """How it is added to a model."""
+    everywhere = f"bench identify DATASET --with {effect.name}\n"
+    if effect.place == "robot":
+        return f"## Add it\n\n```sh\n{everywhere}```"
     return (
         "## Add it\n\nEverywhere, or at one place:\n\n```sh\n"
-        f"bench identify DATASET --with {effect.name}\n"
-        f"bench identify DATASET --with {effect.name}:PLACE\n```"
+        f"{everywhere}bench identify DATASET --with {effect.name}:PLACE\n```"
     )
 
 
