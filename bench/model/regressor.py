@@ -4,12 +4,15 @@ Standard parameters of a body, in Pinocchio's order, about its joint frame: m [k
 Ixx Ixy Iyy Ixz Iyz Izz [kg m2].
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from bench.model.body_rates import BodyRates, body_rates
+from bench.model.closure import KEPT
 from bench.model.geometry import Anchor, Geometry
 from bench.model.kinematics import IDENTITY as AXES
-from bench.model.kinematics import ZERO, ancestors, link_of
+from bench.model.kinematics import ZERO, Link, ancestors, link_of
 from bench.model.motion import Motion, blocks_of
 from bench.model.scalars import (
     Scalar,
@@ -50,7 +53,7 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
         else:
             others.append((place, column - bodies))
     moving = sorted({index for joint in wanted for index in ancestors(geometry, joint)})
-    links = [link_of(index, geometry.joints[index]) for index in moving]
+    links = _links(geometry, tuple(moving))
     gravity = constant_vector(geometry.gravity)
     samples, n = len(motion.time), len(geometry.active)
     rows = np.empty((n, len(chosen), samples))
@@ -67,6 +70,12 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
         turned = motion.jacobian[:, joint, :].T
         rows[:, place] = turned * motion.a[:, joint] if motor < len(joints) else -turned
     return rows.transpose(2, 0, 1)
+
+
+@lru_cache(maxsize=KEPT)
+def _links(geometry: Geometry, moving: tuple[int, ...]) -> tuple[Link, ...]:
+    """The constants of these joints."""
+    return tuple(link_of(index, geometry.joints[index]) for index in moving)
 
 
 def _scalars(values: np.ndarray) -> list[Scalar]:
