@@ -16,7 +16,7 @@ from bench.studies.trial.places import placed
 from bench.studies.trial.plan import TrialPlan
 from bench.studies.trial.realise import hidden_places
 from bench.studies.trial.setup import Setup, make_setup
-from bench.studies.trial.summary import NOTHING, SOMETHING, summarised
+from bench.studies.trial.summary import A_LAW, NOTHING, SOMETHING, summarised
 from bench.studies.trial.target import Share, TargetFigure
 from bench.studies.trial.true_effects import WITHOUT_TRUTH, as_logged, true_values
 from bench.studies.trial.unknown import FAMILIES, LAW
@@ -228,13 +228,17 @@ def test_figures_of_a_trial() -> None:
         trial_row("nothing", "", "", unexplained=True),
         trial_row("outside", "torque_drift", "", unexplained=True),
         trial_row("outside", "torque_drift", "viscous_friction", unexplained=True),
+        trial_row("outside", "current_crosstalk", "", laws=2, **{"error_over_floor.after": 1.01}),
+        trial_row("outside", "current_crosstalk", "", laws=1, **{"error_over_floor.after": 4.0}),
         {**trial_row("two", "", ""), "status": "failed", "reason": "lost"},
     ]
     found = summarised("robot", rows)
     targets = {target.figure: target for target in found.targets}
     assert targets[TargetFigure.ONE_FIRST].value == pytest.approx(2 / 3)
     assert targets[TargetFigure.ALARM].value == pytest.approx(0.5)
-    assert targets[TargetFigure.OUTSIDE_HONEST].value == pytest.approx(0.5)
+    assert targets[TargetFigure.OUTSIDE_HONEST].value == pytest.approx(0.75)
+    assert targets[TargetFigure.OUTSIDE_LAW].value == pytest.approx(0.25)
+    assert found.confusion["current_crosstalk"] == {A_LAW: 2}
     assert targets[TargetFigure.INTERVALS].value == pytest.approx(0.5)
     assert found.confusion["viscous_friction"] == {"viscous_friction": 2, "base_tilt": 1}
     assert found.confusion[NOTHING] == {NOTHING: 1, SOMETHING: 1}

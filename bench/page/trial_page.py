@@ -171,7 +171,8 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
         said.append(f"with nothing hidden, {alarms.count} of {plural(alarms.of, 'dataset')} raised an alarm")
     if outside is not None and outside.of:
         said.append(
-            f"an effect that no model knows was left unexplained, without a wrong name, in {_of(outside)}"
+            "an effect that no model knows became a law or was left unexplained, without a wrong name, in "
+            f"{_of(outside)}"
         )
     second = f"{'; '.join(said)}." if said else "False alarms were not tried."
     judged = [

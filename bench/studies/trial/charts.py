@@ -8,7 +8,7 @@ from bench.document.charts.chart import Axis, Cells, Chart, Panel, Points, Role,
 from bench.document.typeset import effect_name
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.markdown import size_text
-from bench.studies.trial.summary import FLOOR_FACTOR, LARGE, NOTHING, SOMETHING, Miss, TrialSummary
+from bench.studies.trial.summary import A_LAW, FLOOR_FACTOR, LARGE, NOTHING, SOMETHING, Miss, TrialSummary
 from bench.studies.trial.target import Share
 
 COVERAGE = 0.95
@@ -20,8 +20,8 @@ def confusion_chart(summary: TrialSummary) -> Chart:
     hidden += [NOTHING] * (NOTHING in summary.confusion)
     named = {name for line in summary.confusion.values() for name in line}
     across = [name for name in hidden if name in named and name != NOTHING]
-    across += sorted(named - set(across) - {SOMETHING, NOTHING})
-    across += [name for name in (SOMETHING, NOTHING) if name in named]
+    across += sorted(named - set(across) - {A_LAW, SOMETHING, NOTHING})
+    across += [name for name in (A_LAW, SOMETHING, NOTHING) if name in named]
     cells = [
         (across.index(other), i, count / sum(summary.confusion[name].values()), str(count))
         for i, name in enumerate(hidden)

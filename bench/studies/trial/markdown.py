@@ -8,7 +8,15 @@ from dataclasses import dataclass
 from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.effects.display_names import spoken
-from bench.studies.trial.summary import FLOOR_FACTOR, GAIN_FACTOR, LARGE, NOTHING, Miss, TrialSummary
+from bench.studies.trial.summary import (
+    FLOOR_FACTOR,
+    GAIN_FACTOR,
+    LARGE,
+    LAW_FACTOR,
+    NOTHING,
+    Miss,
+    TrialSummary,
+)
 from bench.studies.trial.target import Kept, Share, Target, TargetFigure
 
 COUNTED = (
@@ -26,8 +34,9 @@ WORDS = {
     TargetFigure.PLACES: "of effects at motors that were named: at exactly the motors that have them",
     TargetFigure.ALARM: "nothing hidden: any alarm",
     TargetFigure.ALARM_NAMED: "an effect named",
-    TargetFigure.OUTSIDE_HONEST: "outside the catalogue: unexplained, no wrong name",
+    TargetFigure.OUTSIDE_HONEST: "outside the catalogue: a law or unexplained, no wrong name",
     TargetFigure.OUTSIDE_UNEXPLAINED: "unexplained",
+    TargetFigure.OUTSIDE_LAW: f"a law, and with it an error not fitted of at most {LAW_FACTOR} × the noise floor",
     TargetFigure.OUTSIDE_NO_WRONG_NAME: "no wrong name with the verdict `missing`",
     TargetFigure.GAIN_ERROR_MEDIANS: "gains after the found effects, over those of a model that was told: medians",
     TargetFigure.GAIN_ERROR_RMS: "root mean squares",

@@ -23,11 +23,13 @@ LARGE = 3.0
 
 FLOOR_FACTOR = 1.15
 GAIN_FACTOR = 1.5
+LAW_FACTOR = 1.5
 SIZES = (0.0, 1.5, 3.0, 6.0, 12.0, np.inf)
 """Bounds of the classes of an effect's own error over the noise floor."""
 
-NOTHING, SOMETHING = "nothing", "unexplained"
-"""What stands in the confusion matrix for no hidden effect or no alarm, and for an alarm without a name."""
+NOTHING, SOMETHING, A_LAW = "nothing", "unexplained", "a law"
+"""What stands in the confusion matrix for no hidden effect or no alarm, for an alarm without a name, and for a law that
+was found and has none."""
 
 
 @dataclass(frozen=True)
@@ -101,12 +103,14 @@ def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
 
 
 def first_named(row: Row) -> str:
-    """The effect that a diagnosis names first, companions of the hidden one aside."""
+    """The effect that a diagnosis names first, companions of the hidden one aside; a law where it names none."""
     drawn = names_in(row["hidden"])
     beside = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
     beside -= set(drawn)
     names = [name for name in names_in(row["missing"]) if name not in beside]
-    return names[0] if names else SOMETHING if row["unexplained"] else NOTHING
+    if names:
+        return names[0]
+    return A_LAW if _laws(row) else SOMETHING if row["unexplained"] else NOTHING
 
 
 def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
@@ -133,6 +137,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         share(TargetFigure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
         share(TargetFigure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
         share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
+        share(TargetFigure.OUTSIDE_LAW, of("outside"), _law_at_floor),
         share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
     found += _gain_targets(hiding)
@@ -180,11 +185,21 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
 
 
 def _alarm(row: Row) -> bool:
-    return bool(row["missing"]) or bool(row["unexplained"])
+    return bool(row["missing"]) or bool(row["unexplained"]) or bool(_laws(row))
 
 
 def _honest(row: Row) -> bool:
-    return bool(row["unexplained"]) and not row["wrong"]
+    """No name that is wrong, and something said: a law, or that the rest is unexplained."""
+    return bool(row["unexplained"] or _laws(row)) and not row["wrong"]
+
+
+def _law_at_floor(row: Row) -> bool:
+    return bool(_laws(row)) and bool(row["error_over_floor.after"] <= LAW_FACTOR)
+
+
+def _laws(row: Row) -> int:
+    """How many laws were found; trials before there was a search for them have no such figure."""
+    return int(row.get("laws") or 0)
 
 
 def _confusion(alone: Sequence[Row], done: Sequence[Row]) -> dict[str, dict[str, int]]:

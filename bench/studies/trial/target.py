@@ -32,6 +32,7 @@ class TargetFigure(StrEnum):
     ALARM_NAMED = auto()
     OUTSIDE_HONEST = auto()
     OUTSIDE_UNEXPLAINED = auto()
+    OUTSIDE_LAW = auto()
     OUTSIDE_NO_WRONG_NAME = auto()
     GAIN_ERROR_MEDIANS = auto()
     GAIN_ERROR_RMS = auto()
