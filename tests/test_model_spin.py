@@ -14,6 +14,7 @@ from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.robot_check.check import check_robot
+from bench.robot_check.outcome import Check, Code
 from tests.mechanisms import movement, write_robot
 
 # A slider-crank in space; the rod lies along its own z axis.
@@ -97,7 +98,7 @@ def test_the_check_passes_and_says_it(spun):
     report = check_robot(spun)
     assert report.failures == ()
     assert (report.mobility.rank, report.mobility.spins, report.mobility.remaining) == (3, 1, 1)
-    assert any("'rod': free to spin" in check.detail for check in report.checks)
+    assert Check(Code.ROD_SPINS, "note", {"bodies": ["rod"]}) in report.checks
 
 
 @pytest.mark.parametrize("tool", [None, "rod_end"])

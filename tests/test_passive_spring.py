@@ -14,6 +14,7 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.robot_check.check import check_robot
+from bench.robot_check.words import detail_of
 from bench.scenario.scenario import load_scenario, resolve_trajectories
 from bench.truth.dataset import as_dataset
 from bench.truth.simulate import simulate
@@ -46,7 +47,7 @@ def found(sprung: Path) -> Identification:
 
 
 def test_the_check_tells_how_to_fit_it(sprung: Path) -> None:
-    notes = [check.detail for check in check_robot(load_robot(sprung)).checks if check.verdict == "note"]
+    notes = [detail_of(check) for check in check_robot(load_robot(sprung)).checks if check.verdict == "note"]
     assert any("--with passive_spring:left_elbow" in note for note in notes)
 
 

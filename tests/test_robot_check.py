@@ -20,7 +20,9 @@ from bench.robot_check.listing import loop_lines
 from bench.robot_check.loops import check_constraints
 from bench.robot_check.machine import make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import amplification
+from bench.robot_check.outcome import Code
 from bench.robot_check.singularity import singularity_of, sweep
+from bench.robot_check.words import WORDS, detail_of, name_of
 from tests.broken_robots import HOME, edit, edit_mjcf, write_five_bar
 from tests.small_robots import OTHER_WELDS, SERIAL, spatial, welded, write_robot
 
@@ -31,11 +33,11 @@ def linkage(tmp_path):
 
 
 def failures(report):
-    return [(check.name, check.detail) for check in report.failures]
+    return [(name_of(check), detail_of(check)) for check in report.failures]
 
 
 def verdict(report, name):
-    return next(check for check in report.checks if check.name == name)
+    return next(check for check in report.checks if name_of(check) == name)
 
 
 # --- good robots --------------------------------------------------------------------------------------------
@@ -102,7 +104,7 @@ def test_masses_of_the_mjcf_change_nothing_but_the_mass(tmp_path):
     edit_mjcf(heavy, ('<geom fromto="0 0 0 0.3 0 0"/>', '<geom fromto="0 0 0 0.3 0 0" mass="7"/>'))
     one, other = (check_robot(load_robot(folder)) for folder in (light, heavy))
     assert failures(one) == failures(other) == []
-    assert verdict(one, "total mass").detail != verdict(other, "total mass").detail
+    assert verdict(one, "total mass").values["mass"] < verdict(other, "total mass").values["mass"]
     assert one.singularity == other.singularity
     np.testing.assert_array_equal(one.base.grouping, other.base.grouping)
 
@@ -134,7 +136,7 @@ def test_the_pose_that_is_proposed_is_assembled(linkage):
     edit_mjcf(linkage, (HOME, "-2.35 1.3 -0.79 -1.3"))
     report = check_robot(load_robot(linkage))
     (found,) = report.failures
-    edit_mjcf(linkage, ("-2.35 1.3 -0.79 -1.3", re.search(r'qpos="(.*?)"', found.detail).group(1)))
+    edit_mjcf(linkage, ("-2.35 1.3 -0.79 -1.3", re.search(r'qpos="(.*?)"', detail_of(found)).group(1)))
     assert failures(check_robot(load_robot(linkage))) == []
 
 
@@ -144,7 +146,7 @@ def test_a_small_gap_is_told_and_no_error(linkage):
     assert failures(report) == []
     found = verdict(report, "home assembled")
     assert found.verdict == "note"
-    assert "open by 2.98e-08 m" in found.detail
+    assert "open by 2.98e-08 m" in detail_of(found)
 
 
 # --- singularities ------------------------------------------------------------------------------------------
@@ -156,7 +158,7 @@ def test_nearest_singularity_of_a_five_bar_has_its_rods_in_line(linkage):
     )
     edit_mjcf(linkage, ('pos="-0.06 0 0"', 'pos="-0.15 0 0"'), ('pos="0.06 0 0"', 'pos="0.15 0 0"'))
     edit_mjcf(linkage, (HOME, "-1.8 0.6 -1.34 -0.6"))
-    home = re.search(r'qpos="(.*?)"', check_robot(load_robot(linkage)).failures[0].detail).group(1)
+    home = re.search(r'qpos="(.*?)"', detail_of(check_robot(load_robot(linkage)).failures[0])).group(1)
     edit_mjcf(linkage, ("-1.8 0.6 -1.34 -0.6", home))
     found = check_robot(load_robot(linkage)).singularity
     assert found.singular_at is not None
@@ -309,7 +311,7 @@ def test_what_the_model_does_not_know_is_told(linkage, old, new, told):
     edit_mjcf(linkage, (old, new))
     report = check_robot(load_robot(linkage))
     assert failures(report) == []
-    notes = [check.detail for check in report.checks if check.verdict == "note"]
+    notes = [detail_of(check) for check in report.checks if check.verdict == "note"]
     assert len(notes) == 1
     assert [text for text in told if text not in notes[0]] == []
 
@@ -356,7 +358,26 @@ def test_command_prints_and_writes(linkage, tmp_path, capsys):
     counted = {"tree": 4, "equations": 3, "rank": 2, "motors": 2, "spins": 0, "remaining": 2}
     assert answer["degrees_of_freedom"] == counted
     assert {check["verdict"] for check in answer["checks"]} == {"ok"}
+    assert answer["checks"][-5] == {
+        "name": "home within ranges",
+        "verdict": "ok",
+        "detail": "2 of 4 joints have a range",
+        "code": "home_within_ranges",
+        "values": {"ranged": 2, "joints": 4},
+    }
     assert len(answer["base_parameters"]) == 11
+
+
+def test_every_code_has_its_words():
+    assert list(WORDS) == list(Code)
+
+
+def test_a_broken_robot_is_told_in_values(linkage):
+    edit_mjcf(linkage, ("-3.3 -1.5", "-1.5 1.5"))
+    (found,) = check_robot(load_robot(linkage)).failures
+    assert found.code is Code.HOME_OUTSIDE_RANGE
+    limits = {"lower": -1.5, "upper": 1.5}
+    assert found.values == {"joint": "left", "home": -2.35, "unit": "rad", **limits}
 
 
 def test_command_lists_the_base_parameters(capsys):
@@ -377,4 +398,4 @@ def test_command_shows_the_table_before_it_fails(linkage, capsys):
 def test_lengths_in_millimetres_are_suspected(tmp_path):
     mjcf = SERIAL.replace('pos=".3 0 0"', 'pos="300 0 0"')
     report = check_robot(write_robot(tmp_path / "r", mjcf, {"shoulder": "N*m/A", "elbow": "N*m/A"}))
-    assert any("lengths of up to 300 m" in check.detail for check in report.checks)
+    assert any("lengths of up to 300 m" in detail_of(check) for check in report.checks)

@@ -35,13 +35,14 @@ def check(folder: str, json_file: Path | None, verbose: bool) -> None:
     from bench.document.terminal.robot import robot_report
     from bench.robot_check.as_json import report_json
     from bench.robot_check.check import check_robot
+    from bench.robot_check.words import detail_of, name_of
 
     report = check_robot(load_robot(folder))
     robot_report(report, Console(), verbose=verbose)
     if report.failures:
         first = report.failures[0]
         prefix = f"robot {report.robot.name}: "
-        raise BenchError(f"{prefix}{first.name}: {first.detail.removeprefix(prefix)}")
+        raise BenchError(f"{prefix}{name_of(first)}: {detail_of(first).removeprefix(prefix)}")
     if json_file is not None:
         write_answer(json_file, report_json(report))
         say([wrote(json_file, "answer")])

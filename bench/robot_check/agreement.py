@@ -1,6 +1,7 @@
 """Pinocchio and MuJoCo side by side: joints, body poses, masses, and the forces of motion."""
 
 from collections.abc import Callable
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -11,7 +12,7 @@ from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.model.supported import label_of
 from bench.robot_check.machine import CheckedMachine, body_label, set_pose
-from bench.robot_check.report import Check, count
+from bench.robot_check.outcome import Check, Code
 
 TOLERANCE = 1e-10  # of the quantity's own size (at least 1, in its SI unit): two libraries, rounding only
 KINDS = {
@@ -24,35 +25,33 @@ KINDS = {
 
 def check_joint_list(machine: CheckedMachine) -> Check:
     """Every joint of the MJCF is in the model under its name, of its kind, on the body that MuJoCo says."""
-    name = "joint tree"
     geometry, compiled = machine.geometry, machine.compiled
     if compiled.njnt != machine.model.njoints - 1:
-        wrong = f"MuJoCo has {compiled.njnt} joints, Pinocchio {machine.model.njoints - 1}"
-        return Check(name, "failed", wrong)
+        counts = {"mujoco": int(compiled.njnt), "pinocchio": machine.model.njoints - 1}
+        return Check(Code.JOINT_COUNTS_DIFFER, "failed", counts)
     for index in range(compiled.njnt):
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, index)
         own = mujoco.mjtJoint(int(compiled.jnt_type[index])).name.removeprefix("mjJNT_").lower()
         joint = machine.model.joints[index + 1]
         kind = joint.shortname()
         if machine.model.names[index + 1] != label:
-            return Check(
-                name, "failed", f"joint {label!r} is {machine.model.names[index + 1]!r} in Pinocchio"
-            )
+            names = {"mujoco": label, "pinocchio": machine.model.names[index + 1]}
+            return Check(Code.JOINT_NAMES_DIFFER, "failed", names)
         if kind not in KINDS[own]:
-            return Check(name, "failed", f"joint {label!r} is a {own}, in Pinocchio a {kind}")
+            kinds = {"joint": label, "mujoco": own, "pinocchio": kind}
+            return Check(Code.JOINT_KINDS_DIFFER, "failed", kinds)
         slices = (int(compiled.jnt_qposadr[index]), int(compiled.jnt_dofadr[index]))
         if slices != (joint.idx_q, joint.idx_v):
-            return Check(name, "failed", f"joint {label!r} has other coordinates in Pinocchio")
+            return Check(Code.JOINT_COORDINATES_DIFFER, "failed", {"joint": label})
         parent = _parent_joint(compiled, index)
         if machine.model.parents[index + 1] != parent + 1:
-            return Check(name, "failed", f"joint {label!r} has another parent in Pinocchio")
+            return Check(Code.JOINT_PARENTS_DIFFER, "failed", {"joint": label})
     roots = sum(joint.parent < 0 for joint in geometry.joints)
-    return Check(name, "ok", f"{count(compiled.njnt, 'joint')}, {roots} on the base, the same in both")
+    return Check(Code.JOINT_TREES_AGREE, "ok", {"joints": int(compiled.njnt), "roots": roots})
 
 
 def check_joint_motion(machine: CheckedMachine, poses: np.ndarray) -> Check:
     """Place and axis of every joint at the configurations poses (N, nq), from both libraries' Jacobians."""
-    name = "joint places and axes"
     compiled, model, data = machine.compiled, machine.model, machine.data
     linear, angular = np.empty((2, 3, machine.geometry.nv))
     frame = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -70,18 +69,19 @@ def check_joint_motion(machine: CheckedMachine, poses: np.ndarray) -> Check:
             theirs = np.vstack((linear, angular))[:, joint.v]
             ours = (pin.getJointJacobian(model, data, index + 1, frame).reshape(6, -1) @ turn)[:, joint.v]
             worst[index] = np.maximum(worst[index], (placed, np.abs(ours - theirs).max()))
-    return _verdict(
-        name,
+    return _compared(
         worst.max(axis=1),
-        lambda index: (
-            f"joint {machine.geometry.joints[index].name!r}: place differs by {worst[index, 0]:.2e} m,"
-            f" axis by {worst[index, 1]:.2e}"
-        ),
-        f"{count(compiled.njnt, 'joint')} at {len(poses)} poses",
+        (Code.JOINT_AXES_AGREE, {"joints": int(compiled.njnt), "poses": len(poses)}),
+        Code.JOINT_AXES_DIFFER,
+        lambda index: {
+            "joint": machine.geometry.joints[index].name,
+            "place": float(worst[index, 0]),
+            "axis": float(worst[index, 1]),
+        },
     )
 
 
-def check_body_poses(machine: CheckedMachine, poses: np.ndarray, what: str) -> Check:
+def check_body_poses(machine: CheckedMachine, poses: np.ndarray, tree: Literal["opened", "closed"]) -> Check:
     """Position and orientation of every body, fixed ones included, at the configurations poses (N, nq)."""
     worst = np.zeros(machine.compiled.nbody)
     for q in poses:
@@ -92,11 +92,15 @@ def check_body_poses(machine: CheckedMachine, poses: np.ndarray, what: str) -> C
             rotation = machine.state.xmat[body].reshape(3, 3)
             apart = np.abs(frame.translation - machine.state.xpos[body]).max()
             worst[body] = np.max((worst[body], apart, np.abs(frame.rotation - rotation).max()))
-    return _verdict(
-        f"body poses, {what}",
+    return _compared(
         worst,
-        lambda body: f"body {body_label(machine.compiled, body)!r} stands elsewhere by {worst[body]:.2e}",
-        f"bodies at {len(poses)} poses",
+        (Code.BODY_POSES_AGREE, {"tree": tree, "poses": len(poses)}),
+        Code.BODY_POSES_DIFFER,
+        lambda body: {
+            "tree": tree,
+            "body": body_label(machine.compiled, body),
+            "difference": float(worst[body]),
+        },
     )
 
 
@@ -105,11 +109,11 @@ def check_total_mass(machine: CheckedMachine) -> Check:
     moving = [body for body, (joint, _) in machine.places.items() if joint >= 0]
     theirs = float(machine.compiled.body_mass[moving].sum())
     ours = pin.computeTotalMass(machine.model)
-    return _verdict(
-        "total mass",
+    return _compared(
         np.array([abs(ours - theirs) / max(1.0, theirs)]),
-        lambda _: f"{ours:.9g} kg in Pinocchio, {theirs:.9g} kg in MuJoCo",
-        f"{theirs:.6g} kg that move",
+        (Code.TOTAL_MASSES_AGREE, {"mass": theirs}),
+        Code.TOTAL_MASSES_DIFFER,
+        lambda _: {"pinocchio": float(ours), "mujoco": theirs},
     )
 
 
@@ -124,13 +128,11 @@ def check_mass_matrix(machine: CheckedMachine, poses: np.ndarray) -> Check:
         upper = np.triu(pin.crba(machine.model, machine.data, q))
         ours = turn.T @ (upper + np.triu(upper, 1).T) @ turn
         worst = np.maximum(worst, np.abs(ours - theirs).max(axis=1) / max(1.0, np.abs(theirs).max()))
-    return _verdict(
-        "masses and inertias",
+    return _compared(
         worst,
-        lambda v: (
-            f"what joint {_joint_of(machine, v)!r} moves differs by {worst[v]:.2e} of the largest entry"
-        ),
-        f"mass matrices {nv} × {nv} at {len(poses)} poses",
+        (Code.MASS_MATRICES_AGREE, {"size": nv, "poses": len(poses)}),
+        Code.MASS_MATRICES_DIFFER,
+        lambda v: {"joint": _joint_of(machine, v), "difference": float(worst[v])},
     )
 
 
@@ -142,11 +144,11 @@ def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np
         ours = turn.T @ pin.rnea(machine.model, machine.data, q, v, _model_acceleration(machine, v))
         theirs = machine.state.qfrc_bias
         worst = np.maximum(worst, np.abs(ours - theirs) / max(1.0, np.abs(theirs).max()))
-    return _verdict(
-        "gravity and Coriolis forces",
+    return _compared(
         worst,
-        lambda v: f"joint {_joint_of(machine, v)!r} differs by {worst[v]:.2e} of the largest force",
-        f"{count(machine.geometry.nv, 'force')} at {len(poses)} states",
+        (Code.BIAS_FORCES_AGREE, {"forces": machine.geometry.nv, "states": len(poses)}),
+        Code.BIAS_FORCES_DIFFER,
+        lambda v: {"joint": _joint_of(machine, v), "difference": float(worst[v])},
     )
 
 
@@ -175,11 +177,11 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
         acceleration = turn.T @ (a - _model_acceleration(machine, v))
         theirs[k] = _motor_motions(machine).T @ (inertia @ acceleration + machine.state.qfrc_bias)
     worst = np.abs(ours - theirs).max(axis=0) / max(1.0, float(np.abs(theirs).max()))
-    return _verdict(
-        "motor forces",
+    return _compared(
         worst,
-        lambda i: f"motor {geometry.robot.joints[i]!r} differs by {worst[i]:.2e} of the largest force",
-        f"regressor and dynamics at {len(ours)} closed states",
+        (Code.MOTOR_FORCES_AGREE, {"states": len(ours)}),
+        Code.MOTOR_FORCES_DIFFER,
+        lambda i: {"motor": geometry.robot.joints[i], "difference": float(worst[i])},
     )
 
 
@@ -233,9 +235,15 @@ def _parent_joint(compiled: mujoco.MjModel, joint: int) -> int:
     return -1
 
 
-def _verdict(name: str, worst: np.ndarray, culprit: Callable[[int], str], done: str) -> Check:
+def _compared(
+    worst: np.ndarray,
+    agreed: tuple[Code, dict[str, Any]],
+    differs: Code,
+    offender: Callable[[int], dict[str, Any]],
+) -> Check:
     """ok with what was done and the largest difference, or failed with the offender nearest to the base."""
     largest = float(worst.max(initial=0.0))
     if largest < TOLERANCE:
-        return Check(name, "ok", f"{done} agree {f'to {largest:.0e}' if largest else 'exactly'}")
-    return Check(name, "failed", culprit(int(np.argmin(worst < TOLERANCE))))
+        code, done = agreed
+        return Check(code, "ok", {**done, "difference": largest})
+    return Check(differs, "failed", offender(int(np.argmin(worst < TOLERANCE))))

@@ -3,8 +3,9 @@
 from dataclasses import asdict
 from typing import Any
 
+from bench.robot_check.outcome import Check
 from bench.robot_check.report import RobotReport
-from bench.robot_check.singularity import nearest_in_words
+from bench.robot_check.words import detail_of, name_of, nearest_singularity
 
 
 def report_json(report: RobotReport) -> dict[str, Any]:
@@ -21,12 +22,23 @@ def report_json(report: RobotReport) -> dict[str, Any]:
         else {**asdict(mobility), "remaining": mobility.remaining},
         "singularity": None
         if singularity is None
-        else {**asdict(singularity), "nearest": nearest_in_words(singularity)},
+        else {**asdict(singularity), "nearest": nearest_singularity(singularity)},
         "base_parameters": []
         if base is None
         else [
             {"name": name, "unit": unit, "grouping": grouping}
             for name, unit, grouping in zip(base.names, base.units, base.descriptions, strict=True)
         ],
-        "checks": [asdict(check) for check in report.checks],
+        "checks": [check_json(check) for check in report.checks],
+    }
+
+
+def check_json(check: Check) -> dict[str, Any]:
+    """A check in words, and as its code with its values."""
+    return {
+        "name": name_of(check),
+        "verdict": check.verdict,
+        "detail": detail_of(check),
+        "code": check.code,
+        "values": dict(check.values),
     }

@@ -18,7 +18,8 @@ from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, l
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
-from bench.robot_check.report import Check, RobotReport, Singularity
+from bench.robot_check.outcome import Check, Code
+from bench.robot_check.report import RobotReport, Singularity
 from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
 
@@ -46,7 +47,7 @@ def check_robot(robot: Robot) -> RobotReport:
     except BenchError as error:
         if features.verdict == "failed":
             return report
-        return _with(report, Check("geometry", "failed", str(error)))
+        return _with(report, Check(Code.GEOMETRY_UNREADABLE, "failed", {"fault": str(error)}))
     machine = make_machine(geometry)
     report = replace(report, loops=loop_lines(machine))
     report = _with(report, *_same_tree(machine))
@@ -95,7 +96,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         motion = random_motion(geometry, POSES, SEED)
         base = base_parameters(geometry)
     except BenchError as error:
-        return _with(report, Check("motion within the joint ranges", "failed", str(error)))
+        return _with(report, Check(Code.MOTION_FAULT, "failed", {"fault": str(error)}))
     report = _with(replace(report, base=base), check_rotors(geometry, base))
     if swept is not None:
         singularity = singularity_of(geometry, swept)
@@ -111,27 +112,26 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     )
 
 
-def _regular_home(found: Singularity) -> Check:
-    name = "home is regular"
-    fast = found.amplification
-    told = (
-        f"smallest singular value {found.home:.2g}; "
-        f"{fast.passive} moves at {fast.value:.3g} {fast.unit} of {fast.motor}"
-    )
-    if found.home < WEAK or fast.value > LARGEST_AMPLIFICATION:
-        return Check(name, "failed", f"home is singular or nearly so: {told}")
-    if fast.value > FAST:
-        return Check(name, "note", f"home is near a singularity: {told}")
-    return Check(name, "ok", told)
+def _regular_home(singularity: Singularity) -> Check:
+    fastest = singularity.amplification
+    values = {
+        "singular_value": singularity.home,
+        "passive": fastest.passive,
+        "amplification": fastest.value,
+        "unit": fastest.unit,
+        "motor": fastest.motor,
+    }
+    if singularity.home < WEAK or fastest.value > LARGEST_AMPLIFICATION:
+        return Check(Code.HOME_SINGULAR, "failed", values)
+    if fastest.value > FAST:
+        return Check(Code.HOME_NEAR_SINGULAR, "note", values)
+    return Check(Code.HOME_REGULAR, "ok", values)
 
 
-def _ranges(found: Singularity) -> list[Check]:
-    if found.singular_at is None:
+def _ranges(singularity: Singularity) -> list[Check]:
+    if singularity.singular_at is None:
         return []
-    where = ", ".join(f"{name} {value:.3g}" for name, value in found.singular_at.items())
-    return [
-        Check("note", "note", f"the joint ranges hold a singularity, at {where}: keep trajectories off it")
-    ]
+    return [Check(Code.SINGULARITY_WITHIN_RANGES, "note", {"positions": singularity.singular_at})]
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
@@ -143,9 +143,7 @@ def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
             continue
         low, high = qpos[:, joint.q].min(), qpos[:, joint.q].max()
         if low < joint.limits[0] or high > joint.limits[1]:
-            text = (
-                f"passive joint {joint.name!r} goes from {low:.3g} to {high:.3g} within the motors' ranges, "
-                f"its own is [{joint.limits[0]:g}, {joint.limits[1]:g}]: the model does not know of stops"
-            )
-            checks.append(Check("note", "note", text))
+            reached = {"lowest": float(low), "highest": float(high)}
+            limits = {"lower": float(joint.limits[0]), "upper": float(joint.limits[1])}
+            checks.append(Check(Code.PASSIVE_RANGE_LEFT, "note", {"joint": joint.name, **reached, **limits}))
     return checks

@@ -1,5 +1,7 @@
 """Is the robot assembled at home, and if not, which pose nearby is?"""
 
+from dataclasses import asdict
+
 import numpy as np
 import pinocchio as pin
 
@@ -8,7 +10,8 @@ from bench.model.follow import SLACK
 from bench.model.geometry import Geometry
 from bench.model.tree import build_tree
 from bench.robot_check.machine import to_mujoco
-from bench.robot_check.report import Check, LoopLine, Verdict
+from bench.robot_check.outcome import Check, Code, Verdict
+from bench.robot_check.report import HomeSource, LoopLine
 
 ASSEMBLED = 1e-6  # m or rad: a wider gap is an error
 EXACT = 1e-9  # m or rad: a wider gap is told
@@ -17,27 +20,24 @@ ATTEMPTS = 200
 DEPENDENT = 1e-7  # singular values below this share of the largest are left out of a step
 
 
-def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: str) -> Check:
+def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSource) -> Check:
     """Every loop closed in the home pose; `source` says where that pose comes from."""
-    name = "home assembled"
+    origin = asdict(source)
     if not loops:
-        return Check(name, "ok", f"no loops to close ({source})")
+        return Check(Code.HOME_WITHOUT_LOOPS, "ok", origin)
     widest = max(loops, key=lambda loop: max(loop.gap, loop.twist))
     gap = max(widest.gap, widest.twist)
-    unit = "m" if widest.gap >= widest.twist else "rad"
+    opening = {"gap": gap, "unit": "m" if widest.gap >= widest.twist else "rad", **origin}
     if gap < EXACT:
-        return Check(name, "ok", f"widest gap {gap:.1e} {unit} ({source})" if gap else f"no gap ({source})")
-    told = f"loop {widest.name!r} is open by {gap:.3g} {unit} ({source})"
+        return Check(Code.HOME_CLOSED, "ok", opening)
+    opening["loop"] = widest.name
     closed = closed_pose(geometry)
     if closed is None and gap < SLACK and _repeated(geometry):
-        agree = f"{told}; loops that repeat one another disagree, least squares close them"
-        return Check(name, "note", agree)
+        return Check(Code.HOME_OPEN_AS_LOOPS_DISAGREE, "note", opening)
+    verdict: Verdict = "note" if gap < ASSEMBLED else "failed"
     if closed is None:
-        return Check(name, _verdict(gap), f"{told}; no closed pose was found near it: check the lengths")
-    qpos = " ".join(f"{value:.16g}" for value in to_mujoco(geometry, closed))
-    return Check(
-        name, _verdict(gap), f'{told}; closed with the motors held: <key name="home" qpos="{qpos}"/>'
-    )
+        return Check(Code.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, opening)
+    return Check(Code.HOME_OPEN, verdict, {**opening, "closed_qpos": to_mujoco(geometry, closed).tolist()})
 
 
 def closed_pose(geometry: Geometry) -> np.ndarray | None:
@@ -59,7 +59,3 @@ def closed_pose(geometry: Geometry) -> np.ndarray | None:
 def _repeated(geometry: Geometry) -> bool:
     """Whether there are more equations than joints to close them."""
     return len(loop_residual(geometry, geometry.home[:, None])) > len(geometry.passive)
-
-
-def _verdict(gap: float) -> Verdict:
-    return "note" if gap < ASSEMBLED else "failed"

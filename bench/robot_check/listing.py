@@ -9,21 +9,19 @@ from bench.model.geometry import Geometry
 from bench.model.supported import label_of
 from bench.robot_check.loops import gaps, loop_bodies
 from bench.robot_check.machine import CheckedMachine, body_label
-from bench.robot_check.report import Check, JointLine, LoopLine
+from bench.robot_check.outcome import Check, Code
+from bench.robot_check.report import HomeSource, JointLine, LoopLine
 
 SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of its range
 
 
-def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, str]:
+def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, HomeSource]:
     """The home pose as qpos (nq,), and where it comes from."""
     key = mujoco.mj_name2id(compiled, mujoco.mjtObj.mjOBJ_KEY, "home")
     if key < 0:
-        return compiled.qpos0.copy(), "qpos0, as there is no keyframe home"
-    given = len(robot.mjcf_spec().keys[key].qpos)
-    source = "keyframe home"
-    if given < compiled.nq:  # MuJoCo does not say so
-        source += f" with {given} of {compiled.nq} positions, the others from qpos0"
-    return compiled.key_qpos[key].copy(), source
+        return compiled.qpos0.copy(), HomeSource(None, int(compiled.nq))
+    given = len(robot.mjcf_spec().keys[key].qpos)  # MuJoCo fills up with qpos0, and does not say so
+    return compiled.key_qpos[key].copy(), HomeSource(given, int(compiled.nq))
 
 
 def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]:
@@ -64,17 +62,13 @@ def loop_lines(machine: CheckedMachine) -> tuple[LoopLine, ...]:
 
 def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:
     """Home lies within every joint range."""
-    name = "home within ranges"
     for joint in joints:
         if joint.home is None or joint.lower is None or joint.upper is None:
             continue
         if not joint.lower - SLACK <= joint.home <= joint.upper + SLACK:
             unit = joint_units(joint.kind == "hinge").position
-            return Check(
-                name,
-                "failed",
-                f"joint {joint.name!r} is at {joint.home:.6g} {unit} at home, "
-                f"outside its range [{joint.lower:g}, {joint.upper:g}]",
-            )
+            limits = {"lower": joint.lower, "upper": joint.upper}
+            offender = {"joint": joint.name, "home": joint.home, "unit": unit, **limits}
+            return Check(Code.HOME_OUTSIDE_RANGE, "failed", offender)
     ranged = sum(joint.lower is not None for joint in joints)
-    return Check(name, "ok", f"{ranged} of {len(joints)} joints have a range")
+    return Check(Code.HOME_WITHIN_RANGES, "ok", {"ranged": ranged, "joints": len(joints)})

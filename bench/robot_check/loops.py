@@ -12,7 +12,7 @@ from bench.model.geometry import Geometry, Loop
 from bench.model.motion import Motion
 from bench.model.tree import loop_constraints
 from bench.robot_check.machine import CheckedMachine, body_label, rotation_matrix, set_pose
-from bench.robot_check.report import Check
+from bench.robot_check.outcome import Check, Code
 
 TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
 MOMENT = 1e-4  # s: between the five residuals whose differences stand for rates
@@ -40,11 +40,11 @@ def _active(compiled: mujoco.MjModel) -> list[int]:
 
 def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
     """Residual and Jacobian of every loop and coupling at the closed configurations poses (N, nq)."""
-    name = "loop closures"
     geometry = machine.geometry
     equalities = active_equalities(machine.compiled)
     if len(equalities) != len(geometry.loops):
-        return Check(name, "failed", f"MuJoCo has {len(equalities)} loops, the model {len(geometry.loops)}")
+        counts = {"mujoco": len(equalities), "model": len(geometry.loops)}
+        return Check(Code.LOOP_COUNTS_DIFFER, "failed", counts)
     couplings = active_couplings(machine.compiled)
     names = [*(loop.name for loop in geometry.loops), *(coupling.name for coupling in geometry.couplings)]
     worst = np.zeros((len(names), 2))
@@ -70,14 +70,12 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
             worst[index] = np.maximum(worst[index], (apart[0], apart[1:].max()))
             row += 1
     if worst.max() < TOLERANCE:
-        done = f"residuals and Jacobians at {len(poses)} closed poses agree to {worst.max():.0e}"
-        return Check(name, "ok", done)
+        agreed = {"poses": len(poses), "difference": float(worst.max())}
+        return Check(Code.LOOP_CLOSURES_AGREE, "ok", agreed)
     at = int(np.argmax(worst.max(axis=1)))
-    return Check(
-        name,
-        "failed",
-        f"{names[at]!r}: MuJoCo's residual differs by {worst[at, 0]:.2e}, its Jacobian by {worst[at, 1]:.2e}",
-    )
+    residual, jacobian = worst[at].tolist()
+    offender = {"closure": names[at], "residual": residual, "jacobian": jacobian}
+    return Check(Code.LOOP_CLOSURES_DIFFER, "failed", offender)
 
 
 def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
@@ -94,9 +92,12 @@ def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
         opening = FIRST @ residuals / MOMENT / max(1.0, speed)
         bending = SECOND @ residuals / MOMENT**2 / max(1.0, speed**2, float(np.abs(a).max()))
         worst = np.maximum(worst, (np.abs(opening).max(), np.abs(bending).max()))
-    name = "closed motion"
-    told = f"velocities open the loops by {worst[0]:.0e}, accelerations by {worst[1]:.0e} of themselves"
-    return Check(name, "ok" if worst.max() < MOTION_TOLERANCE else "failed", told)
+    velocity, acceleration = worst.tolist()
+    return Check(
+        Code.LOOP_OPENING_IN_MOTION,
+        "ok" if worst.max() < MOTION_TOLERANCE else "failed",
+        {"velocity": velocity, "acceleration": acceleration},
+    )
 
 
 def _mujoco_residual(machine: CheckedMachine, q: np.ndarray) -> np.ndarray:

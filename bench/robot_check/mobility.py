@@ -7,7 +7,8 @@ from bench.model.geometry import Geometry
 from bench.model.mobility import DEPENDENT, column_scales, scaled_jacobians
 from bench.model.mobility import check_mobility as require_mobility
 from bench.model.spin import idle_spins
-from bench.robot_check.report import Amplification, Check, Mobility, count
+from bench.robot_check.outcome import Check, Code
+from bench.robot_check.report import Amplification, Mobility
 
 TAKES_PART = 0.05  # of the largest component: a joint moves in a motion that nothing holds
 AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
@@ -35,51 +36,42 @@ def mobility_of(geometry: Geometry, q: np.ndarray) -> Mobility:
 
 def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
     """As many degrees of freedom as motors, every passive joint held, and home not singular."""
-    name = "degrees of freedom"
     try:
         require_mobility(geometry)
     except BenchError as error:
-        return Check(name, "failed", str(error).removeprefix(f"robot {geometry.robot.name}: "))
-    told = f"{mobility.tree} of the tree less {mobility.rank} of rank leave {mobility.remaining}"
-    if mobility.spins:
-        told = (
-            f"{mobility.tree} of the tree less {mobility.rank} of rank and {count(mobility.spins, 'idle spin')} "
-            f"leave {mobility.remaining}"
-        )
-    extra = [actuator.joint for actuator in geometry.robot.redundant]
-    beside = f" and a redundant one at {', '.join(extra)}" if extra else ""
+        fault = str(error).removeprefix(f"robot {geometry.robot.name}: ")
+        return Check(Code.MOBILITY_FAULT, "failed", {"fault": fault})
     return Check(
-        name,
+        Code.MOBILITY,
         "ok" if mobility.remaining == mobility.motors else "failed",
-        f"{told}, for {count(mobility.motors, 'motor')}{beside}",
+        {
+            "tree": mobility.tree,
+            "rank": mobility.rank,
+            "spins": mobility.spins,
+            "remaining": mobility.remaining,
+            "motors": mobility.motors,
+            "redundant": [actuator.joint for actuator in geometry.robot.redundant],
+        },
     )
 
 
 def coupling_lines(geometry: Geometry) -> list[Check]:
-    """Every coupling as an equation of joint positions, counted from qpos0."""
+    """Every coupling: the joints of both sides with their factors, and the polynomial between them."""
     lines = []
     for coupling in geometry.couplings:
         first, second = (
-            " + ".join(f"{factor:g} {geometry.joints[joint].name}" for joint, factor in side)
+            {geometry.joints[joint].name: factor for joint, factor in side}
             for side in (coupling.first, coupling.second)
         )
-        powers = [f"{c:g}" if k == 0 else f"{c:g} x^{k}" for k, c in enumerate(coupling.polynomial) if c]
-        right = second if coupling.polynomial == (0.0, 1.0) else " + ".join(powers) or "0"
-        where = f" with x = {second}" if second and coupling.polynomial != (0.0, 1.0) else ""
-        lines.append(Check("coupling", "ok", f"{coupling.name}: {first} = {right}{where}"))
+        equation = {"first": first, "second": second, "polynomial": list(coupling.polynomial)}
+        lines.append(Check(Code.COUPLING, "ok", {"coupling": coupling.name, **equation}))
     return lines
 
 
 def spin_notes(geometry: Geometry) -> list[Check]:
     """Which rods can spin between their ball joints."""
-    bodies = [repr(geometry.joints[spin.joint].body) for spin in idle_spins(geometry)]
-    if not bodies:
-        return []
-    told = (
-        f"{', '.join(bodies)}: free to spin about the line through the joints at both ends, the motors held"
-    )
-    exact = "taken as not spinning, which is exact where a rod's mass lies on that line"
-    return [Check("note", "note", f"{told}; {exact}")]
+    bodies = [geometry.joints[spin.joint].body for spin in idle_spins(geometry)]
+    return [Check(Code.ROD_SPINS, "note", {"bodies": bodies})] if bodies else []
 
 
 def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:

@@ -1,26 +1,19 @@
-"""What a check of a robot found; every value is a plain number or text."""
+"""What is worked out of a robot; every value is a plain number, text or code."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters
-
-Verdict = Literal["ok", "note", "failed", "skipped"]
-
-
-def count(number: int, noun: str) -> str:
-    """A number with its noun: 1 loop, 2 loops."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+from bench.robot_check.outcome import Check
 
 
 @dataclass(frozen=True)
-class Check:
-    """One thing that was looked at; `detail` says what was measured, or what is wrong and where."""
+class HomeSource:
+    """Where the home pose is from: `given` of its `positions` from the keyframe home, the others from qpos0."""
 
-    name: str
-    verdict: Verdict
-    detail: str
+    given: int | None
+    """None without a keyframe home."""
+    positions: int
 
 
 @dataclass(frozen=True)

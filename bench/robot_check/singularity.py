@@ -24,8 +24,6 @@ STEPS = 24  # of a path from home to the edge of the ranges
 MOST_CORNERS = 16
 DIRECTIONS = 24  # random ones, beside the axes and corners
 SEED = 20120601
-STILL = 1e-6  # rad or m: a smaller travel is none
-NAMED = 4  # joints that a sentence names
 
 
 @dataclass(frozen=True)
@@ -91,23 +89,6 @@ def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
     )
 
 
-def nearest_in_words(found: Singularity) -> str:
-    """Where the nearest singularity lies, as a sentence."""
-    if found.singular_at is None:
-        return (
-            f"none met within the joint ranges: over {found.poses} poses the smallest singular value stays "
-            f"above {found.lowest:.2g}, lowest at {_listed(found.lowest_at)}"
-        )
-    moves = _listed({name: value for name, value in (found.travel or {}).items() if abs(value) > STILL}, "+")
-    shown = ", ".join(found.loose[:NAMED])
-    if len(found.loose) > NAMED:
-        shown += f" and {len(found.loose) - NAMED} more"
-    return (
-        f"{moves} from home, at {_listed(found.singular_at)}: the loops come loose there, "
-        f"{shown} can move while the motors are held"
-    )
-
-
 def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
     low, high = active_ranges(geometry)
     n = len(start)
@@ -161,7 +142,3 @@ def _positions(geometry: Geometry, q: np.ndarray) -> dict[str, float]:
         name: float(qpos[index])
         for name, index in zip(geometry.robot.joints, geometry.active_configuration, strict=True)
     }
-
-
-def _listed(positions: dict[str, float], sign: str = "") -> str:
-    return ", ".join(f"{name} {value:{sign}.3g}" for name, value in positions.items())

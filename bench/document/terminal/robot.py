@@ -8,8 +8,9 @@ from bench.document.numbers import pretty_unit
 from bench.document.table import Column, Table
 from bench.document.terminal.identification import section
 from bench.document.terminal.tables import printed
-from bench.robot_check.report import Check, JointLine, Mobility, RobotReport, Singularity, count
-from bench.robot_check.singularity import nearest_in_words
+from bench.robot_check.outcome import Check
+from bench.robot_check.report import JointLine, Mobility, RobotReport, Singularity
+from bench.robot_check.words import count, detail_of, name_of, nearest_singularity
 
 MARKS = {"ok": ("✓", "green"), "note": ("!", "yellow"), "failed": ("✗", "bold red")}
 NOT_EXACT = 1e-9  # m or rad: a gap that is coloured
@@ -100,7 +101,7 @@ def singularity_grid(found: Singularity) -> Grid:
     grid.add_row("", f"{fast.passive} moves fastest: {fast.value:.3g} {fast.unit} of {fast.motor}")
     ends = (f"{name} [{low:.4g}, {high:.4g}]" for name, (low, high) in found.reach.items())
     grid.add_row("one motor moving", f"reaches {', '.join(ends)}")
-    grid.add_row("nearest", nearest_in_words(found))
+    grid.add_row("nearest", nearest_singularity(found))
     return grid
 
 
@@ -113,7 +114,7 @@ def checks_grid(checks: tuple[Check, ...]) -> Grid:
     for check in checks:
         mark, style = MARKS[check.verdict]
         detail_style = "dim" if check.verdict == "ok" else style
-        grid.add_row(Text(mark, style), Text(check.name), Text(check.detail, detail_style))
+        grid.add_row(Text(mark, style), Text(name_of(check)), Text(detail_of(check), detail_style))
     return grid
 
 

@@ -1,0 +1,78 @@
+"""What a check found, as a code with its values; `bench.robot_check.words` has the sentences."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum, auto
+from typing import Any, Literal
+
+Verdict = Literal["ok", "note", "failed", "skipped"]
+
+
+class Code(StrEnum):
+    """What was found. The values of each are the arguments of its sentence in `bench.robot_check.words`."""
+
+    # the MJCF
+    MJCF_SUPPORTED = auto()
+    MJCF_UNSUPPORTED = auto()
+    GEOMETRY_UNREADABLE = auto()
+    EQUALITY_INACTIVE = auto()
+    JOINT_FORCE_NOT_MODELLED = auto()
+    PASSIVE_ARMATURE_NOT_MODELLED = auto()
+    MEDIUM_NOT_MODELLED = auto()
+    PLUGINS_NOT_MODELLED = auto()
+    ACTUATORS_UNUSED = auto()
+    TENDON_UNUSED = auto()
+    LENGTHS_LARGE = auto()
+    # Pinocchio beside MuJoCo
+    JOINT_TREES_AGREE = auto()
+    JOINT_COUNTS_DIFFER = auto()
+    JOINT_NAMES_DIFFER = auto()
+    JOINT_KINDS_DIFFER = auto()
+    JOINT_COORDINATES_DIFFER = auto()
+    JOINT_PARENTS_DIFFER = auto()
+    JOINT_AXES_AGREE = auto()
+    JOINT_AXES_DIFFER = auto()
+    BODY_POSES_AGREE = auto()
+    BODY_POSES_DIFFER = auto()
+    TOTAL_MASSES_AGREE = auto()
+    TOTAL_MASSES_DIFFER = auto()
+    MASS_MATRICES_AGREE = auto()
+    MASS_MATRICES_DIFFER = auto()
+    BIAS_FORCES_AGREE = auto()
+    BIAS_FORCES_DIFFER = auto()
+    MOTOR_FORCES_AGREE = auto()
+    MOTOR_FORCES_DIFFER = auto()
+    # loops
+    LOOP_COUNTS_DIFFER = auto()
+    LOOP_CLOSURES_AGREE = auto()
+    LOOP_CLOSURES_DIFFER = auto()
+    LOOP_OPENING_IN_MOTION = auto()
+    COUPLING = auto()
+    # the home pose
+    HOME_WITHOUT_LOOPS = auto()
+    HOME_CLOSED = auto()
+    HOME_OPEN = auto()
+    HOME_OPEN_AND_NO_CLOSED_POSE = auto()
+    HOME_OPEN_AS_LOOPS_DISAGREE = auto()
+    HOME_WITHIN_RANGES = auto()
+    HOME_OUTSIDE_RANGE = auto()
+    HOME_REGULAR = auto()
+    HOME_NEAR_SINGULAR = auto()
+    HOME_SINGULAR = auto()
+    # freedom and ranges
+    MOBILITY = auto()
+    MOBILITY_FAULT = auto()
+    ROD_SPINS = auto()
+    MOTION_FAULT = auto()
+    ROTOR_INERTIA = auto()
+    SINGULARITY_WITHIN_RANGES = auto()
+    PASSIVE_RANGE_LEFT = auto()
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at. values: by name, plain ones for JSON; lengths in m, angles in rad, masses in kg."""
+
+    code: Code
+    verdict: Verdict
+    values: Mapping[str, Any] = field(default_factory=dict)

@@ -1,0 +1,384 @@
+"""What the checks of a robot found, in words: for each code what was looked at, and a sentence from its values."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from bench.robot_check.outcome import Check, Code
+from bench.robot_check.report import Singularity
+
+TERMS = {  # of an MJCF's joint
+    "stiffness": "spring (stiffness)",
+    "damping": "damping",
+    "frictionloss": "friction (frictionloss)",
+}
+STILL = 1e-6  # rad or m: a smaller travel is none
+NAMED = 4  # joints that a sentence names
+
+
+def name_of(check: Check) -> str:
+    """What was looked at, in a word or two."""
+    name, _ = WORDS[check.code]
+    return name.format(**check.values)
+
+
+def detail_of(check: Check) -> str:
+    """What was measured, or what is wrong and where."""
+    _, sentence = WORDS[check.code]
+    return sentence(**check.values)
+
+
+def count(number: int, noun: str) -> str:
+    """A number with its noun: 1 loop, 2 loops."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def nearest_singularity(singularity: Singularity) -> str:
+    """Where the nearest singularity lies, as a sentence."""
+    if singularity.singular_at is None:
+        return (
+            f"none met within the joint ranges: over {singularity.poses} poses the smallest singular value stays "
+            f"above {singularity.lowest:.2g}, lowest at {_positions(singularity.lowest_at)}"
+        )
+    travel = {name: value for name, value in (singularity.travel or {}).items() if abs(value) > STILL}
+    loose = ", ".join(singularity.loose[:NAMED])
+    if len(singularity.loose) > NAMED:
+        loose += f" and {len(singularity.loose) - NAMED} more"
+    return (
+        f"{_positions(travel, '+')} from home, at {_positions(singularity.singular_at)}: the loops come loose there, "
+        f"{loose} can move while the motors are held"
+    )
+
+
+# --- the MJCF -----------------------------------------------------------------------------------------------
+
+
+def _supported() -> str:
+    return "bodies, joints and supported equalities alone"
+
+
+def _unsupported(features: Sequence[str]) -> str:
+    first, *others = features
+    return first + (f" (and {len(others)} more: {'; '.join(others)})" if others else "")
+
+
+def _fault(fault: str) -> str:
+    return fault
+
+
+def _equality_inactive(equality: str) -> str:
+    return f"equality {equality!r} is inactive and ignored"
+
+
+def _joint_force(term: str, joints: Sequence[str], effects: Sequence[str]) -> str:
+    return (
+        f"{TERMS[term]} on {', '.join(joints)}: the simulator will add it, the model does not know it; fit it with "
+        f"--with {' --with '.join(effects)}"
+    )
+
+
+def _passive_armature(joints: Sequence[str]) -> str:
+    return f"rotor inertia (armature) on the passive {', '.join(joints)}: the model does not know it"
+
+
+def _lengths_large(length: float) -> str:
+    return (
+        f"lengths of up to {length:.3g} m: an MJCF is in metres, and lengths look like millimetres or inches; "
+        "divide every pos by 1000, or by 39.37"
+    )
+
+
+def _medium(density: float, viscosity: float) -> str:
+    return "the air (density, viscosity) slows bodies in the simulator, the model does not know it"
+
+
+def _plugins(plugins: int) -> str:
+    return f"{plugins} plug-ins of MuJoCo: the model does not know what they do"
+
+
+def _actuators(actuators: int) -> str:
+    return f"{actuators} actuators of the MJCF are not used: robot.toml names the motors"
+
+
+def _tendon(tendon: str) -> str:
+    return f"tendon {tendon!r} is ignored"
+
+
+# --- Pinocchio beside MuJoCo --------------------------------------------------------------------------------
+
+
+def _trees_agree(joints: int, roots: int) -> str:
+    return f"{count(joints, 'joint')}, {roots} on the base, the same in both"
+
+
+def _joint_counts(mujoco: int, pinocchio: int) -> str:
+    return f"MuJoCo has {mujoco} joints, Pinocchio {pinocchio}"
+
+
+def _joint_names(mujoco: str, pinocchio: str) -> str:
+    return f"joint {mujoco!r} is {pinocchio!r} in Pinocchio"
+
+
+def _joint_kinds(joint: str, mujoco: str, pinocchio: str) -> str:
+    return f"joint {joint!r} is a {mujoco}, in Pinocchio a {pinocchio}"
+
+
+def _joint_coordinates(joint: str) -> str:
+    return f"joint {joint!r} has other coordinates in Pinocchio"
+
+
+def _joint_parents(joint: str) -> str:
+    return f"joint {joint!r} has another parent in Pinocchio"
+
+
+def _agreement(difference: float) -> str:
+    return f"agree {f'to {difference:.0e}' if difference else 'exactly'}"
+
+
+def _axes_agree(joints: int, poses: int, difference: float) -> str:
+    return f"{count(joints, 'joint')} at {poses} poses {_agreement(difference)}"
+
+
+def _axes_differ(joint: str, place: float, axis: float) -> str:
+    return f"joint {joint!r}: place differs by {place:.2e} m, axis by {axis:.2e}"
+
+
+def _poses_agree(tree: str, poses: int, difference: float) -> str:
+    return f"bodies at {poses} poses {_agreement(difference)}"
+
+
+def _poses_differ(tree: str, body: str, difference: float) -> str:
+    return f"body {body!r} stands elsewhere by {difference:.2e}"
+
+
+def _total_masses_agree(mass: float, difference: float) -> str:
+    return f"{mass:.6g} kg that move {_agreement(difference)}"
+
+
+def _total_masses_differ(pinocchio: float, mujoco: float) -> str:
+    return f"{pinocchio:.9g} kg in Pinocchio, {mujoco:.9g} kg in MuJoCo"
+
+
+def _mass_matrices_agree(size: int, poses: int, difference: float) -> str:
+    return f"mass matrices {size} × {size} at {poses} poses {_agreement(difference)}"
+
+
+def _mass_matrices_differ(joint: str, difference: float) -> str:
+    return f"what joint {joint!r} moves differs by {difference:.2e} of the largest entry"
+
+
+def _bias_forces_agree(forces: int, states: int, difference: float) -> str:
+    return f"{count(forces, 'force')} at {states} states {_agreement(difference)}"
+
+
+def _bias_forces_differ(joint: str, difference: float) -> str:
+    return f"joint {joint!r} differs by {difference:.2e} of the largest force"
+
+
+def _motor_forces_agree(states: int, difference: float) -> str:
+    return f"regressor and dynamics at {states} closed states {_agreement(difference)}"
+
+
+def _motor_forces_differ(motor: str, difference: float) -> str:
+    return f"motor {motor!r} differs by {difference:.2e} of the largest force"
+
+
+# --- loops --------------------------------------------------------------------------------------------------
+
+
+def _loop_counts(mujoco: int, model: int) -> str:
+    return f"MuJoCo has {mujoco} loops, the model {model}"
+
+
+def _closures_agree(poses: int, difference: float) -> str:
+    return f"residuals and Jacobians at {poses} closed poses agree to {difference:.0e}"
+
+
+def _closures_differ(closure: str, residual: float, jacobian: float) -> str:
+    return f"{closure!r}: MuJoCo's residual differs by {residual:.2e}, its Jacobian by {jacobian:.2e}"
+
+
+def _opening(velocity: float, acceleration: float) -> str:
+    return f"velocities open the loops by {velocity:.0e}, accelerations by {acceleration:.0e} of themselves"
+
+
+def _coupling(
+    coupling: str,
+    first: Mapping[str, float],
+    second: Mapping[str, float],
+    polynomial: Sequence[float],
+) -> str:
+    """As an equation of joint positions, counted from qpos0."""
+    left, right = (
+        " + ".join(f"{factor:g} {joint}" for joint, factor in side.items()) for side in (first, second)
+    )
+    if tuple(polynomial) == (0.0, 1.0):
+        return f"{coupling}: {left} = {right}"
+    powers = [f"{c:g}" if k == 0 else f"{c:g} x^{k}" for k, c in enumerate(polynomial) if c]
+    return f"{coupling}: {left} = {' + '.join(powers) or '0'}{f' with x = {right}' if right else ''}"
+
+
+# --- the home pose ------------------------------------------------------------------------------------------
+
+
+def _source(given: int | None, positions: int) -> str:
+    """Where the home pose is from: a keyframe that gives so many of the positions, or none."""
+    if given is None:
+        return "qpos0, as there is no keyframe home"
+    if given < positions:
+        return f"keyframe home with {given} of {positions} positions, the others from qpos0"
+    return "keyframe home"
+
+
+def _no_loops(given: int | None, positions: int) -> str:
+    return f"no loops to close ({_source(given, positions)})"
+
+
+def _closed(gap: float, unit: str, given: int | None, positions: int) -> str:
+    source = _source(given, positions)
+    return f"widest gap {gap:.1e} {unit} ({source})" if gap else f"no gap ({source})"
+
+
+def _open(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
+    return f"loop {loop!r} is open by {gap:.3g} {unit} ({_source(given, positions)})"
+
+
+def _loops_disagree(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
+    return (
+        f"{_open(loop, gap, unit, given, positions)}; loops that repeat one another disagree, "
+        "least squares close them"
+    )
+
+
+def _no_closed_pose(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
+    return f"{_open(loop, gap, unit, given, positions)}; no closed pose was found near it: check the lengths"
+
+
+def _open_home(
+    loop: str,
+    gap: float,
+    unit: str,
+    given: int | None,
+    positions: int,
+    closed_qpos: Sequence[float],
+) -> str:
+    qpos = " ".join(f"{value:.16g}" for value in closed_qpos)
+    said = _open(loop, gap, unit, given, positions)
+    return f'{said}; closed with the motors held: <key name="home" qpos="{qpos}"/>'
+
+
+def _within_ranges(ranged: int, joints: int) -> str:
+    return f"{ranged} of {joints} joints have a range"
+
+
+def _outside_range(joint: str, home: float, unit: str, lower: float, upper: float) -> str:
+    return f"joint {joint!r} is at {home:.6g} {unit} at home, outside its range [{lower:g}, {upper:g}]"
+
+
+def _regular(singular_value: float, passive: str, amplification: float, unit: str, motor: str) -> str:
+    return f"smallest singular value {singular_value:.2g}; {passive} moves at {amplification:.3g} {unit} of {motor}"
+
+
+def _near_singular(**conditioning: Any) -> str:
+    return f"home is near a singularity: {_regular(**conditioning)}"
+
+
+def _singular(**conditioning: Any) -> str:
+    return f"home is singular or nearly so: {_regular(**conditioning)}"
+
+
+# --- freedom and ranges -------------------------------------------------------------------------------------
+
+
+def _mobility(tree: int, rank: int, spins: int, remaining: int, motors: int, redundant: Sequence[str]) -> str:
+    less = f"{rank} of rank" + (f" and {count(spins, 'idle spin')}" if spins else "")
+    beside = f" and a redundant one at {', '.join(redundant)}" if redundant else ""
+    return f"{tree} of the tree less {less} leave {remaining}, for {count(motors, 'motor')}{beside}"
+
+
+def _spins(bodies: Sequence[str]) -> str:
+    return (
+        f"{', '.join(map(repr, bodies))}: free to spin about the line through the joints at both ends, "
+        "the motors held; taken as not spinning, which is exact where a rod's mass lies on that line"
+    )
+
+
+def _rotors(identified: Sequence[str], within_bodies: Sequence[str]) -> str:
+    parts = []
+    if identified:
+        parts.append(f"of {', '.join(identified)} a base parameter of its own, Ia")
+    if within_bodies:
+        parts.append(f"of {', '.join(within_bodies)} within a body's inertia")
+    return "; ".join(parts)
+
+
+def _singularity(positions: Mapping[str, float]) -> str:
+    return f"the joint ranges hold a singularity, at {_positions(positions)}: keep trajectories off it"
+
+
+def _passive_range(joint: str, lowest: float, highest: float, lower: float, upper: float) -> str:
+    return (
+        f"passive joint {joint!r} goes from {lowest:.3g} to {highest:.3g} within the motors' ranges, "
+        f"its own is [{lower:g}, {upper:g}]: the model does not know of stops"
+    )
+
+
+def _positions(positions: Mapping[str, float], sign: str = "") -> str:
+    return ", ".join(f"{name} {value:{sign}.3g}" for name, value in positions.items())
+
+
+Sentence = Callable[..., str]
+"""From the values of a check, by name."""
+
+WORDS: dict[Code, tuple[str, Sentence]] = {
+    Code.MJCF_SUPPORTED: ("supported MJCF", _supported),
+    Code.MJCF_UNSUPPORTED: ("supported MJCF", _unsupported),
+    Code.GEOMETRY_UNREADABLE: ("geometry", _fault),
+    Code.EQUALITY_INACTIVE: ("note", _equality_inactive),
+    Code.JOINT_FORCE_NOT_MODELLED: ("note", _joint_force),
+    Code.PASSIVE_ARMATURE_NOT_MODELLED: ("note", _passive_armature),
+    Code.MEDIUM_NOT_MODELLED: ("note", _medium),
+    Code.PLUGINS_NOT_MODELLED: ("note", _plugins),
+    Code.ACTUATORS_UNUSED: ("note", _actuators),
+    Code.TENDON_UNUSED: ("note", _tendon),
+    Code.LENGTHS_LARGE: ("note", _lengths_large),
+    Code.JOINT_TREES_AGREE: ("joint tree", _trees_agree),
+    Code.JOINT_COUNTS_DIFFER: ("joint tree", _joint_counts),
+    Code.JOINT_NAMES_DIFFER: ("joint tree", _joint_names),
+    Code.JOINT_KINDS_DIFFER: ("joint tree", _joint_kinds),
+    Code.JOINT_COORDINATES_DIFFER: ("joint tree", _joint_coordinates),
+    Code.JOINT_PARENTS_DIFFER: ("joint tree", _joint_parents),
+    Code.JOINT_AXES_AGREE: ("joint places and axes", _axes_agree),
+    Code.JOINT_AXES_DIFFER: ("joint places and axes", _axes_differ),
+    Code.BODY_POSES_AGREE: ("body poses, {tree}", _poses_agree),
+    Code.BODY_POSES_DIFFER: ("body poses, {tree}", _poses_differ),
+    Code.TOTAL_MASSES_AGREE: ("total mass", _total_masses_agree),
+    Code.TOTAL_MASSES_DIFFER: ("total mass", _total_masses_differ),
+    Code.MASS_MATRICES_AGREE: ("masses and inertias", _mass_matrices_agree),
+    Code.MASS_MATRICES_DIFFER: ("masses and inertias", _mass_matrices_differ),
+    Code.BIAS_FORCES_AGREE: ("gravity and Coriolis forces", _bias_forces_agree),
+    Code.BIAS_FORCES_DIFFER: ("gravity and Coriolis forces", _bias_forces_differ),
+    Code.MOTOR_FORCES_AGREE: ("motor forces", _motor_forces_agree),
+    Code.MOTOR_FORCES_DIFFER: ("motor forces", _motor_forces_differ),
+    Code.LOOP_COUNTS_DIFFER: ("loop closures", _loop_counts),
+    Code.LOOP_CLOSURES_AGREE: ("loop closures", _closures_agree),
+    Code.LOOP_CLOSURES_DIFFER: ("loop closures", _closures_differ),
+    Code.LOOP_OPENING_IN_MOTION: ("closed motion", _opening),
+    Code.COUPLING: ("coupling", _coupling),
+    Code.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
+    Code.HOME_CLOSED: ("home assembled", _closed),
+    Code.HOME_OPEN: ("home assembled", _open_home),
+    Code.HOME_OPEN_AND_NO_CLOSED_POSE: ("home assembled", _no_closed_pose),
+    Code.HOME_OPEN_AS_LOOPS_DISAGREE: ("home assembled", _loops_disagree),
+    Code.HOME_WITHIN_RANGES: ("home within ranges", _within_ranges),
+    Code.HOME_OUTSIDE_RANGE: ("home within ranges", _outside_range),
+    Code.HOME_REGULAR: ("home is regular", _regular),
+    Code.HOME_NEAR_SINGULAR: ("home is regular", _near_singular),
+    Code.HOME_SINGULAR: ("home is regular", _singular),
+    Code.MOBILITY: ("degrees of freedom", _mobility),
+    Code.MOBILITY_FAULT: ("degrees of freedom", _fault),
+    Code.ROD_SPINS: ("note", _spins),
+    Code.MOTION_FAULT: ("motion within the joint ranges", _fault),
+    Code.ROTOR_INERTIA: ("rotor inertia", _rotors),
+    Code.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
+    Code.PASSIVE_RANGE_LEFT: ("note", _passive_range),
+}
