@@ -15,6 +15,7 @@ from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.robot_check.check import check_robot
 from bench.robot_check.outcome import Check, Code
+from bench.robot_check.words import detail_of
 from tests.mechanisms import movement, write_robot
 
 # A slider-crank in space; the rod lies along its own z axis.
@@ -98,7 +99,12 @@ def test_the_check_passes_and_says_it(spun):
     report = check_robot(spun)
     assert report.failures == ()
     assert (report.mobility.rank, report.mobility.spins, report.mobility.remaining) == (3, 1, 1)
-    assert Check(Code.ROD_SPINS, "note", {"bodies": ["rod"]}) in report.checks
+    (spins,) = [check for check in report.checks if check.code is Code.ROD_SPINS]
+    assert spins == Check(Code.ROD_SPINS, "note", {"bodies": ["rod"]})
+    assert detail_of(spins) == (
+        "'rod': free to spin about the line through the joints at both ends, the motors held; "
+        "taken as not spinning, which is exact where a rod's mass lies on that line"
+    )
 
 
 @pytest.mark.parametrize("tool", [None, "rod_end"])
