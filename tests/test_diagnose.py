@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.result import Diagnosis
 from bench.effects import CATALOGUE, EffectInstance
 from bench.excitation.scenario import designer
@@ -49,7 +49,7 @@ def cogging() -> Dataset:
 
 
 def test_strong_cogging_of_two_motors_needs_no_other_effect_beside_it(cogging: Dataset) -> None:
-    found = diagnose(problem_of(cogging))
+    found = diagnose_with_catalogue(problem_of(cogging))
     assert found.missing == ("cogging_torque",)
     assert left_over_floor(found) < NOISE_LEFT
     for joint in ("left", "right"):
@@ -74,7 +74,7 @@ def test_a_neighbour_of_the_same_periods_does_not_drive_an_effect_from_its_place
 
 def test_a_passive_joint_that_sticks_does_not_look_like_other_effects() -> None:
     """The motors give way where an elbow sticks; sliding friction alone would leave twice the noise there."""
-    found = diagnose(
+    found = diagnose_with_catalogue(
         problem_of(
             measured(
                 {"effect": "passive_coulomb_friction", "joint": "right_elbow", "Fc": 0.1647},
@@ -90,7 +90,7 @@ def test_a_passive_joint_that_sticks_does_not_look_like_other_effects() -> None:
 
 def test_the_shadow_of_an_unknown_effect_is_not_taken_for_a_known_one() -> None:
     """Viscous friction that varies around the turn: most of it looks like plain viscous friction."""
-    found = diagnose(
+    found = diagnose_with_catalogue(
         problem_of(
             measured(
                 {"effect": "position_dependent_viscous_friction", "joint": "left", "a": -0.197, "b": 0.0035}
@@ -108,7 +108,7 @@ def test_a_friction_shows_beside_a_drift_that_has_taken_its_part() -> None:
         {"effect": "thermal_friction_drift", "Fv": 0.1, "T": 2.4},
         {"effect": "viscous_friction", "Fv": 0.06},
     )
-    found = diagnose(problem_of(measured(*hidden)))
+    found = diagnose_with_catalogue(problem_of(measured(*hidden)))
     assert set(found.missing) == {one["effect"] for one in hidden}
     assert left_over_floor(found) < NOISE_LEFT
     for place in found.after.effect_parameters["thermal_friction_drift"].values():

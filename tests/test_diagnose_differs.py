@@ -8,7 +8,7 @@ import pytest
 
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.differs import differing
 from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.summary import summary_sentences
@@ -43,7 +43,7 @@ def unlike(alike: Dataset) -> Dataset:
 
 @pytest.fixture(scope="module")
 def told(unlike: Dataset) -> Diagnosis:
-    return diagnose(problem_of(unlike))
+    return diagnose_with_catalogue(problem_of(unlike))
 
 
 def found_in(dataset: Dataset, effects: tuple[str, ...] = ()) -> list[str]:

@@ -10,7 +10,7 @@ import pytest
 
 from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.leaves_less import SquaresLeft, leaves_clearly_less
 from bench.diagnosis.normal_equations import AWAY, run_away
 from bench.identification.problem import problem_of
@@ -144,7 +144,9 @@ def test_where_all_gains_are_far_sets_are_compared_by_what_they_leave(
 def test_a_nominal_gain_in_another_unit_hides_nothing(arm: Path) -> None:
     dataset = load_dataset(arm / "data")
     actuators = tuple(replace(each, gain=1e-3 * each.gain) for each in dataset.robot.actuators)
-    found = diagnose(problem_of(replace(dataset, robot=replace(dataset.robot, actuators=actuators))))
+    found = diagnose_with_catalogue(
+        problem_of(replace(dataset, robot=replace(dataset.robot, actuators=actuators)))
+    )
     assert found.missing == ("viscous_friction",)
     for gain in found.after.drive_gains.values():
         assert 0.85 < 1e-3 * gain.value / gain.nominal < 1.15

@@ -7,7 +7,7 @@ import pytest
 from bench.cli import main
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.result import Diagnosis, Superfluous
 from bench.diagnosis.summary import summary_sentences
 from bench.identification.problem import problem_of
@@ -27,7 +27,7 @@ def dataset(tmp_path_factory) -> Dataset:
 @pytest.fixture(scope="module")
 def burdened(dataset: Dataset) -> Diagnosis:
     """Beside one of the two, from a model with an effect that is not there."""
-    return diagnose(problem_of(dataset, ("viscous_friction:left", "constant_offset")))
+    return diagnose_with_catalogue(problem_of(dataset, ("viscous_friction:left", "constant_offset")))
 
 
 def test_what_is_not_there_leaves_and_what_lacks_is_found(burdened: Diagnosis) -> None:
@@ -65,7 +65,7 @@ def test_it_is_said(burdened: Diagnosis) -> None:
 
 
 def test_a_model_that_has_all_keeps_it(dataset: Dataset) -> None:
-    found = diagnose(problem_of(dataset, ("viscous_friction:left", "coulomb_friction:left")))
+    found = diagnose_with_catalogue(problem_of(dataset, ("viscous_friction:left", "coulomb_friction:left")))
     assert (found.missing, found.superfluous) == ((), ())
     assert set(found.after.effects) == {"viscous_friction:left", "coulomb_friction:left"}
 
@@ -77,7 +77,10 @@ def test_both_ways_lead_to_the_same_set_on_measured_data(measured_data, tmp_path
     columns = ["--map", "position.axis=qm", "--map", "current.axis=vir", "--map", "time=t"]
     assert main(["import", str(log), "--robot", "emps", *columns, "-o", str(tmp_path / "emps")]) == 0
     data = load_dataset(tmp_path / "emps")
-    bare, published = diagnose(problem_of(data)), diagnose(problem_of(data, PUBLISHED))
+    bare, published = (
+        diagnose_with_catalogue(problem_of(data)),
+        diagnose_with_catalogue(problem_of(data, PUBLISHED)),
+    )
 
     def names(found: Diagnosis) -> set[str]:
         return set(found.after.effect_parameters)

@@ -13,7 +13,7 @@ from bench.api.compare import compare
 from bench.cli.diagnose import diagnose as diagnose_command
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.as_json import diagnosis_json
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.discovery import find
 from bench.diagnosis.discovery.find import find_missing_effects, something_left
 from bench.diagnosis.discovery.merged import fewer
@@ -184,7 +184,7 @@ def test_a_law_that_saves_no_unknown_stands_for_nothing() -> None:
 def test_where_it_is_not_wanted_nothing_is_discovered(braked: Dataset) -> None:
     plain = find_missing_effects(problem_of(braked), discover=False)
     assert plain.discovered == ()
-    assert plain.ladder == diagnose(problem_of(braked)).ladder
+    assert plain.ladder == diagnose_with_catalogue(problem_of(braked)).ladder
 
 
 def test_a_page_of_a_discovered_law_is_drawn_and_drawn_again(

@@ -10,7 +10,7 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.cli import main
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.effects import CATALOGUE
 from bench.excitation.discrimination.discriminate import discriminate
 from bench.excitation.discrimination.figure import discrimination_figure, write_discrimination_figure
@@ -73,14 +73,14 @@ def written(found, tmp_path_factory):
 
 
 def test_the_designed_motion_tells_what_the_given_data_cannot(given, found, written):
-    before = diagnose(Problem(as_dataset(given), RIVALS))
+    before = diagnose_with_catalogue(Problem(as_dataset(given), RIVALS))
     (verdict,) = [one for one in before.ranking if one.effect == "coulomb_friction"]
     assert (verdict.verdict, verdict.alternatives) == ("indistinguishable", ("position_dependent_friction",))
     assert max(found.given.values()) < 10.0
     assert found.tells
     trajectory = {"trajectory_file": str(written / "trajectory.toml")}
     new = [{"name": f"telling_{use}", "use": use, **trajectory} for use in ("identify", "validate")]
-    after = diagnose(Problem(as_dataset(machine([*narrow_recordings(), *new])), RIVALS))
+    after = diagnose_with_catalogue(Problem(as_dataset(machine([*narrow_recordings(), *new])), RIVALS))
     assert after.missing == ("coulomb_friction",)
     assert after.ranking[0].verdict == "missing"
     assert after.ranking[0].actuators == ("shoulder",)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.identification.problem import problem_of
 from bench.scenario.scenario import load_scenario
 from bench.truth.dataset import as_dataset
@@ -55,7 +55,7 @@ def test_what_is_hidden_is_named_where_it_is(name: str) -> None:
     hidden = [{"effect": case.effect, "joint": joint, **case.hidden} for joint in case.joints]
     design, step = SHORT | OTHER.get(case.robot, {}), STEPS.get(case.robot, 0.0005)
     scenario = load_scenario(case.robot, {"hidden": hidden, "design": design, "step": step})
-    found = diagnose(problem_of(as_dataset(simulate(scenario))))
+    found = diagnose_with_catalogue(problem_of(as_dataset(simulate(scenario))))
     assert found.missing == (case.effect,)
     assert found.ranking[0].verdict == "missing"
     assert found.ranking[0].actuators == case.joints

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench.dataset.dataset import load_dataset
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.partial_regression import PartialRegression
@@ -99,7 +99,7 @@ def test_identify_does_not_hang_on_rounding(dataset, again, requests):
 
 def test_diagnose_does_not_hang_on_rounding(dataset, again):
     catalogue = {name: CATALOGUE[name] for name in (*SEARCHED, "viscous_friction")}
-    one, other = (diagnose(Problem(each, catalogue)) for each in (dataset, again))
+    one, other = (diagnose_with_catalogue(Problem(each, catalogue)) for each in (dataset, again))
     assert set(one.missing) == {name.partition(":")[0] for name in FOUND}
     assert other.missing == one.missing
     assert_same(one.before, other.before)

@@ -36,6 +36,16 @@ def solve_sets(system: System, sets: Iterable[Sequence[int]]) -> list[SetFit]:
     return [solve_set(system, key) for key in keys]
 
 
+def enlarged(chosen: Sequence[int], others: Sequence[int]) -> list[tuple[int, ...]]:
+    """The chosen with each of the others beside them."""
+    return [(*chosen, i) for i in others]
+
+
+def reduced(chosen: Sequence[int]) -> list[tuple[int, ...]]:
+    """The chosen without each of them."""
+    return [tuple(c for c in chosen if c != k) for k in chosen]
+
+
 def swapped(chosen: Sequence[int], others: Sequence[int]) -> list[tuple[int, ...]]:
     """The chosen with each of the others in the place of each."""
     return [(*(c for c in chosen if c != k), i) for i in others for k in chosen]

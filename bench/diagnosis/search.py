@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from bench.diagnosis.batched_sets import solve_sets, swapped
+from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
 from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set
 
 EXHAUSTIVE = 3  # up to this size all sets of the shortlist compete; larger ones grow by one effect at a time
@@ -99,9 +99,9 @@ def neighbours(system: System, found: Found, chosen: tuple[int, ...], usable: Se
     earns its place.
     """
     others = [i for i in usable if i not in chosen]
-    sets = [(*chosen, i) for i in others] + swapped(chosen, others)
+    sets = enlarged(chosen, others) + swapped(chosen, others)
     if len(chosen) > 1:
-        sets += [chosen[:k] + chosen[k + 1 :] for k in range(len(chosen))]
+        sets += reduced(chosen)
     here = score(system, solve_set(system, chosen), found.empty)
     scored = (score(system, fit, found.empty) for fit in solve_sets(system, sets))
     best = sorted(
@@ -118,7 +118,7 @@ def _shortlist(
     chosen = best.fit.chosen
     alone = sorted(usable, key=lambda i: -singles[i].total)[:ALONE]
     others = [i for i in usable if i not in chosen]
-    wider = solve_sets(system, [(*chosen, i) for i in others]) if chosen else []
+    wider = solve_sets(system, enlarged(chosen, others)) if chosen else []
     beside = {i: score(system, fit, empty).total for i, fit in zip(others, wider, strict=False)}
     return list(dict.fromkeys([*chosen, *alone, *sorted(beside, key=lambda i: -beside[i])[:BESIDE]]))
 

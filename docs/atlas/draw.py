@@ -20,7 +20,7 @@ from PIL import Image
 from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.basics.versions import versions
 from bench.dataset.catalogue import built_in_robots, built_in_scenarios
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.currents import STYLE
 from bench.document.figures.draw import draw
@@ -159,7 +159,7 @@ def _robots() -> dict[str, dict[str, list[str]]]:
     for name in sorted(set(built_in_robots()) & set(built_in_scenarios())):
         setup = make_setup(name, duration=DURATION)
         scenario = reference_scenario(setup)
-        ranking = diagnose(
+        ranking = diagnose_with_catalogue(
             problem_of(as_dataset(simulate(scenario, resolve_trajectories(scenario, designer))))
         ).ranking
         found[name] = {

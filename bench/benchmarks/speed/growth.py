@@ -20,7 +20,7 @@ from bench.basics.files.atomic import atomic_path
 from bench.basics.versions import versions
 from bench.benchmarks.speed.long_log import write_long_dataset
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.diagnosis.result import Diagnosis
 from bench.document.figures.currents import STYLE
 from bench.effects import CATALOGUE
@@ -46,7 +46,7 @@ LINEAR = 1.1  # largest exponent in samples
 Work = Callable[[Dataset], object]
 WORKS: Mapping[str, Work] = {
     "identify": lambda dataset: identify(prepare(problem_of(dataset, filters=FILTERS))),
-    "diagnose": lambda dataset: diagnose(problem_of(dataset, filters=FILTERS)),
+    "diagnose": lambda dataset: diagnose_with_catalogue(problem_of(dataset, filters=FILTERS)),
 }
 
 
@@ -96,7 +96,7 @@ def _diagnose_among(size: int) -> Work:
     part = dict(list(CATALOGUE.items())[:size])
 
     def work(dataset: Dataset) -> Diagnosis:
-        return diagnose(Problem(dataset, part, filters=FILTERS))
+        return diagnose_with_catalogue(Problem(dataset, part, filters=FILTERS))
 
     return work
 

@@ -17,7 +17,7 @@ from time import perf_counter, process_time
 
 from bench.benchmarks.speed.memory import peak_bytes
 from bench.dataset.dataset import Dataset
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -38,7 +38,7 @@ class Cost:
 
 def cost_of(dataset: Dataset) -> Cost:
     """Diagnose a dataset in this process, then identify it."""
-    seconds, processor = _times(lambda: diagnose(problem_of(dataset)))
+    seconds, processor = _times(lambda: diagnose_with_catalogue(problem_of(dataset)))
     megabytes = peak_bytes() / 1024.0**2
     identified, busy = _times(lambda: identify(prepare(problem_of(dataset))))
     return Cost(seconds, processor, megabytes, busy / identified)

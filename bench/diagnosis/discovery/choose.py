@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from bench.diagnosis.batched_sets import solve_sets
+from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
 from bench.diagnosis.normal_equations import SetFit, System, solve_set
 from bench.diagnosis.search import NEEDED, Scored, earned, possible, score, simplest
 
@@ -38,10 +38,9 @@ def _climbed(system: System, start: Scored, usable: Sequence[int], empty: SetFit
     for _ in range(STEPS):
         chosen = here.fit.chosen
         others = [i for i in usable if i not in chosen]
-        fewer = [tuple(k for k in chosen if k != out) for out in chosen]
-        tried = [(*base, i) for base in fewer for i in others]
+        tried = swapped(chosen, others)
         if len(chosen) < LARGEST:
-            tried += [(*chosen, i) for i in others]
+            tried += enlarged(chosen, others)
         better = [
             scored
             for scored in _scored(system, tried, empty)
@@ -67,14 +66,13 @@ def _all_earned(system: System, scored: Scored, usable: Sequence[int], empty: Se
     """
     while scored.fit.chosen and not (possible(system, scored.fit) and earned(system, scored, empty)):
         chosen = scored.fit.chosen
-        fewer = [tuple(k for k in chosen if k != out) for out in chosen]
         if not possible(system, scored.fit):
-            swaps = [(*base, i) for base in fewer for i in usable if i not in chosen]
+            swaps = swapped(chosen, [i for i in usable if i not in chosen])
             able = [each for each in _scored(system, swaps, empty) if possible(system, each.fit)][:SWAPS]
             found = next((each for each in able if earned(system, each, empty)), None)
             if found is not None:
                 return found
-        scored = _scored(system, fewer, empty)[0]
+        scored = _scored(system, reduced(chosen), empty)[0]
     return scored
 
 

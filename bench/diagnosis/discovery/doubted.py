@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from bench.diagnosis.diagnose import SearchResult
+from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.reason import Doubt, Reason
 from bench.diagnosis.result import EffectVerdict

@@ -9,8 +9,14 @@ import numpy as np
 from bench.basics.progress import SILENT, Progress
 from bench.basics.threads import on_one_thread
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.diagnose import SearchResult, SplitProblem, answered, found_from, opened
-from bench.diagnosis.diagnose import found as search
+from bench.diagnosis.catalogue_search import (
+    SearchResult,
+    SplitProblem,
+    answered,
+    search_catalogue,
+    search_from,
+    split_and_fitted,
+)
 from bench.diagnosis.discovery.called import stood_for
 from bench.diagnosis.discovery.doubted import doubted
 from bench.diagnosis.discovery.laws import Law, laws_of
@@ -51,7 +57,7 @@ def find_missing_effects(
     Columns that are probably swapped and loads that are probably others are told. Unless that is asked for, no law is
     looked for beside them, nor beside a drive gain that is ten times off.
     """
-    case = opened(problem, progress)
+    case = split_and_fitted(problem, progress)
     progress.phase("looking for swapped columns and loads")
     causes = mistaken(problem, case.before)
     found = _found(case, discover, not causes, progress)
@@ -60,7 +66,7 @@ def find_missing_effects(
 
 def _found(case: SplitProblem, discover: bool | None, believed: bool, progress: Progress) -> Diagnosis:
     """What is found; believed: whether nothing speaks against how the data are declared."""
-    finding = search(case, progress)
+    finding = search_catalogue(case, progress)
     plain = answered(case, finding, progress)
     gains = plain.after.drive_gains.values()
     believed = believed and all(1.0 / UNIT <= gain.value / gain.nominal <= UNIT for gain in gains)
@@ -143,7 +149,7 @@ def _with_laws(
         here = judged(
             origin, model, [proposal for proposal in proposals if proposal.name not in called], barred
         )
-    finding = found_from(case, origin, here, progress, barred)
+    finding = search_from(case, origin, here, progress, barred)
     staying = tuple(law for law in laws if law.name in finding.names)
     if fewer:
         good = len(finding.names) < len(plain.finding.names) and _better(finding, plain.diagnosis, -AS_GOOD)
@@ -184,7 +190,7 @@ def _with_tables(case: SplitProblem, plain: _Answer, progress: Progress) -> _Ans
     proposals = [proposal for proposal in finding.last.proposals if proposal.name in finding.names]
     proposals += _proposed(model, laws, NEEDED)
     here = judged(origin, model, proposals, finding.barred)
-    wider = found_from(case, origin, here, progress, finding.barred)
+    wider = search_from(case, origin, here, progress, finding.barred)
     staying = tuple(law for law in (*plain.laws, *laws) if law.name in wider.names)
     if not {law.name for law in laws}.intersection(wider.names) or not _better(wider, plain.diagnosis):
         return plain

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
-from bench.diagnosis.diagnose import SearchResult
+from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
 from bench.diagnosis.discovery.refine import AS_GOOD, Refined, instances_of

@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from bench.diagnosis.diagnose import SearchResult
+from bench.diagnosis.catalogue_search import SearchResult
 from bench.diagnosis.discovery.factors import Factor, Power
 from bench.diagnosis.discovery.grammar import TOOL, A, Q, T, V
 from bench.diagnosis.discovery.laws import Law

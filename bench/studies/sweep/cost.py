@@ -10,7 +10,7 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
-from bench.diagnosis.diagnose import diagnose
+from bench.diagnosis.catalogue_search import diagnose_with_catalogue
 from bench.identification.identify import fit
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -131,7 +131,7 @@ def _identifying(dataset: Dataset, run: Run) -> float:
 def _diagnosing(dataset: Dataset, run: Run) -> float:
     """Seconds that a look at every effect takes, however long the movement is."""
     start = time.perf_counter()
-    diagnose(problem_of(dataset, run.identify["effects"]))
+    diagnose_with_catalogue(problem_of(dataset, run.identify["effects"]))
     return time.perf_counter() - start
 
 

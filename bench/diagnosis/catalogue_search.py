@@ -1,4 +1,4 @@
-"""Which effects a model lacks, judged on recordings that were not fitted."""
+"""Which effects of the catalogue a model lacks, judged on recordings that were not fitted."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -72,19 +72,19 @@ class SearchResult:
 
 
 @on_one_thread
-def diagnose(problem: Problem, progress: Progress = SILENT) -> Diagnosis:
-    """Compare a model with the data, and find the effects that it lacks.
+def diagnose_with_catalogue(problem: Problem, progress: Progress = SILENT) -> Diagnosis:
+    """Compare a model with the data, and find the effects of the catalogue that it lacks, and no law beyond it.
 
     Evidence is a likelihood ratio on recordings that were not fitted (or, where there are none, on the last
     part of each), with as many samples as are independent of each other. All sets of up to three effects
     compete; each must earn its place.
     """
-    case = opened(problem, progress)
-    return answered(case, found(case, progress), progress)
+    case = split_and_fitted(problem, progress)
+    return answered(case, search_catalogue(case, progress), progress)
 
 
-def opened(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
-    """Prepare a problem and fit the model as it is."""
+def split_and_fitted(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
+    """Set parts aside to judge on, prepare the problem and fit the model as it is."""
     progress.phase("preparing the recordings")
     dataset, held_out = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset)
@@ -94,17 +94,17 @@ def opened(problem: Problem, progress: Progress = SILENT) -> SplitProblem:
     return SplitProblem(problem, held_out, start, fit(start))
 
 
-def found(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
+def search_catalogue(case: SplitProblem, progress: Progress = SILENT) -> SearchResult:
     """Search beside a model that has the starting model's effects, or some of them: the others are to be found."""
     for start in origins_of(case.start):
         origin = origin_of(start)
-        finding = found_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
+        finding = search_from(case, origin, first_round(origin, case.problem.catalogue, progress), progress)
         if start is case.start or not worse(finding.after, case.before):
             break
     return finding
 
 
-def found_from(
+def search_from(
     case: SplitProblem,
     origin: Origin,
     first: Round,
