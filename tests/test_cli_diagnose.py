@@ -18,6 +18,7 @@ from bench.diagnosis.pruning import impossible_effects, refused, superfluous_eff
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.reason_words import reason_sentence
 from bench.diagnosis.result import LadderStep
+from bench.diagnosis.split import dataset_of as dataset_fitted
 from bench.diagnosis.summary import doubts, error_share, motor_torques, reason, summary_sentences
 from bench.document.diagnosis import ranking_table, size_words
 from bench.document.figures.diagnosis import (
@@ -32,6 +33,7 @@ from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.problem import problem_of
 from bench.identification.result import Quantity, relative_error
+from bench.residuals.motor import compared
 from tests.diagnosis_kit import OTHERS, VISCOUS, found_diagnosis
 from tests.shown import dataset_of
 
@@ -284,8 +286,14 @@ def test_gains_are_drawn_against_what_they_are_after(found):
     assert before[1] == pytest.approx(0.0)
 
 
+def errors_left(diagnosis, dataset):
+    after = diagnosis.after
+    logged = dataset_fitted(dataset, after.recordings).recordings
+    return compared(dataset.robot, logged, after.recordings, after.settings)
+
+
 def test_pictures_are_whole_files_and_no_window_is_prepared(found, nothing, dataset, tmp_path):
-    paths = write_diagnosis_figures(tmp_path / "found", found, dataset)
+    paths = write_diagnosis_figures(tmp_path / "found", found, errors_left(found, dataset))
     assert [path.name for path in paths] == [
         "ladder.png",
         "errors.png",
@@ -302,7 +310,7 @@ def test_where_nothing_is_missing_there_are_pictures_of_errors_alone(nothing, da
     monkeypatch.setattr(
         "matplotlib.figure.Figure.savefig", lambda _, path, **__: written.append(path.touch())
     )
-    paths = write_diagnosis_figures(tmp_path / "none", nothing, dataset)
+    paths = write_diagnosis_figures(tmp_path / "none", nothing, errors_left(nothing, dataset))
     assert [path.name for path in paths] == ["errors.png", "errors_left.png", "errors_right.png"]
     assert len(written) == len(paths)
 

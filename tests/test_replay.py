@@ -12,6 +12,7 @@ import pytest
 from rich.console import Console
 
 from bench.cli import main
+from bench.cli.replay_report import replay_report
 from bench.dataset.dataset import load_dataset
 from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
@@ -20,7 +21,6 @@ from bench.export.identified import declaring, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.export.replay.replay import replay
-from bench.export.replay.report import replay_report
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.prepare import prepare

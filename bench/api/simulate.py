@@ -1,12 +1,10 @@
 """Measurements with known truth."""
 
-from functools import partial
 from pathlib import Path
 
 from bench.basics.progress import SILENT, Progress
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.excitation.scenario import designer
-from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.excitation.scenario import load_designed
 from bench.truth.dataset import as_dataset, write_simulation
 from bench.truth.simulate import Simulation
 from bench.truth.simulate import simulate as run
@@ -35,6 +33,5 @@ def simulate(
 
 def simulation_of(scenario: str | Path, seed: int | None, progress: Progress) -> Simulation:
     """The same with its truth, as the command line writes it."""
-    loaded = load_scenario(str(scenario), {} if seed is None else {"seed": seed})
-    trajectories = resolve_trajectories(loaded, partial(designer, progress=progress))
+    loaded, trajectories = load_designed(scenario, None if seed is None else {"seed": seed}, progress)
     return run(loaded, trajectories, progress=progress)

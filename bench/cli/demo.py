@@ -29,14 +29,13 @@ def demo(output: Path, scenario: str) -> None:
     from bench.dataset.dataset import load_dataset
     from bench.document.figures.currents import write_current_figure
     from bench.document.terminal.identification import identification_report
-    from bench.excitation.scenario import designer
+    from bench.excitation.scenario import load_designed
     from bench.identification.identify import fit
     from bench.identification.model_file import save_model
     from bench.identification.prepare import prepare
     from bench.identification.problem import problem_of
     from bench.page.section_run import CommandRun
     from bench.page.write import write_diagnosis_report
-    from bench.scenario.scenario import load_scenario, resolve_trajectories
     from bench.studies.sweep.true_parameters import true_values
     from bench.truth.dataset import write_simulation
     from bench.truth.report import truth
@@ -44,9 +43,8 @@ def demo(output: Path, scenario: str) -> None:
     from bench.viewer.recording import write_rrd
 
     console = Console()
-    loaded = load_scenario(scenario)
-    console.print(f"Designing exciting trajectories for {loaded.robot.name} ...")
-    trajectories = resolve_trajectories(loaded, designer)
+    console.print(f"Designing exciting trajectories for {scenario} ...")
+    loaded, trajectories = load_designed(scenario)
     console.print(
         "Simulating the machine in MuJoCo, with drive gains and noise that identification does not know ..."
     )

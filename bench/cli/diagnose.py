@@ -94,10 +94,15 @@ def diagnose(
     if output is not None:
         run = CommandRun("diagnose", str(dataset), effects, tuple(map(str, effect_files)), given, str(output))
         with shown_progress(quiet, "drawing figures") as progress:
+            from bench.diagnosis.split import dataset_of
             from bench.document.figures.diagnosis import write_diagnosis_figures
             from bench.page.write import write_diagnosis_report
+            from bench.residuals.motor import compared
 
-            written += [wrote(path, "figure") for path in write_diagnosis_figures(output, diagnosis, data)]
+            after = diagnosis.after
+            logged = dataset_of(data, after.recordings).recordings
+            left = compared(data.robot, logged, after.recordings, after.settings)
+            written += [wrote(path, "figure") for path in write_diagnosis_figures(output, diagnosis, left)]
             page = write_diagnosis_report(output, diagnosis, data, run, progress)
             written.append(wrote(page, "report"))
     from rich.console import Console

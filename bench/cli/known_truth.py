@@ -1,4 +1,4 @@
-"""What a simulation knows of the dataset that it wrote: true values, and what its hidden effects did."""
+"""What a simulation knows of the dataset that it wrote: what its hidden effects did."""
 
 import json
 from collections.abc import Mapping
@@ -8,19 +8,12 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset
-from bench.document.numbers import effect_key
-from bench.model.model import build_model
-from bench.studies.sweep.true_parameters import true_values
-from bench.studies.trial.true_effects import as_logged
-from bench.studies.trial.true_effects import true_values as true_effect_values
 from bench.truth.dataset import truth_path
 from bench.truth.hidden_torque import hidden_torque, plain_machine
 from bench.truth.repeat import repeated
 from bench.truth.report import truth
 from bench.truth.simulate import Simulation
 from bench.viewer.context import KnownTruth
-
-WHOLE_ROBOT = "robot"
 
 
 def truth_beside(dataset: Dataset) -> dict[str, Any] | None:
@@ -66,18 +59,6 @@ def known_of(simulation: Simulation) -> dict[str, KnownTruth]:
         torque = told.torque if simulation.machine.hidden else None
         found[f"{recording.name}.{suffix}"] = KnownTruth(told.time, told.reference, torque, told.loop_gap)
     return found
-
-
-def truth_values(dataset: Dataset, content: Mapping[str, Any]) -> dict[str, float]:
-    """True gains, base parameters and parameters of hidden effects, named as in an identification."""
-    model = build_model(dataset.robot)
-    values = true_values(model, content)
-    slides = {joint.name for joint in model.geometry.joints if joint.kind == "slide"}
-    for hidden in as_logged(content["hidden"]):
-        joint = hidden.get("joint") or WHOLE_ROBOT
-        found = true_effect_values(hidden["effect"], hidden, slide=joint in slides)
-        values |= {effect_key(hidden["effect"], joint, name): value for name, value in found.items()}
-    return values
 
 
 def truth_of(simulation: Simulation) -> dict[str, Any]:

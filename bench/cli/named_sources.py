@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from bench.basics.errors import BenchError
-from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of, truth_values
+from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of
 from bench.dataset.dataset import DATASET_FILE, Dataset, load_dataset
 from bench.diagnosis.result import Diagnosis, LadderStep
 from bench.document.diagnosis import step_labels
@@ -20,6 +20,7 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import Identification
 from bench.page.folder import RUN_FILE, SavedRun, read_run
+from bench.studies.known_values import known_values
 from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
 from bench.truth.dataset import as_dataset
 from bench.viewer.context import KnownTruth, LadderModel, ViewContext
@@ -165,7 +166,7 @@ def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
         context = _context(dataset, result, (), f"**{again.title}**", truth=False)
         if asked.truth:
             known, content = known_of(again.simulation), truth_of(again.simulation)
-            context = replace(context, known=known, truth=truth_values(dataset, content))
+            context = replace(context, known=known, truth=known_values(dataset.robot, content))
         found.append(ViewedRun(again.title, result, dataset, context))
     return found
 
@@ -192,7 +193,7 @@ def _context(
     if content is not None:
         simulation = simulated_again(logged, content)
         if simulation is not None:
-            known, values = _by_part(known_of(simulation), dataset), truth_values(dataset, content)
+            known, values = _by_part(known_of(simulation), dataset), known_values(dataset.robot, content)
     return ViewContext(steps, torques, known, values, text)
 
 

@@ -69,12 +69,13 @@ def replay(
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_replay
     from bench.cli.progress import shown_progress
+    from bench.cli.replay_report import replay_report
     from bench.dataset.dataset import load_dataset
     from bench.export.identified import declaring, load_identified
     from bench.export.physical import physical_set
     from bench.export.replay.replay import replay as replayed
     from bench.export.replay.replay import replay_json
-    from bench.export.replay.report import replay_report, replay_sentences
+    from bench.export.replay.words import replay_sentences
     from bench.identification.model_file import read_identification
     from bench.identification.problem import problem_of
 

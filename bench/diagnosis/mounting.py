@@ -10,12 +10,11 @@ from bench.dataset.payload import Payload
 from bench.diagnosis.halves import halves_of
 from bench.diagnosis.search import NEEDED
 from bench.identification.finding import Code, Finding
-from bench.identification.layout import parameter_layout
+from bench.identification.layout import parameter_layout, payload_parameters
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly
 from bench.identification.standard_errors import uncertainty
-from bench.model.regressor import PARAMETERS, UNITS
 
 BETTER = 0.7  # of a motor's error, that it must fall to with a mounting for each recording: less is the model's error
 APART = 5.0  # deviations by which a parameter must differ
@@ -65,18 +64,19 @@ def _differing(prepared: Prepared, payload: str, logs: Mapping[str, str]) -> Fin
     if not apart[most] > APART:
         return None
     first, second = int(high[most]), int(low[most])
+    symbol, unit = payload_parameters(index)[most]
     told = [name.removeprefix(f"{payload}@") for name in (names[first], names[second])]
     std = np.sqrt(variances[:, most])
     return Finding(
         Code.MOUNTED_OTHERWISE,
-        (payload, PARAMETERS[index[most]], *told),
+        (payload, symbol, *told),
         numbers={
             "first": float(values[first, most]),
             "first_std": float(std[first]),
             "second": float(values[second, most]),
             "second_std": float(std[second]),
         },
-        unit=UNITS[index[most]],
+        unit=unit,
     )
 
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from bench.diagnosis.normal_equations import System
 from bench.diagnosis.search import NEEDED
+from bench.identification.current_noise import current_noise
 from bench.identification.prepare import Prepared
 from bench.identification.solve_only import solved_quickly, spread
-from bench.residuals.motor import current_noise
 
 WHITE = 0.8  # share of the noise's squares: where less is left, the noise is not white, and its floor says nothing
 

@@ -8,8 +8,8 @@ from bench.basics.chi_squared import exceeded_with
 from bench.dataset.recording import Recording
 from bench.diagnosis.repeats import not_repeated
 from bench.diagnosis.result import Remainder, Unexplained
+from bench.identification.current_noise import current_noise
 from bench.identification.result import CurrentSeries, Identification, relative_error
-from bench.residuals.motor import current_noise
 from bench.signals.settings import FilterSettings
 
 BINS = 12

@@ -1,15 +1,24 @@
 """The movements of a scenario, designed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from bench.basics.progress import SILENT, Progress
 from bench.dataset.robot import Robot
 from bench.excitation.design import Designed, Movement, design_trajectories
-from bench.scenario.scenario import Scenario, design_center, payload_declared, per_joint
+from bench.scenario.scenario import (
+    Scenario,
+    design_center,
+    load_scenario,
+    payload_declared,
+    per_joint,
+    resolve_trajectories,
+)
 from bench.scenario.tables import RecordingTable
 from bench.scenario.trajectory import FourierTrajectory
 
@@ -20,6 +29,17 @@ def designer(
     """Trajectories for the recordings of a scenario that ask for an optimised one, by recording name."""
     movements = tuple(_movement(scenario, recording) for recording in recordings)
     return dict(_designed(_Request(scenario.robot, _DesignKey(movements), progress)).trajectories)
+
+
+def load_designed(
+    scenario: str | Path, overrides: Mapping[str, Any] | None = None, progress: Progress = SILENT
+) -> tuple[Scenario, dict[str, FourierTrajectory]]:
+    """A scenario, a built-in name or a file, and the trajectory of every recording by its name.
+
+    overrides: merged last, see `load_scenario`. Raises BenchError, one line that names the file and the key.
+    """
+    loaded = load_scenario(scenario, overrides)
+    return loaded, resolve_trajectories(loaded, partial(designer, progress=progress))
 
 
 class _DesignKey(tuple[Movement, ...]):

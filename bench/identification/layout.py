@@ -11,7 +11,7 @@ from bench.identification.observation import Observation
 from bench.identification.payload_parameters import payload_columns
 from bench.model.base import independent_columns
 from bench.model.model import IdentificationModel
-from bench.model.regressor import PARAMETERS
+from bench.model.regressor import PARAMETERS, UNITS
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,14 @@ class ParameterLayout:
         raise BenchError(f"no payload {name!r}")
 
 
+def payload_parameters(index: np.ndarray) -> list[tuple[str, str]]:
+    """Symbol and unit of a payload's unknown standard parameters, such as mx in kg*m."""
+    return [(PARAMETERS[i], UNITS[i]) for i in index]
+
+
 def payload_parameter_names(payload: str, index: np.ndarray) -> list[str]:
-    """Names of a payload's unknown standard parameters, such as mx(disc)."""
-    return [f"{PARAMETERS[i]}({payload})" for i in index]
+    """Their names, such as mx(disc)."""
+    return [f"{symbol}({payload})" for symbol, _ in payload_parameters(index)]
 
 
 def regressor_rows(observation: Observation, layout: ParameterLayout) -> np.ndarray:

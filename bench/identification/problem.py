@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from bench.dataset.dataset import Dataset
-from bench.effects import Effect, catalogue_for
+from bench.effects import Effect, catalogue_for, places_in
+from bench.effects.places import Places
+from bench.model.geometry import read_geometry
 from bench.signals.settings import FilterSettings
 
 Filters = FilterSettings | Mapping[str, Any] | None
@@ -42,3 +44,8 @@ def problem_of(
     """
     catalogue = catalogue_for(dataset.effect_files, map(Path, effect_files))
     return Problem(dataset, catalogue, tuple(effects), filters, fit_gains)
+
+
+def places_of(problem: Problem) -> Places:
+    """Where effects may sit in the robot of a problem and in its payloads."""
+    return places_in(read_geometry(problem.dataset.robot), problem.dataset.weighed)

@@ -11,7 +11,7 @@ from bench.identification.by_recording import without_own_values
 from bench.identification.finding import Code, Finding, Unknown
 from bench.identification.findings import with_findings
 from bench.identification.hardly_apart import hardly_apart, unsettled
-from bench.identification.layout import known_rows, payload_parameter_names, regressor_rows
+from bench.identification.layout import known_rows, payload_parameters, regressor_rows
 from bench.identification.logged_velocities import velocity_findings
 from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
@@ -25,7 +25,6 @@ from bench.identification.result import (
 )
 from bench.identification.solution import Solution
 from bench.identification.standard_errors import Deviations, Uncertainty
-from bench.model.regressor import PARAMETERS, UNITS
 
 
 def summarise(
@@ -57,8 +56,8 @@ def summarise(
         gains |= redundant_gains(prepared, solution, std)
     names = list(zip(base.names, base.units, base.descriptions, strict=True))
     for payload, index in layout.payloads.items():
-        for i, name in zip(index, payload_parameter_names(payload, index), strict=True):
-            names.append((name, UNITS[i], f"{PARAMETERS[i]} of payload {payload} in the tool frame"))
+        for symbol, unit in payload_parameters(index):
+            names.append((f"{symbol}({payload})", unit, f"{symbol} of payload {payload} in the tool frame"))
     parameters = tuple(
         Parameter(float(solution.theta[i]), float(std[i]), unit, name, grouping)
         for i, (name, unit, grouping) in enumerate(names)

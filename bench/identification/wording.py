@@ -1,4 +1,4 @@
-"""Numbers and lists in a sentence."""
+"""Numbers, lists and motors in a sentence."""
 
 import math
 from collections.abc import Sequence
@@ -34,3 +34,8 @@ def or_list(names: Sequence[str]) -> str:
 
 def _joined(names: Sequence[str], word: str) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"
+
+
+def motor_words(joint: str) -> str:
+    """A motor by name: "motor left", but "motor_1" as it is."""
+    return joint if joint.lower().startswith(("motor", "actuator", "joint")) else f"motor {joint}"

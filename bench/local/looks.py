@@ -15,14 +15,12 @@ from bench.dataset.heavy_payload import HeavyPayload, heavy_payload
 from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import mjcf_parts
-from bench.effects import places_in
 from bench.effects.display_names import begun, spoken
 from bench.identification.model_file import apply_model, load_model
 from bench.identification.model_json import to_json
-from bench.identification.problem import problem_of
+from bench.identification.problem import places_of, problem_of
 from bench.local.checks import Mapped, checked
 from bench.local.columns import look_at
-from bench.model.geometry import read_geometry
 from bench.page.folder import RUN_FILE, read_json
 from bench.page.model_errors import model_beside
 from bench.page.section_errors import currents_section
@@ -131,10 +129,11 @@ def _asked(heavy: HeavyPayload | None, accepted: Sequence[str]) -> str:
 
 
 def _effects(data: Dataset) -> list[dict[str, Any]]:
-    places = places_in(read_geometry(data.robot), data.weighed)
+    problem = problem_of(data)
+    places = places_of(problem)
     return [
         {"name": name, "words": begun(name), "spoken": spoken(name), "places": [name for name in at if name]}
-        for name, effect in problem_of(data).catalogue.items()
+        for name, effect in problem.catalogue.items()
         if (at := places.where(effect))
     ]
 

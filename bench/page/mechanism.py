@@ -8,10 +8,9 @@ import numpy.typing as npt
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
 from bench.identification.result import CurrentSeries
-from bench.model.geometry import read_geometry
 from bench.page.thinned import significant
 from bench.signals.settings import FilterSettings
-from bench.viewer.body_motion import BodyMotion, body_motion, placed
+from bench.viewer.body_motion import BodyMotion, placed, recorded_motion
 from bench.viewer.context import SimulatedPoses
 from bench.viewer.geoms import visible_geoms
 from bench.viewer.scene import TOP, error_share
@@ -37,7 +36,7 @@ def mechanism(
     out of reach.
     """
     mjcf = data.robot.mjcf_model()
-    motion = body_motion(mjcf, read_geometry(data.robot), recording, settings)
+    motion = recorded_motion(data.robot, recording, settings)
     frames = min(frames, max(FEWEST_FRAMES, MOST_NUMBERS // (6 * len(visible_geoms(mjcf)) or 1)))
     every = max(1, -(-len(motion.time) // frames))
     time = motion.time[::every]

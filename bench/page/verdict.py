@@ -11,10 +11,9 @@ from bench.export.replay.replay import Replay
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
 from bench.identification.result import ErrorSummary, Identification, relative_error
-from bench.identification.wording import and_list, or_list, with_error
+from bench.identification.wording import and_list, motor_words, or_list, with_error
 from bench.page.parts import Tile
 from bench.residuals.residuals import WhereItFails
-from bench.residuals.words import motor_words
 
 MOST_GAINS = 7  # that are listed in a sentence
 

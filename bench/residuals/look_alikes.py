@@ -3,10 +3,9 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from bench.effects import Effect, places_in
+from bench.effects import Effect
 from bench.effects.effect import Seen
-from bench.identification.problem import Problem
-from bench.model.geometry import read_geometry
+from bench.identification.problem import Problem, places_of
 from bench.residuals.concentration import Concentration
 from bench.residuals.opposing_motion import Change
 from bench.residuals.periods import SpectralLine
@@ -53,7 +52,7 @@ class LookAlike:
 
 def possible_effects(problem: Problem) -> dict[str, Effect]:
     """The known effects that have a place in the robot."""
-    places = places_in(read_geometry(problem.dataset.robot), problem.dataset.weighed)
+    places = places_of(problem)
     return {name: effect for name, effect in problem.catalogue.items() if places.of(effect.place)}
 
 

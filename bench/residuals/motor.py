@@ -8,10 +8,9 @@ import numpy as np
 from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.dataset.recording import Recording
 from bench.dataset.robot import Robot
+from bench.identification.current_noise import current_noise
 from bench.identification.result import CurrentSeries
-from bench.signals.decimation import noise_bandwidth
 from bench.signals.settings import FilterSettings
-from bench.signals.spectrum import noise_floor
 
 FEWEST = 20  # rows in which a motor moves, from which on a recording tells something of it
 SWIFT = 3  # rows excluded between two directions: more is a standstill, not a reversal
@@ -106,20 +105,6 @@ def compared(
         )
         found += [_motor(trace, j, joint, float(noise[j]), band) for j, joint in enumerate(robot.joints)]
     return Compared(robot.name, tuple(robot.joints), units, tuple(found))
-
-
-def current_noise(
-    recording: Recording, settings: FilterSettings, sharing: np.ndarray | None = None
-) -> np.ndarray:
-    """RMS of the noise of the currents after the fit's filters (n,), drive unit; sharing: see `CurrentSeries`.
-
-    It is read off the spectra above the band of the motion and taken as white.
-    """
-    band = noise_bandwidth(settings.decimation) * recording.rate / 2
-    own = noise_floor(recording.current, recording.rate, band)
-    if sharing is None:
-        return own
-    return np.sqrt(own**2 + sharing**2 @ noise_floor(recording.redundant_current, recording.rate, band) ** 2)
 
 
 def relative_noise(series: Sequence[MotorSeries]) -> float:

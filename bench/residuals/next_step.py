@@ -1,8 +1,8 @@
 """What to do about errors that noise does not account for."""
 
+from bench.identification.wording import motor_words
 from bench.residuals.motor import Compared, relative_error_of, relative_noise
 from bench.residuals.residuals import MATERIAL
-from bench.residuals.words import motor_words
 
 MUCH = 3.0  # times the noise: worth a word where nobody asked for errors
 

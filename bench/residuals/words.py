@@ -3,7 +3,7 @@
 import math
 
 from bench.effects.display_names import spoken
-from bench.identification.wording import in_percent, with_error
+from bench.identification.wording import in_percent, motor_words, with_error
 from bench.residuals.concentration import Concentration
 from bench.residuals.look_alikes import LookAlike
 from bench.residuals.opposing_motion import Change
@@ -62,11 +62,6 @@ def level_sentence(motor: MotorErrors) -> str:
     times = f", {_times(motor.error / motor.noise)} times {noise}" if motor.noise > 0 else ""
     found = motor.concentrations or motor.dependences or motor.lines or motor.changes
     return f"{size}{times}" if found else f"{size}{times}, spread over the whole motion"
-
-
-def motor_words(joint: str) -> str:
-    """A motor by name: "motor left", but "motor_1" as it is."""
-    return joint if joint.lower().startswith(("motor", "actuator", "joint")) else f"motor {joint}"
 
 
 def finding_sentences(motor: MotorErrors) -> list[str]:

@@ -7,7 +7,8 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.dataset.recording import Recording
-from bench.model.geometry import Geometry, to_mujoco
+from bench.dataset.robot import Robot
+from bench.model.geometry import Geometry, read_geometry, to_mujoco
 from bench.model.motion import motion_of
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
@@ -57,6 +58,11 @@ def body_motion(
     except BenchError as error:
         raise BenchError(f"{recording.name}: {error}") from None
     return placed(model, geometry.robot.tool_site, time[frames], to_mujoco(geometry.joints, tree.q))
+
+
+def recorded_motion(robot: Robot, recording: Recording, settings: FilterSettings) -> BodyMotion:
+    """`body_motion` of one recording of a robot, which is read for it."""
+    return body_motion(robot.mjcf_model(), read_geometry(robot), recording, settings)
 
 
 def tool_path(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -14,7 +15,6 @@ from bench.dataset.robot import Robot
 from bench.document.colours import rgb
 from bench.model.geometry import read_geometry, to_mujoco
 from bench.model.motion import motion_of
-from bench.scenario.trajectory import FourierTrajectory
 from bench.viewer.body_motion import FRAME_RATE, placed
 from bench.viewer.content import TIMELINE, nanoseconds
 from bench.viewer.geoms import shapes
@@ -24,7 +24,18 @@ PATH_RADIUS = 0.0015  # of the box that the robot stays in
 LINES = ("#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#F0E442", "#D55E00")
 
 
-def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, FourierTrajectory]) -> None:
+class PlannedMotion(Protocol):
+    """A motion of the actuated joints over `duration` [s]."""
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+
+    def evaluate(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Positions, velocities and accelerations (N, n) at time (N,)."""
+
+
+def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, PlannedMotion]) -> None:
     """Write motions by name as an .rrd file, whole or not at all: a tab each, with NAME/robot and NAME/position."""
     if Path(path).suffix.lower() != ".rrd":
         raise BenchError(f"{path}: a Rerun recording is an .rrd file")
@@ -49,7 +60,7 @@ def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, Four
         stream.disconnect()
 
 
-def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: FourierTrajectory) -> None:
+def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: PlannedMotion) -> None:
     geometry, model = read_geometry(robot), robot.mjcf_model()
     time = np.arange(int(trajectory.duration * FRAME_RATE) + 1) / FRAME_RATE
     states = trajectory.evaluate(time)

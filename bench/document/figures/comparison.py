@@ -7,15 +7,16 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.document.charts.currents import currents_chart
 from bench.document.charts.motor import motor_charts
-from bench.document.figures.currents import DPI, PAGE_WIDTH, STYLE, currents_page
+from bench.document.figures.currents import PAGE_WIDTH, currents_page
 from bench.document.figures.draw import draw
 from bench.document.numbers import USES, percent
+from bench.identification.wording import motor_words
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
-from bench.residuals.words import motor_words
 
 UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "wspace": 0.36, "hspace": 0.38}
 LOWER_MARGINS = {"left": 0.125, "right": 0.985, "top": 0.92, "bottom": 0.18, "wspace": 0.72}

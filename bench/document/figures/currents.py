@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -11,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
+from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
 from bench.document.charts.currents import fitted_currents_chart
@@ -23,23 +23,6 @@ MOTOR_HEIGHT = 1.75  # inches
 LEFT, RIGHT, TITLE, FOOT, LEGEND = 1.02, 0.12, 0.36, 0.6, 0.4  # inches about the axes of one recording
 LABEL_AT = -0.178  # left of the axes, as a share of their width
 BESIDE = 2  # recordings beside each other
-DPI = 120
-# Any: matplotlib types every key of these by name.
-STYLE: Any = {
-    "font.size": 10.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#E6E9ED",
-    "grid.linewidth": 0.6,
-    "axes.edgecolor": "#8A929C",
-    "axes.labelcolor": "#3A424C",
-    "xtick.color": "#4A525C",
-    "ytick.color": "#4A525C",
-    "axes.titlesize": 10.5,
-    "axes.titlelocation": "left",
-}
 
 
 def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:

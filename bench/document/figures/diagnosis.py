@@ -6,31 +6,28 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit
-from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
-from bench.diagnosis.split import dataset_of
 from bench.document.charts.currents import before_after_chart
 from bench.document.charts.models import ladder_chart
 from bench.document.figures.comparison import errors_figure
-from bench.document.figures.currents import BESIDE, DPI, MOTOR_HEIGHT, PAGE_WIDTH, STYLE
+from bench.document.figures.currents import BESIDE, MOTOR_HEIGHT, PAGE_WIDTH
 from bench.document.figures.diagnosis_panels import draw_moved, moved
 from bench.document.figures.draw import draw
 from bench.document.numbers import effect_name, percent
 from bench.identification.result import CurrentSeries, relative_error
 from bench.identification.wording import and_list
-from bench.residuals.motor import compared
+from bench.residuals.motor import Compared
 
 
-def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, dataset: Dataset) -> list[Path]:
+def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, left: Compared) -> list[Path]:
     """Write errors.png, ladder.png, gains.png and, for what is left, errors_MOTOR.png, and tell their paths.
 
-    Where nothing is missing there is no ladder and there are no gains before and after. dataset: the one that
-    was diagnosed.
+    Where nothing is missing there is no ladder and there are no gains before and after. left: the errors of
+    the model with what is missing.
     """
-    judged = dataset_of(dataset, diagnosis.after.recordings)
-    left = compared(dataset.robot, judged.recordings, diagnosis.after.recordings, diagnosis.after.settings)
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
     if diagnosis.added:
         pages = {"ladder.png": ladder_figure(diagnosis), **pages, "gains.png": gains_figure(diagnosis)}

@@ -13,8 +13,8 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bench.basics.figure_style import STYLE
 from bench.basics.files.atomic import atomic_path, write_text_atomically
-from bench.document.figures.currents import STYLE
 
 WIDTHS = {"one_column": 88.0, "two_columns": 180.0}  # mm
 INCH = 25.4  # mm

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.excitation.discrimination.rival_models import Rival
+from bench.identification.current_noise import current_noise
 from bench.identification.standard_errors import residual_series, uncertainty
-from bench.residuals.motor import current_noise
 
 
 def own_estimate(rival: Rival) -> tuple[np.ndarray, np.ndarray]:

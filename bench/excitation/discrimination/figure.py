@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
+from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import units_of_gain
-from bench.document.figures.currents import DPI, STYLE
-from bench.document.numbers import effect_name
+from bench.effects.display_names import spoken
 from bench.excitation.discrimination.files import trajectory_table
 from bench.excitation.discrimination.motion_figures import RATE
 from bench.excitation.discrimination.result import Discrimination
@@ -50,7 +50,7 @@ def discrimination_figure(found: Discrimination) -> Figure:
             axes[j, 2].set_ylabel(f"{joint}, current [σ of noise]")
             axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0)
             for asked, answer, colour in zip(found.questions, found.motion.answers, COLOURS, strict=False):
-                name = effect_name(asked.truth.request.replace(":", " at "))
+                name = spoken(asked.truth.request.replace(":", " at "))
                 axes[j, 2].plot(
                     answer.time,
                     np.where(answer.left[:, j] == 0.0, np.nan, answer.left[:, j]),  # no row at standstill

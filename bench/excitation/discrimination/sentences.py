@@ -8,8 +8,7 @@ from bench.diagnosis.motions import telling_motions
 from bench.diagnosis.search import MATERIAL, NEEDED
 from bench.effects.display_names import begun, spoken
 from bench.excitation.discrimination.result import Discrimination, MotionFacts
-from bench.identification.wording import and_list, in_percent, or_list
-from bench.residuals.words import motor_words
+from bench.identification.wording import and_list, in_percent, motor_words, or_list
 
 NATS = "one nat is odds of e, 2.7, to 1; ten are 22,000 to 1, which is sure"
 MUCH = 1.5  # times another figure: worth a word

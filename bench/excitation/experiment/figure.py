@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bench.basics.figure_style import DPI, STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit, units_of_gain
-from bench.document.figures.currents import DPI, STYLE
 from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.plan import ExperimentPlan
 

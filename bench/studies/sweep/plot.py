@@ -7,8 +7,8 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from bench.basics.figure_style import STYLE
 from bench.basics.files.atomic import atomic_path
-from bench.document.figures.currents import STYLE
 from bench.document.figures.draw import draw
 from bench.studies.sweep.charts import plot_chart
 

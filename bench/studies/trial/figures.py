@@ -8,9 +8,9 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from bench.basics.figure_style import STYLE
 from bench.basics.files.atomic import atomic_path
 from bench.document.charts.chart import Chart
-from bench.document.figures.currents import STYLE
 from bench.document.figures.draw import draw
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.charts import confusion_chart, errors_chart, misses_chart
