@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.diagnosis import diagnose, noise, rounds, search
+from bench.diagnosis import catalogue_search, noise, rounds, search
 from bench.diagnosis.search import NEEDED, Scored, earned
 
 
@@ -103,19 +103,19 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
             raise StopIteration(first, dict(barred))
         return SimpleNamespace(model="near")
 
-    monkeypatch.setattr(diagnose, "searched", searched)
-    monkeypatch.setattr(diagnose, "_where_possible", where_possible)
-    monkeypatch.setattr(diagnose, "leaving", lambda _, model, after, __: (model, after, ()))
-    monkeypatch.setattr(diagnose, "_fits", lambda *_: None)
-    monkeypatch.setattr(diagnose, "_ladder", lambda *_: ())
+    monkeypatch.setattr(catalogue_search, "searched", searched)
+    monkeypatch.setattr(catalogue_search, "_where_possible", where_possible)
+    monkeypatch.setattr(catalogue_search, "leaving", lambda _, model, after, __: (model, after, ()))
+    monkeypatch.setattr(catalogue_search, "_fits", lambda *_: None)
+    monkeypatch.setattr(catalogue_search, "_ladder", lambda *_: ())
     origin: Any = SimpleNamespace(
         start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
     )
     case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None)
     if possible:
-        assert diagnose.found_from(case, origin, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
+        assert catalogue_search.search_from(case, origin, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
     else:
         with pytest.raises(StopIteration) as ended:
-            diagnose.found_from(case, origin, None)  # type: ignore[arg-type]
+            catalogue_search.search_from(case, origin, None)  # type: ignore[arg-type]
         assert ended.value.args[1] == {"found": "of an impossible sign"}
     assert asked == ["near", "exact"]
