@@ -14,7 +14,7 @@ from bench.diagnosis.discovery.refine import Refined, _slower, _with_a_mean, ins
 from bench.diagnosis.discovery.screen import Known, Left, Screened, few_rows, left_without, screened
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.source import law_effect, law_source
-from bench.diagnosis.discovery.table import Table, table_over
+from bench.diagnosis.discovery.table import PiecewiseLinear, table_over
 from bench.diagnosis.discovery.term import Term, about_its_mean, at_other_harmonics, freed
 from bench.diagnosis.discovery.units import times, written
 from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
@@ -113,7 +113,10 @@ def test_a_first_order_state_follows_a_ramp_exactly():
         [Term((Power(V, 0.0), Memory(0.2, (Power(V, 1.0, odd=False),)))), Term(())],
         [Term((Power(V, 0.0), Wave(Q, 2.0, 0.5, about_mean=True)))],
         [Term((Power(Variable("load", 1)), Step(Q, 0.1, 0.2)))],
-        [Term((Power(V, 0.0), Table(A, (-2.0, 0.0, 1.0, 3.0)))), Term((Table(Q, (-1.0, 0.5)),))],
+        [
+            Term((Power(V, 0.0), PiecewiseLinear(A, (-2.0, 0.0, 1.0, 3.0)))),
+            Term((PiecewiseLinear(Q, (-1.0, 0.5)),)),
+        ],
         [Term((Power(V), Power(TOOL, 2.0, odd=False))), Term((Power(LOAD), Power(Variable("velocity", 1))))],
     ],
     ids=lambda terms: "+".join(terms[0].formulas(MIXED)),

@@ -9,7 +9,7 @@ from bench.model.model import build_model
 from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
 from bench.robot_check.check import check_robot
-from bench.robot_check.outcome import Code
+from bench.robot_check.outcome import CheckCode
 from tests.mechanisms import movement, write_robot
 
 # A spherical five-bar: all axes meet in one point, but for the slack of one of them.
@@ -61,13 +61,13 @@ def test_the_check_tells_it_and_passes(slack, tmp_path):
     report = check_robot(five_bar_with(slack, tmp_path))
     assert report.failures == ()
     assert (report.mobility.rank, report.mobility.remaining) == (2, 2)
-    assert Code.HOME_OPEN_AS_LOOPS_DISAGREE in [check.code for check in report.checks]
+    assert CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE in [check.code for check in report.checks]
 
 
 def test_more_slack_than_that_is_a_mistake(tmp_path, monkeypatch):
     monkeypatch.setitem(SLACK, "a leg off the plane", (SLACK["a leg off the plane"][0], 'pos="0.06 1e-4 0">'))
     report = check_robot(five_bar_with("a leg off the plane", tmp_path))
-    assert [check.code for check in report.failures] == [Code.HOME_OPEN_AND_NO_CLOSED_POSE]
+    assert [check.code for check in report.failures] == [CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE]
 
 
 @pytest.mark.parametrize("slack", ["0 0 0", "1e-7 0 0", "0 0 -1e-6"])

@@ -14,7 +14,7 @@ from bench.model.motion import motion_of
 from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.robot_check.check import check_robot
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.words import detail_of
 from tests.mechanisms import movement, write_robot
 
@@ -99,8 +99,8 @@ def test_the_check_passes_and_says_it(spun):
     report = check_robot(spun)
     assert report.failures == ()
     assert (report.mobility.rank, report.mobility.spins, report.mobility.remaining) == (3, 1, 1)
-    (spins,) = [check for check in report.checks if check.code is Code.ROD_SPINS]
-    assert spins == Check(Code.ROD_SPINS, "note", {"bodies": ["rod"]})
+    (spins,) = [check for check in report.checks if check.code is CheckCode.ROD_SPINS]
+    assert spins == Check(CheckCode.ROD_SPINS, "note", {"bodies": ["rod"]})
     assert detail_of(spins) == (
         "'rod': free to spin about the line through the joints at both ends, the motors held; "
         "taken as not spinning, which is exact where a rod's mass lies on that line"

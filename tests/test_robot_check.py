@@ -20,7 +20,7 @@ from bench.robot_check.listing import loop_lines
 from bench.robot_check.loops import check_constraints
 from bench.robot_check.machine import make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import amplification
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.singularity import singularity_of, sweep
 from bench.robot_check.words import WORDS, detail_of, name_of
 from tests.broken_robots import HOME, edit, edit_mjcf, write_five_bar
@@ -369,24 +369,24 @@ def test_command_prints_and_writes(linkage, tmp_path, capsys):
 
 
 def test_every_code_has_its_words():
-    assert list(WORDS) == list(Code)
+    assert list(WORDS) == list(CheckCode)
 
 
 @pytest.mark.parametrize(
     ("code", "values", "words"),
     [
         (
-            Code.JOINT_COUNTS_DIFFER,
+            CheckCode.JOINT_COUNTS_DIFFER,
             {"mujoco": 4, "pinocchio": 3},
             ("joint tree", "MuJoCo has 4 joints, Pinocchio 3"),
         ),
         (
-            Code.JOINT_COORDINATES_DIFFER,
+            CheckCode.JOINT_COORDINATES_DIFFER,
             {"joint": "left"},
             ("joint tree", "joint 'left' has other coordinates in Pinocchio"),
         ),
         (
-            Code.PLUGINS_NOT_MODELLED,
+            CheckCode.PLUGINS_NOT_MODELLED,
             {"plugins": 2},
             ("note", "2 plug-ins of MuJoCo: the model does not know what they do"),
         ),
@@ -400,7 +400,7 @@ def test_words_of_what_no_robot_here_has(code, values, words):
 def test_a_broken_robot_is_told_in_values(linkage):
     edit_mjcf(linkage, ("-3.3 -1.5", "-1.5 1.5"))
     (found,) = check_robot(load_robot(linkage)).failures
-    assert found.code is Code.HOME_OUTSIDE_RANGE
+    assert found.code is CheckCode.HOME_OUTSIDE_RANGE
     limits = {"lower": -1.5, "upper": 1.5}
     assert found.values == {"joint": "left", "home": -2.35, "unit": "rad", **limits}
 

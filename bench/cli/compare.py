@@ -84,10 +84,10 @@ def _of_one(
     from bench.residuals.as_json import where_json
 
     data = load_dataset(dataset)
-    found = errors_of(data, model_file, effects, filters=given, effect_files=effect_files)
+    errors = errors_of(data, model_file, effects, filters=given, effect_files=effect_files)
     written = []
     if json_file is not None:
-        write_answer(json_file, {**comparison_json(found.comparison), **where_json(found.where)})
+        write_answer(json_file, {**comparison_json(errors.comparison), **where_json(errors.where)})
         written.append(wrote(json_file, "comparison"))
     if output is not None:
         from bench.page.section_run import CommandRun
@@ -96,14 +96,14 @@ def _of_one(
         run = CommandRun(
             "compare", str(dataset), effects, tuple(map(str, effect_files)), options, str(output)
         )
-        result = found.identified
+        result = errors.identified
         if result is None and model_file is not None:
-            result = load_model(model_file).beside(data, found.recordings)
-        written += _pictures_and_page(output, found.motors, result, data, run, model_file)
+            result = load_model(model_file).beside(data, errors.recordings)
+        written += _pictures_and_page(output, errors.motors, result, data, run, model_file)
     console = Console()
-    comparison_report(found.comparison, console)
-    where_report(found.where, console)
-    say([*written, _next(found.motors, dataset, model_file, found.effects, effect_files, given)])
+    comparison_report(errors.comparison, console)
+    where_report(errors.where, console)
+    say([*written, _next(errors.motors, dataset, model_file, errors.effects, effect_files, given)])
 
 
 def _next(
@@ -140,11 +140,11 @@ def _side_by_side(
     from bench.residuals.side_by_side import side_by_side, side_by_side_json
 
     data = load_dataset(dataset)
-    found = side_by_side(problem_of(data, effect_files=effect_files), model_files)
-    changed = changed_sentences(found)
+    comparison = side_by_side(problem_of(data, effect_files=effect_files), model_files)
+    changed = changed_sentences(comparison)
     if json_file is not None:
-        write_answer(json_file, side_by_side_json(found, changed))
-    side_by_side_report(found, changed, Console())
+        write_answer(json_file, side_by_side_json(comparison, changed))
+    side_by_side_report(comparison, changed, Console())
     lines = [] if json_file is None else [wrote(json_file, "comparison")]
     say([*lines, next_line(["compare", dataset, "--model", model_files[-1]], "shows where this one fails")])
 

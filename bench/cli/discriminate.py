@@ -92,7 +92,7 @@ def discriminate(
         given = given_filters(**options)
         files = tuple(map(str, effect_files))
         diagnose = CommandRun("diagnose", str(dataset), effects, files, given).line()
-        found = run(
+        answer = run(
             problem_of(data, effects, given, effect_files=effect_files),
             (effect_a, effect_b),
             duration=duration,
@@ -113,18 +113,18 @@ def discriminate(
         built_in = [name for name, folder in built_in_robots().items() if folder.resolve() == own]
         robot = quoted(built_in[0] if built_in else own)
         told = Told(" ".join(map(quoted, words)), diagnose, quoted(dataset), robot)
-        paths = write_discrimination(output, found, write_discrimination_figure, rate=rate, told=told)
+        paths = write_discrimination(output, answer, write_discrimination_figure, rate=rate, told=told)
     from rich.console import Console
     from rich.text import Text
 
     from bench.excitation.discrimination.sentences import next_step, sentences, warnings
 
     console = Console()
-    doubts = warnings(found)
-    for sentence in sentences(found):
+    doubts = warnings(answer)
+    for sentence in sentences(answer):
         console.print(Text(sentence, "yellow" if sentence in doubts else ""))
     for path in paths:
         say([wrote(path)])
-    step = next_step(found, diagnose, output)
+    step = next_step(answer, diagnose, output)
     if step is not None:
         click.echo(step)

@@ -68,19 +68,19 @@ def figures(
         raise click.UsageError("name the folder of the figures with -o DIR")
     given = given_filters(**filters)
     dataset, result, diagnosis = answer_of(source, ViewRequest(effects, effect_files, given, data))
-    found = figures_of(dataset, result, diagnosis)
+    drawable = figures_of(dataset, result, diagnosis)
     there = Source(source, effects, effect_files, given, data)
     if output is None:
-        for figure in found:
+        for figure in drawable:
             click.echo(figure.name)
-        say([before_figures(there, found[-1].name)])
+        say([before_figures(there, drawable[-1].name)])
         return
     if not every and not wanted:
         raise BenchError(
-            f"figures: name those to draw, or --all; there are {', '.join(paper_figure.name for paper_figure in found)}"
+            f"figures: name those to draw, or --all; there are {', '.join(each.name for each in drawable)}"
         )
     written = [
         wrote(path, "figure" if path.suffix != ".csv" else "numbers")
-        for path in write_paper_figures(output, figures_named(found, wanted))
+        for path in write_paper_figures(output, figures_named(drawable, wanted))
     ]
     say([*written, after_figures(there)])

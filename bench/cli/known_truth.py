@@ -53,12 +53,14 @@ def known_of(simulation: Simulation) -> dict[str, KnownTruth]:
     """References, hidden torques and the openings of loops, by recording of the dataset."""
     plain = plain_machine(simulation)
     suffix = simulation.scenario.settings.file_format
-    found = {}
+    by_file = {}
     for recording in simulation.recordings:
-        told = hidden_torque(simulation, recording, plain)
-        torque = told.torque if simulation.machine.hidden else None
-        found[f"{recording.name}.{suffix}"] = KnownTruth(told.time, told.reference, torque, told.loop_gap)
-    return found
+        hidden = hidden_torque(simulation, recording, plain)
+        torque = hidden.torque if simulation.machine.hidden else None
+        by_file[f"{recording.name}.{suffix}"] = KnownTruth(
+            hidden.time, hidden.reference, torque, hidden.loop_gap
+        )
+    return by_file
 
 
 def truth_of(simulation: Simulation) -> dict[str, Any]:

@@ -73,8 +73,8 @@ def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification
     Raises BenchError that says what is missing.
     """
     if source.is_dir() and (source / RUN_FILE).is_file():
-        kept = _read(source)
-        return kept.judged, kept.after, kept.diagnosis
+        saved = _read(source)
+        return saved.judged, saved.after, saved.diagnosis
     if source.is_dir() and is_sweep_folder(source):
         raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
     if source.is_file():
@@ -88,10 +88,10 @@ def answer_of(source: Path, asked: ViewRequest) -> tuple[Dataset, Identification
 
 def _read(folder: Path) -> SavedRun:
     """A result folder; says on standard error what was not taken from it as it was."""
-    kept = read_run(folder)
-    if kept.said:
-        click.echo(kept.said, err=True)
-    return kept
+    saved = read_run(folder)
+    if saved.said:
+        click.echo(saved.said, err=True)
+    return saved
 
 
 def _of_dataset(folder: Path, asked: ViewRequest) -> ViewedRun:
@@ -123,13 +123,13 @@ def _applied(path: Path, asked: ViewRequest) -> tuple[Dataset, Identification]:
     return dataset, read_identification(path, asked.of(dataset))
 
 
-def _of_result(kept: SavedRun, asked: ViewRequest) -> ViewedRun:
+def _of_result(saved: SavedRun, asked: ViewRequest) -> ViewedRun:
     """The model that was found, and the errors of the models that the ladder leads over."""
-    dataset, after, diagnosis = kept.dataset, kept.after, kept.diagnosis
+    dataset, after, diagnosis = saved.dataset, saved.after, saved.diagnosis
     if diagnosis is None:
         return ViewedRun(after.robot, after, dataset, _context(dataset, after, (), "", truth=asked.truth))
-    judged = kept.judged
-    problem = replace(kept.problem, dataset=judged, filters=after.settings, fit_gains=after.gains_fitted)
+    judged = saved.judged
+    problem = replace(saved.problem, dataset=judged, filters=after.settings, fit_gains=after.gains_fitted)
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
     words = step_labels(rungs)
     steps = []
@@ -153,7 +153,7 @@ def _requests(diagnosis: Diagnosis, rung: LadderStep) -> tuple[str, ...]:
 def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
     """Runs of a sweep, simulated and identified once more: its folder keeps no recordings."""
     plan = plan_of(folder)
-    found = []
+    viewed = []
     for number in asked.runs or telling_runs(folder, plan):
         again = run_again(folder, plan, number)
         dataset, run = as_dataset(again.simulation), again.run
@@ -167,8 +167,8 @@ def _of_sweep(folder: Path, asked: ViewRequest) -> list[ViewedRun]:
         if asked.truth:
             known, content = known_of(again.simulation), truth_of(again.simulation)
             context = replace(context, known=known, truth=known_values(dataset.robot, content))
-        found.append(ViewedRun(again.title, result, dataset, context))
-    return found
+        viewed.append(ViewedRun(again.title, result, dataset, context))
+    return viewed
 
 
 def _context(
@@ -199,8 +199,8 @@ def _context(
 
 def _by_part(known: Mapping[str, KnownTruth], dataset: Dataset) -> dict[str, KnownTruth]:
     """What is known, by the names of recordings or of parts of them: that of the log that they belong to."""
-    found = {}
+    by_recording = {}
     for recording in dataset.recordings:
         if recording.log in known:
-            found[recording.name] = known[recording.log].within(recording.time[0], recording.time[-1])
-    return found
+            by_recording[recording.name] = known[recording.log].within(recording.time[0], recording.time[-1])
+    return by_recording

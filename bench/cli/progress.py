@@ -28,9 +28,9 @@ def shown_progress(quiet: bool, phase: str = "starting") -> Iterator[Progress]:
     Nothing may be printed inside: it would stand in the middle of the bar. phase: the first one. Who runs a command
     in `progress_to` is told instead.
     """
-    if (told := _elsewhere.get()) is not None:
-        told.phase(phase)
-        yield told
+    if (listener := _elsewhere.get()) is not None:
+        listener.phase(phase)
+        yield listener
         return
     if quiet or not sys.stderr.isatty():
         yield SILENT

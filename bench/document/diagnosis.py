@@ -43,12 +43,12 @@ def ladder_table(diagnosis: Diagnosis) -> Table:
     )
 
 
-def ranking_table(diagnosis: Diagnosis, shown: Sequence[EffectVerdict] | None = None) -> Table:
+def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None = None) -> Table:
     """A row for each effect: verdict, evidence, errors without and with it, how large, where, alternatives.
 
     Columns with nothing in them are left out.
     """
-    rows = diagnosis.ranking if shown is None else shown
+    rows = diagnosis.ranking if verdicts is None else verdicts
     absorbed = [verdict.verdict == "absorbed" for verdict in rows]
     sized = [verdict if verdict.size else None for verdict in rows]
     columns = (

@@ -8,16 +8,16 @@ from bench.residuals.side_by_side import Beside, SideBySide, effect_places, inte
 MANY = 6  # parameters that are named
 
 
-def errors_beside_table(found: SideBySide) -> Table:
+def errors_beside_table(comparison: SideBySide) -> Table:
     """A row a use, a motor and a recording; a column a model."""
-    first = found.models[0].model.error
+    first = comparison.models[0].model.error
     rows = [USES["identify"]] if first.identify is not None else []
     rows += [USES["validate"]] if first.validate is not None else []
     rows += [f"motor {joint}" for joint in first.by_actuator]
     rows += [f"motor {joint}, not fitted" for joint in first.by_actuator_validate]
     rows += list(first.by_recording)
     columns = [Column("error", rows)]
-    for model in found.models:
+    for model in comparison.models:
         error = model.model.error
         cells = [error.identify] if first.identify is not None else []
         cells += [error.validate] if first.validate is not None else []
@@ -28,20 +28,20 @@ def errors_beside_table(found: SideBySide) -> Table:
     return Table(tuple(columns), ends=(uses - 1,))
 
 
-def gains_beside_table(found: SideBySide) -> Table:
+def gains_beside_table(comparison: SideBySide) -> Table:
     """A row a motor, with the 95 % interval of its gain in every model."""
-    gains = found.models[0].model.drive_gains
+    gains = comparison.models[0].model.drive_gains
     columns = [
         Column(model.name, [_interval_text(model.model.drive_gains[joint]) for joint in gains])
-        for model in found.models
+        for model in comparison.models
     ]
     unit = Column("unit", [gain.unit for gain in gains.values()], "unit")
     return Table((Column("drive gain", list(gains)), *columns, unit))
 
 
-def changed_sentences(found: SideBySide) -> list[str]:
+def changed_sentences(comparison: SideBySide) -> list[str]:
     """What each further model has that the first one has not, and what that does."""
-    first, *others = found.models
+    first, *others = comparison.models
     return [sentence for other in others for sentence in _changed(first, other)]
 
 
@@ -52,31 +52,33 @@ def _changed(first: Beside, other: Beside) -> list[str]:
     less = [name for name in there if name not in then]
     said = [f"has {_listed(more)}"] if more else []
     said += [f"lacks {_listed(less)}"] if less else []
-    found = [f"{other.name} {' and '.join(said) or 'has the same effects'}, beside {first.name}"]
+    sentences = [f"{other.name} {' and '.join(said) or 'has the same effects'}, beside {first.name}"]
     for use, words in USES.items():
         before, after = getattr(old.error, use), getattr(new.error, use)
         if before is not None and after is not None:
-            found.append(f"{other.name}: error on recordings {words} {percent(before)} → {percent(after)}")
+            sentences.append(
+                f"{other.name}: error on recordings {words} {percent(before)} → {percent(after)}"
+            )
     for joint, gain in new.drive_gains.items():
         was = old.drive_gains[joint]
         if gain.value != was.value:
             change = change_between(was.value, gain.value)
             unit = pretty_unit(gain.unit)
-            found.append(
+            sentences.append(
                 f"{other.name}: drive gain of {joint} {quantity_text(was)} → {quantity_text(gain)} {unit}, {change}"
             )
     if moved := moved_parameters(old, new):
         rest = f" and {len(moved) - MANY} more" if len(moved) > MANY else ""
         count = f"{len(moved)} of {len(new.parameters)} base parameters"
-        found.append(
+        sentences.append(
             f"{other.name}: {count} moved by more than 3 standard errors: {', '.join(moved[:MANY])}{rest}"
         )
     if old.settings != new.settings:
-        found.append(
+        sentences.append(
             f"{other.name} was fitted at another rate or with other filters than {first.name}: their errors are not "
             "of the same band"
         )
-    return found
+    return sentences
 
 
 def _listed(names: list[str]) -> str:

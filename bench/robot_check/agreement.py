@@ -12,7 +12,7 @@ from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.model.supported import label_of
 from bench.robot_check.machine import CheckedMachine, body_label, set_pose
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 
 TOLERANCE = 1e-10  # of the quantity's own size (at least 1, in its SI unit): two libraries, rounding only
 KINDS = {
@@ -28,7 +28,7 @@ def check_joint_list(machine: CheckedMachine) -> Check:
     geometry, compiled = machine.geometry, machine.compiled
     if compiled.njnt != machine.model.njoints - 1:
         counts = {"mujoco": int(compiled.njnt), "pinocchio": machine.model.njoints - 1}
-        return Check(Code.JOINT_COUNTS_DIFFER, "failed", counts)
+        return Check(CheckCode.JOINT_COUNTS_DIFFER, "failed", counts)
     for index in range(compiled.njnt):
         label = label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, index)
         own = mujoco.mjtJoint(int(compiled.jnt_type[index])).name.removeprefix("mjJNT_").lower()
@@ -36,18 +36,18 @@ def check_joint_list(machine: CheckedMachine) -> Check:
         kind = joint.shortname()
         if machine.model.names[index + 1] != label:
             names = {"mujoco": label, "pinocchio": machine.model.names[index + 1]}
-            return Check(Code.JOINT_NAMES_DIFFER, "failed", names)
+            return Check(CheckCode.JOINT_NAMES_DIFFER, "failed", names)
         if kind not in KINDS[own]:
             kinds = {"joint": label, "mujoco": own, "pinocchio": kind}
-            return Check(Code.JOINT_KINDS_DIFFER, "failed", kinds)
+            return Check(CheckCode.JOINT_KINDS_DIFFER, "failed", kinds)
         slices = (int(compiled.jnt_qposadr[index]), int(compiled.jnt_dofadr[index]))
         if slices != (joint.idx_q, joint.idx_v):
-            return Check(Code.JOINT_COORDINATES_DIFFER, "failed", {"joint": label})
+            return Check(CheckCode.JOINT_COORDINATES_DIFFER, "failed", {"joint": label})
         parent = _parent_joint(compiled, index)
         if machine.model.parents[index + 1] != parent + 1:
-            return Check(Code.JOINT_PARENTS_DIFFER, "failed", {"joint": label})
+            return Check(CheckCode.JOINT_PARENTS_DIFFER, "failed", {"joint": label})
     roots = sum(joint.parent < 0 for joint in geometry.joints)
-    return Check(Code.JOINT_TREES_AGREE, "ok", {"joints": int(compiled.njnt), "roots": roots})
+    return Check(CheckCode.JOINT_TREES_AGREE, "ok", {"joints": int(compiled.njnt), "roots": roots})
 
 
 def check_joint_motion(machine: CheckedMachine, poses: np.ndarray) -> Check:
@@ -71,8 +71,8 @@ def check_joint_motion(machine: CheckedMachine, poses: np.ndarray) -> Check:
             worst[index] = np.maximum(worst[index], (placed, np.abs(ours - theirs).max()))
     return _compared(
         worst.max(axis=1),
-        (Code.JOINT_AXES_AGREE, {"joints": int(compiled.njnt), "poses": len(poses)}),
-        Code.JOINT_AXES_DIFFER,
+        (CheckCode.JOINT_AXES_AGREE, {"joints": int(compiled.njnt), "poses": len(poses)}),
+        CheckCode.JOINT_AXES_DIFFER,
         lambda index: {
             "joint": machine.geometry.joints[index].name,
             "place": float(worst[index, 0]),
@@ -94,8 +94,8 @@ def check_body_poses(machine: CheckedMachine, poses: np.ndarray, tree: Literal["
             worst[body] = np.max((worst[body], apart, np.abs(frame.rotation - rotation).max()))
     return _compared(
         worst,
-        (Code.BODY_POSES_AGREE, {"tree": tree, "poses": len(poses)}),
-        Code.BODY_POSES_DIFFER,
+        (CheckCode.BODY_POSES_AGREE, {"tree": tree, "poses": len(poses)}),
+        CheckCode.BODY_POSES_DIFFER,
         lambda body: {
             "tree": tree,
             "body": body_label(machine.compiled, body),
@@ -111,8 +111,8 @@ def check_total_mass(machine: CheckedMachine) -> Check:
     ours = pin.computeTotalMass(machine.model)
     return _compared(
         np.array([abs(ours - theirs) / max(1.0, theirs)]),
-        (Code.TOTAL_MASSES_AGREE, {"mass": theirs}),
-        Code.TOTAL_MASSES_DIFFER,
+        (CheckCode.TOTAL_MASSES_AGREE, {"mass": theirs}),
+        CheckCode.TOTAL_MASSES_DIFFER,
         lambda _: {"pinocchio": float(ours), "mujoco": theirs},
     )
 
@@ -130,8 +130,8 @@ def check_mass_matrix(machine: CheckedMachine, poses: np.ndarray) -> Check:
         worst = np.maximum(worst, np.abs(ours - theirs).max(axis=1) / max(1.0, np.abs(theirs).max()))
     return _compared(
         worst,
-        (Code.MASS_MATRICES_AGREE, {"size": nv, "poses": len(poses)}),
-        Code.MASS_MATRICES_DIFFER,
+        (CheckCode.MASS_MATRICES_AGREE, {"size": nv, "poses": len(poses)}),
+        CheckCode.MASS_MATRICES_DIFFER,
         lambda v: {"joint": _joint_of(machine, v), "difference": float(worst[v])},
     )
 
@@ -146,8 +146,8 @@ def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np
         worst = np.maximum(worst, np.abs(ours - theirs) / max(1.0, np.abs(theirs).max()))
     return _compared(
         worst,
-        (Code.BIAS_FORCES_AGREE, {"forces": machine.geometry.nv, "states": len(poses)}),
-        Code.BIAS_FORCES_DIFFER,
+        (CheckCode.BIAS_FORCES_AGREE, {"forces": machine.geometry.nv, "states": len(poses)}),
+        CheckCode.BIAS_FORCES_DIFFER,
         lambda v: {"joint": _joint_of(machine, v), "difference": float(worst[v])},
     )
 
@@ -179,8 +179,8 @@ def check_motor_forces(machine: CheckedMachine, motion: Motion) -> Check:
     worst = np.abs(ours - theirs).max(axis=0) / max(1.0, float(np.abs(theirs).max()))
     return _compared(
         worst,
-        (Code.MOTOR_FORCES_AGREE, {"states": len(ours)}),
-        Code.MOTOR_FORCES_DIFFER,
+        (CheckCode.MOTOR_FORCES_AGREE, {"states": len(ours)}),
+        CheckCode.MOTOR_FORCES_DIFFER,
         lambda i: {"motor": geometry.robot.joints[i], "difference": float(worst[i])},
     )
 
@@ -237,8 +237,8 @@ def _parent_joint(compiled: mujoco.MjModel, joint: int) -> int:
 
 def _compared(
     worst: np.ndarray,
-    agreed: tuple[Code, dict[str, Any]],
-    differs: Code,
+    agreed: tuple[CheckCode, dict[str, Any]],
+    differs: CheckCode,
     offender: Callable[[int], dict[str, Any]],
 ) -> Check:
     """ok with what was done and the largest difference, or failed with the offender nearest to the base."""

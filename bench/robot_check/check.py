@@ -18,7 +18,7 @@ from bench.robot_check.listing import check_home_ranges, home_of, joint_lines, l
 from bench.robot_check.loops import check_closed_motion, check_constraints
 from bench.robot_check.machine import CheckedMachine, make_machine, random_open_poses, to_mujoco
 from bench.robot_check.mobility import check_mobility, coupling_lines, mobility_of, spin_notes
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import RobotReport, Singularity
 from bench.robot_check.rotors import check_rotors
 from bench.robot_check.singularity import SingularitySweep, singularity_of, sweep
@@ -47,7 +47,7 @@ def check_robot(robot: Robot) -> RobotReport:
     except BenchError as error:
         if features.verdict == "failed":
             return report
-        return _with(report, Check(Code.GEOMETRY_UNREADABLE, "failed", {"fault": str(error)}))
+        return _with(report, Check(CheckCode.GEOMETRY_UNREADABLE, "failed", {"fault": str(error)}))
     machine = make_machine(geometry)
     report = replace(report, loops=loop_lines(machine))
     report = _with(report, *_same_tree(machine))
@@ -96,7 +96,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
         motion = random_motion(geometry, POSES, SEED)
         base = base_parameters(geometry)
     except BenchError as error:
-        return _with(report, Check(Code.MOTION_FAULT, "failed", {"fault": str(error)}))
+        return _with(report, Check(CheckCode.MOTION_FAULT, "failed", {"fault": str(error)}))
     report = _with(replace(report, base=base), check_rotors(geometry, base))
     if swept is not None:
         singularity = singularity_of(geometry, swept)
@@ -122,16 +122,16 @@ def _regular_home(singularity: Singularity) -> Check:
         "motor": fastest.motor,
     }
     if singularity.home < WEAK or fastest.value > LARGEST_AMPLIFICATION:
-        return Check(Code.HOME_SINGULAR, "failed", values)
+        return Check(CheckCode.HOME_SINGULAR, "failed", values)
     if fastest.value > FAST:
-        return Check(Code.HOME_NEAR_SINGULAR, "note", values)
-    return Check(Code.HOME_REGULAR, "ok", values)
+        return Check(CheckCode.HOME_NEAR_SINGULAR, "note", values)
+    return Check(CheckCode.HOME_REGULAR, "ok", values)
 
 
 def _ranges(singularity: Singularity) -> list[Check]:
     if singularity.singular_at is None:
         return []
-    return [Check(Code.SINGULARITY_WITHIN_RANGES, "note", {"positions": singularity.singular_at})]
+    return [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", {"positions": singularity.singular_at})]
 
 
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
@@ -145,5 +145,7 @@ def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
         if low < joint.limits[0] or high > joint.limits[1]:
             reached = {"lowest": float(low), "highest": float(high)}
             limits = {"lower": float(joint.limits[0]), "upper": float(joint.limits[1])}
-            checks.append(Check(Code.PASSIVE_RANGE_LEFT, "note", {"joint": joint.name, **reached, **limits}))
+            checks.append(
+                Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joint": joint.name, **reached, **limits})
+            )
     return checks

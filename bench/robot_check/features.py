@@ -10,7 +10,7 @@ from bench.dataset.robot import Robot
 from bench.effects import CATALOGUE
 from bench.effects.effect import MjcfTerm, Place
 from bench.model.supported import label_of, unsupported_features
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 
 FORCES: Mapping[MjcfTerm, tuple[str, ...]] = {  # the fields of MuJoCo's model
     "stiffness": ("jnt_stiffness", "jnt_stiffnesspoly"),
@@ -24,8 +24,8 @@ def check_features(compiled: mujoco.MjModel) -> Check:
     """Nothing in the MJCF that the model cannot represent."""
     refused = list(unsupported_features(compiled))
     if refused:
-        return Check(Code.MJCF_UNSUPPORTED, "failed", {"features": refused})
-    return Check(Code.MJCF_SUPPORTED, "ok")
+        return Check(CheckCode.MJCF_UNSUPPORTED, "failed", {"features": refused})
+    return Check(CheckCode.MJCF_SUPPORTED, "ok")
 
 
 def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:
@@ -33,33 +33,33 @@ def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:
     return [Check(code, "note", values) for code, values in _notes(compiled, robot)]
 
 
-def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[Code, dict[str, Any]]]:
+def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
     for index in range(compiled.neq):
         if not compiled.eq_active0[index]:
             label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
-            yield Code.EQUALITY_INACTIVE, {"equality": label}
+            yield CheckCode.EQUALITY_INACTIVE, {"equality": label}
     for term, fields in FORCES.items():
         joints = _joints_with(compiled, fields)
         if joints:
             driven_first = sorted(joints, key=lambda joint: joint not in robot.driven)
             effects = [f"{_effect_of(term, _place(joint, robot))}:{joint}" for joint in driven_first]
-            yield Code.JOINT_FORCE_NOT_MODELLED, {"term": term, "joints": joints, "effects": effects}
+            yield CheckCode.JOINT_FORCE_NOT_MODELLED, {"term": term, "joints": joints, "effects": effects}
     rotors = [joint for joint in _joints_with(compiled, ("dof_armature",)) if joint not in robot.driven]
     if rotors:
-        yield Code.PASSIVE_ARMATURE_NOT_MODELLED, {"joints": rotors}
+        yield CheckCode.PASSIVE_ARMATURE_NOT_MODELLED, {"joints": rotors}
     if (length := _furthest(compiled)) > LARGE:
-        yield Code.LENGTHS_LARGE, {"length": length}
+        yield CheckCode.LENGTHS_LARGE, {"length": length}
     if compiled.opt.density or compiled.opt.viscosity:
         medium = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
-        yield Code.MEDIUM_NOT_MODELLED, medium
+        yield CheckCode.MEDIUM_NOT_MODELLED, medium
     if compiled.nplugin:
-        yield Code.PLUGINS_NOT_MODELLED, {"plugins": int(compiled.nplugin)}
+        yield CheckCode.PLUGINS_NOT_MODELLED, {"plugins": int(compiled.nplugin)}
     if compiled.nactuator:
-        yield Code.ACTUATORS_UNUSED, {"actuators": int(compiled.nactuator)}
+        yield CheckCode.ACTUATORS_UNUSED, {"actuators": int(compiled.nactuator)}
     held = compiled.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)
     used = set(np.concatenate((compiled.eq_obj1id[held], compiled.eq_obj2id[held])).tolist())
     for tendon in set(range(compiled.ntendon)) - used:
-        yield Code.TENDON_UNUSED, {"tendon": label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)}
+        yield CheckCode.TENDON_UNUSED, {"tendon": label_of(compiled, mujoco.mjtObj.mjOBJ_TENDON, tendon)}
 
 
 def _place(joint: str, robot: Robot) -> Place:

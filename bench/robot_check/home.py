@@ -10,7 +10,7 @@ from bench.model.follow import SLACK
 from bench.model.geometry import Geometry
 from bench.model.tree import build_tree
 from bench.robot_check.machine import to_mujoco
-from bench.robot_check.outcome import Check, Code, Verdict
+from bench.robot_check.outcome import Check, CheckCode, Verdict
 from bench.robot_check.report import HomeSource, LoopLine
 
 ASSEMBLED = 1e-6  # m or rad: a wider gap is an error
@@ -24,20 +24,22 @@ def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSour
     """Every loop closed in the home pose; `source` says where that pose comes from."""
     origin = asdict(source)
     if not loops:
-        return Check(Code.HOME_WITHOUT_LOOPS, "ok", origin)
+        return Check(CheckCode.HOME_WITHOUT_LOOPS, "ok", origin)
     widest = max(loops, key=lambda loop: max(loop.gap, loop.twist))
     gap = max(widest.gap, widest.twist)
     opening = {"gap": gap, "unit": "m" if widest.gap >= widest.twist else "rad", **origin}
     if gap < EXACT:
-        return Check(Code.HOME_CLOSED, "ok", opening)
+        return Check(CheckCode.HOME_CLOSED, "ok", opening)
     opening["loop"] = widest.name
     closed = closed_pose(geometry)
     if closed is None and gap < SLACK and _repeated(geometry):
-        return Check(Code.HOME_OPEN_AS_LOOPS_DISAGREE, "note", opening)
+        return Check(CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE, "note", opening)
     verdict: Verdict = "note" if gap < ASSEMBLED else "failed"
     if closed is None:
-        return Check(Code.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, opening)
-    return Check(Code.HOME_OPEN, verdict, {**opening, "closed_qpos": to_mujoco(geometry, closed).tolist()})
+        return Check(CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE, verdict, opening)
+    return Check(
+        CheckCode.HOME_OPEN, verdict, {**opening, "closed_qpos": to_mujoco(geometry, closed).tolist()}
+    )
 
 
 def closed_pose(geometry: Geometry) -> np.ndarray | None:

@@ -9,7 +9,7 @@ from bench.model.geometry import Geometry
 from bench.model.supported import label_of
 from bench.robot_check.loops import gaps, loop_bodies
 from bench.robot_check.machine import CheckedMachine, body_label
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import HomeSource, JointLine, LoopLine
 
 SLACK = 1e-9  # rad or m: rounding of a home position that lies on the end of its range
@@ -69,6 +69,6 @@ def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:
             unit = joint_units(joint.kind == "hinge").position
             limits = {"lower": joint.lower, "upper": joint.upper}
             offender = {"joint": joint.name, "home": joint.home, "unit": unit, **limits}
-            return Check(Code.HOME_OUTSIDE_RANGE, "failed", offender)
+            return Check(CheckCode.HOME_OUTSIDE_RANGE, "failed", offender)
     ranged = sum(joint.lower is not None for joint in joints)
-    return Check(Code.HOME_WITHIN_RANGES, "ok", {"ranged": ranged, "joints": len(joints)})
+    return Check(CheckCode.HOME_WITHIN_RANGES, "ok", {"ranged": ranged, "joints": len(joints)})

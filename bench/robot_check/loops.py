@@ -12,7 +12,7 @@ from bench.model.geometry import Geometry, Loop
 from bench.model.motion import Motion
 from bench.model.tree import loop_constraints
 from bench.robot_check.machine import CheckedMachine, body_label, rotation_matrix, set_pose
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 
 TOLERANCE = 1e-8  # of residuals [m, rad] and Jacobians: closed poses are closed to 1e-9 only
 MOMENT = 1e-4  # s: between the five residuals whose differences stand for rates
@@ -44,7 +44,7 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
     equalities = active_equalities(machine.compiled)
     if len(equalities) != len(geometry.loops):
         counts = {"mujoco": len(equalities), "model": len(geometry.loops)}
-        return Check(Code.LOOP_COUNTS_DIFFER, "failed", counts)
+        return Check(CheckCode.LOOP_COUNTS_DIFFER, "failed", counts)
     couplings = active_couplings(machine.compiled)
     names = [*(loop.name for loop in geometry.loops), *(coupling.name for coupling in geometry.couplings)]
     worst = np.zeros((len(names), 2))
@@ -71,11 +71,11 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
             row += 1
     if worst.max() < TOLERANCE:
         agreed = {"poses": len(poses), "difference": float(worst.max())}
-        return Check(Code.LOOP_CLOSURES_AGREE, "ok", agreed)
+        return Check(CheckCode.LOOP_CLOSURES_AGREE, "ok", agreed)
     at = int(np.argmax(worst.max(axis=1)))
     residual, jacobian = worst[at].tolist()
     offender = {"closure": names[at], "residual": residual, "jacobian": jacobian}
-    return Check(Code.LOOP_CLOSURES_DIFFER, "failed", offender)
+    return Check(CheckCode.LOOP_CLOSURES_DIFFER, "failed", offender)
 
 
 def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
@@ -94,7 +94,7 @@ def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
         worst = np.maximum(worst, (np.abs(opening).max(), np.abs(bending).max()))
     velocity, acceleration = worst.tolist()
     return Check(
-        Code.LOOP_OPENING_IN_MOTION,
+        CheckCode.LOOP_OPENING_IN_MOTION,
         "ok" if worst.max() < MOTION_TOLERANCE else "failed",
         {"velocity": velocity, "acceleration": acceleration},
     )

@@ -7,7 +7,7 @@ from bench.model.geometry import Geometry
 from bench.model.mobility import DEPENDENT, column_scales, scaled_jacobians
 from bench.model.mobility import check_mobility as require_mobility
 from bench.model.spin import idle_spins
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Mobility
 
 TAKES_PART = 0.05  # of the largest component: a joint moves in a motion that nothing holds
@@ -40,9 +40,9 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
         require_mobility(geometry)
     except BenchError as error:
         fault = str(error).removeprefix(f"robot {geometry.robot.name}: ")
-        return Check(Code.MOBILITY_FAULT, "failed", {"fault": fault})
+        return Check(CheckCode.MOBILITY_FAULT, "failed", {"fault": fault})
     return Check(
-        Code.MOBILITY,
+        CheckCode.MOBILITY,
         "ok" if mobility.remaining == mobility.motors else "failed",
         {
             "tree": mobility.tree,
@@ -64,14 +64,14 @@ def coupling_lines(geometry: Geometry) -> list[Check]:
             for side in (coupling.first, coupling.second)
         )
         equation = {"first": first, "second": second, "polynomial": list(coupling.polynomial)}
-        lines.append(Check(Code.COUPLING, "ok", {"coupling": coupling.name, **equation}))
+        lines.append(Check(CheckCode.COUPLING, "ok", {"coupling": coupling.name, **equation}))
     return lines
 
 
 def spin_notes(geometry: Geometry) -> list[Check]:
     """Which rods can spin between their ball joints."""
     bodies = [geometry.joints[spin.joint].body for spin in idle_spins(geometry)]
-    return [Check(Code.ROD_SPINS, "note", {"bodies": bodies})] if bodies else []
+    return [Check(CheckCode.ROD_SPINS, "note", {"bodies": bodies})] if bodies else []
 
 
 def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 Verdict = Literal["ok", "note", "failed", "skipped"]
 
 
-class Code(StrEnum):
+class CheckCode(StrEnum):
     """What was found. The values of each are the arguments of its sentence in `bench.robot_check.words`."""
 
     # the MJCF
@@ -73,6 +73,6 @@ class Code(StrEnum):
 class Check:
     """One thing that was looked at. values: by name, plain ones for JSON; lengths in m, angles in rad, masses in kg."""
 
-    code: Code
+    code: CheckCode
     verdict: Verdict
     values: Mapping[str, Any] = field(default_factory=dict)

@@ -3,7 +3,7 @@
 from bench.model.base import BaseParameters
 from bench.model.geometry import Geometry
 from bench.model.regressor import rotor_columns
-from bench.robot_check.outcome import Check, Code
+from bench.robot_check.outcome import Check, CheckCode
 
 
 def check_rotors(geometry: Geometry, base: BaseParameters) -> Check:
@@ -13,4 +13,4 @@ def check_rotors(geometry: Geometry, base: BaseParameters) -> Check:
     within_bodies: list[str] = []
     for joint, column in zip(geometry.robot.driven, rotor_columns(geometry).tolist(), strict=True):
         (identified if column in kept else within_bodies).append(joint)
-    return Check(Code.ROTOR_INERTIA, "ok", {"identified": identified, "within_bodies": within_bodies})
+    return Check(CheckCode.ROTOR_INERTIA, "ok", {"identified": identified, "within_bodies": within_bodies})

@@ -161,7 +161,7 @@ def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> 
     """Every method on the same data of a robot in a case, seeds 1 to so many."""
     simulation = _simulated(robot, tuple(case.controller.items()))
     truth = true_gains(simulation.scenario)
-    found: dict[str, list[tuple[np.ndarray, np.ndarray, float]]] = {method: [] for method in methods}
+    runs: dict[str, list[tuple[np.ndarray, np.ndarray, float]]] = {method: [] for method in methods}
     reasons: dict[str, list[str]] = {method: [] for method in methods}
     for seed in range(1, seeds + 1):
         dataset = as_dataset(sense_again(simulation, _scenario(robot, case, seed), steps_at(robot, seed)))
@@ -177,32 +177,32 @@ def rows_of(robot: str, case: Condition, methods: Sequence[str], seeds: int) -> 
                 continue
             seconds = time.process_time() - start
             values, stds = (np.array([getattr(gain, key) for gain in gains]) for key in ("value", "std"))
-            found[method].append((values / truth - 1.0, stds / truth, seconds))
-    return [_row(robot, case, method, found[method], reasons[method]) for method in methods]
+            runs[method].append((values / truth - 1.0, stds / truth, seconds))
+    return [_row(robot, case, method, runs[method], reasons[method]) for method in methods]
 
 
 def _row(
     robot: str,
     case: Condition,
     method: str,
-    found: Sequence[tuple[np.ndarray, np.ndarray, float]],
+    runs: Sequence[tuple[np.ndarray, np.ndarray, float]],
     reasons: Sequence[str],
 ) -> EstimatorRow:
     failed, reason = len(reasons), reasons[0] if reasons else ""
-    if not found:
+    if not runs:
         nan = float("nan")
         return EstimatorRow(robot, case.name, method, 0, nan, nan, nan, nan, nan, failed, reason)
-    errors, stds = (np.array([pair[k] for pair in found]) for k in (0, 1))
+    errors, stds = (np.array([pair[k] for pair in runs]) for k in (0, 1))
     return EstimatorRow(
         robot,
         case.name,
         method,
-        len(found),
+        len(runs),
         bias=float(np.abs(errors.mean(axis=0)).max()),
-        spread=float(errors.std(axis=0, ddof=1).max()) if len(found) > 1 else float("nan"),
+        spread=float(errors.std(axis=0, ddof=1).max()) if len(runs) > 1 else float("nan"),
         error=float(np.median(np.abs(errors).max(axis=1))),
         within=float((np.abs(errors) <= WITHIN_95 * stds).mean()),
-        seconds=float(np.median([pair[2] for pair in found])),
+        seconds=float(np.median([pair[2] for pair in runs])),
         failed=failed,
         reason=reason,
     )

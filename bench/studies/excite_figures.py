@@ -42,7 +42,7 @@ def table_of(robot: str) -> ExperimentTable:
 def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str, Any]:
     """One robot: design, random motions, and (with repetitions) how the forecast came true."""
     plan = plan_experiment(load_robot(robot), table_of(robot), Aim(steps=steps, seed=seed))
-    found: dict[str, Any] = {
+    figures: dict[str, Any] = {
         "robot": robot,
         "seed": seed,
         "steps": steps,
@@ -55,30 +55,30 @@ def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str,
     if repetitions:
         outcomes = monte_carlo(plan, forecast(plan), repetitions, seed)
         ratios = [outcome.ratio for outcome in outcomes]
-        found |= {
+        figures |= {
             "repetitions": repetitions,
             "pooled": pooled(outcomes),
             "smallest": min(ratios),
             "largest": max(ratios),
         }
-    return found
+    return figures
 
 
-def figures_json(path: Path, found: dict[str, Any]) -> None:
+def figures_json(path: Path, figures: dict[str, Any]) -> None:
     """Write the figures of one robot."""
-    write_json_atomically(path / f"{found['robot']}.json", found)
+    write_json_atomically(path / f"{figures['robot']}.json", figures)
 
 
-def sentence(found: dict[str, Any]) -> str:
+def sentence(figures: dict[str, Any]) -> str:
     """One robot in one line."""
     text = (
-        f"{found['robot']}: worst relative error {found['worst']:.3%}, {found['better']:.2f} times better than "
-        f"the median of {RANDOM} random motions ({found['random_median']:.3%}; best {found['random_best']:.3%})"
+        f"{figures['robot']}: worst relative error {figures['worst']:.3%}, {figures['better']:.2f} times better than "
+        f"the median of {RANDOM} random motions ({figures['random_median']:.3%}; best {figures['random_best']:.3%})"
     )
-    if "pooled" in found:
+    if "pooled" in figures:
         text += (
-            f"; spread over {found['repetitions']} repetitions / forecast: {found['pooled']:.2f} on the whole, "
-            f"{found['smallest']:.2f} to {found['largest']:.2f}"
+            f"; spread over {figures['repetitions']} repetitions / forecast: {figures['pooled']:.2f} on the whole, "
+            f"{figures['smallest']:.2f} to {figures['largest']:.2f}"
         )
     return text
 
@@ -92,9 +92,9 @@ def sentence(found: dict[str, Any]) -> str:
 def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitions: int) -> None:
     """Write the figures of the robots, one JSON file each, and print them."""
     for robot in robots or ROBOTS:
-        found = figures_of(robot, steps, seed, repetitions)
-        figures_json(output, found)
-        click.echo(sentence(found))
+        figures = figures_of(robot, steps, seed, repetitions)
+        figures_json(output, figures)
+        click.echo(sentence(figures))
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ class ForecastOutcome:
 
 
 def monte_carlo(
-    plan: ExperimentPlan, told: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
+    plan: ExperimentPlan, expectation: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
 ) -> tuple[ForecastOutcome, ...]:
     """Simulate the planned motions once, log them `repetitions` times with other noise, identify each.
 
@@ -52,10 +52,10 @@ def monte_carlo(
         progress.advance()
         again = _seeded(scenario, seed + repetition)
         estimates.append(_estimate(as_dataset(sense_again(simulation, again)), plan))
-    found = np.std(estimates, axis=0, ddof=1)
+    spreads = np.std(estimates, axis=0, ddof=1)
     return tuple(
         ForecastOutcome(expected.name, expected.std, float(spread))
-        for expected, spread in zip(told.unknowns, found, strict=True)
+        for expected, spread in zip(expectation.unknowns, spreads, strict=True)
         if expected.std is not None
     )
 
@@ -82,14 +82,14 @@ def _seeded(scenario: Scenario, seed: int) -> Scenario:
 
 def _estimate(dataset: Dataset, plan: ExperimentPlan) -> np.ndarray:
     """The estimates in the order of the forecast."""
-    found = identify(
+    result = identify(
         prepare(
             problem_of(dataset, list(dict.fromkeys(instance.request for instance in plan.nominal.effects)))
         )
     )
-    values = {parameter.name: parameter.value for parameter in found.parameters}
-    values |= {joint: gain.value for joint, gain in found.drive_gains.items()}
-    for effect, places in found.effect_parameters.items():
+    values = {parameter.name: parameter.value for parameter in result.parameters}
+    values |= {joint: gain.value for joint, gain in result.drive_gains.items()}
+    for effect, places in result.effect_parameters.items():
         for place, parameters in places.items():
             values |= {f"{effect}:{place}.{name}": quantity.value for name, quantity in parameters.items()}
     return np.array([values[expected.name] for expected in described(plan.nominal)])

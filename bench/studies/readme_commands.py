@@ -58,14 +58,14 @@ def run(commands: Sequence[str], folder: Path) -> dict[str, Any]:
             raise BenchError(f"{command}: {done.stderr.strip()}")
         click.echo(f"$ {command}\n{done.stdout}")
     (plan,), (model,) = folder.glob("results/*/plan/answer.json"), folder.glob("results/*/model.json")
-    answer, found = (json.loads(path.read_text(encoding="utf-8")) for path in (plan, model))
+    answer, identified = (json.loads(path.read_text(encoding="utf-8")) for path in (plan, model))
     replayed = json.loads((folder / REPLAY).read_text(encoding="utf-8"))
     expected = {entry["name"]: entry["std"] / entry["relative_to"] for entry in answer["unknowns"]}
     return {
         "commands": list(commands),
         "gains": {
             joint: {"expected": expected[joint], "found": gain["std"] / gain["value"]}
-            for joint, gain in found["drive_gains"].items()
+            for joint, gain in identified["drive_gains"].items()
         },
         "better": answer["random"]["median"] / answer["value"],
         "off": replayed["of_all_recordings"],
@@ -77,8 +77,8 @@ def run(commands: Sequence[str], folder: Path) -> dict[str, Any]:
 def main(output: Path) -> None:
     """Write the figures as JSON."""
     with TemporaryDirectory() as folder:
-        found = run(commands_of(README.read_text(encoding="utf-8")), Path(folder))
-    write_json_atomically(output / FILE, found | versions().columns())
+        figures = run(commands_of(README.read_text(encoding="utf-8")), Path(folder))
+    write_json_atomically(output / FILE, figures | versions().columns())
 
 
 if __name__ == "__main__":

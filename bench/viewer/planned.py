@@ -24,7 +24,7 @@ PATH_RADIUS = 0.0015  # of the box that the robot stays in
 LINES = ("#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#F0E442", "#D55E00")
 
 
-class PlannedMotion(Protocol):
+class JointMotion(Protocol):
     """A motion of the actuated joints over `duration` [s]."""
 
     @property
@@ -35,7 +35,7 @@ class PlannedMotion(Protocol):
         """Positions, velocities and accelerations (N, n) at time (N,)."""
 
 
-def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, PlannedMotion]) -> None:
+def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, JointMotion]) -> None:
     """Write motions by name as an .rrd file, whole or not at all: a tab each, with NAME/robot and NAME/position."""
     if Path(path).suffix.lower() != ".rrd":
         raise BenchError(f"{path}: a Rerun recording is an .rrd file")
@@ -60,7 +60,7 @@ def write_planned_rrd(path: str | Path, robot: Robot, motions: Mapping[str, Plan
         stream.disconnect()
 
 
-def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: PlannedMotion) -> None:
+def _send(stream: rr.RecordingStream, name: str, robot: Robot, trajectory: JointMotion) -> None:
     geometry, model = read_geometry(robot), robot.mjcf_model()
     time = np.arange(int(trajectory.duration * FRAME_RATE) + 1) / FRAME_RATE
     states = trajectory.evaluate(time)

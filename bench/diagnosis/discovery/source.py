@@ -7,7 +7,7 @@ from pathlib import Path
 from textwrap import wrap
 
 from bench.diagnosis.discovery.factors import Memory, Number
-from bench.diagnosis.discovery.table import Table
+from bench.diagnosis.discovery.table import PiecewiseLinear
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import MEANINGS, SYMBOLS, Place, Variable
 from bench.effects import Effect
@@ -119,7 +119,7 @@ def _imports(terms: Sequence[Term], variables: Sequence[Variable]) -> list[str]:
     lines = []
     if any(isinstance(factor, Memory) for term in terms for factor in term.factors):
         lines.append("from bench.effects.memory import first_order")
-    if any(isinstance(factor, Table) for term in terms for factor in term.factors):
+    if any(isinstance(factor, PiecewiseLinear) for term in terms for factor in term.factors):
         lines.append("from bench.effects.table import hat")
     if any(variable.kind == "load" for variable in variables):
         own = ", with_itself" if Variable("load") in variables else ""

@@ -13,7 +13,7 @@ from bench.effects.table import hat
 
 
 @dataclass(frozen=True)
-class Table(Factor):
+class PiecewiseLinear(Factor):
     """f(x) by its values at knots, with straight lines between; constant beyond the first and the last."""
 
     variable: Variable
@@ -50,7 +50,9 @@ class Table(Factor):
         return [(a, b, c) for (a, b), (_, c) in pairwise(pairwise(padded))]
 
 
-def table_over(variable: Variable, values: np.ndarray, knots: int, among: Sequence[float] = ()) -> Table:
+def table_over(
+    variable: Variable, values: np.ndarray, knots: int, among: Sequence[float] = ()
+) -> PiecewiseLinear:
     """With as many values of a variable (M,) between any two of its knots; `among` are knots, too."""
     places = np.quantile(values, np.linspace(0.01, 0.99, knots))
     apart = 0.3 * float(np.ptp(places)) / knots
@@ -58,4 +60,4 @@ def table_over(variable: Variable, values: np.ndarray, knots: int, among: Sequen
     for place in places.tolist():
         if all(abs(place - value) > apart for value in found):
             found.append(place)
-    return Table(variable, tuple(sorted(found)))
+    return PiecewiseLinear(variable, tuple(sorted(found)))

@@ -81,11 +81,11 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
 
 def recordings_chart(errors: ErrorBreakdown) -> Chart:
     """Error of every recording beside the noise of its current, both relative to the current."""
-    found = errors.by_recording
-    stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in found]
+    recordings = errors.by_recording
+    stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in recordings]
     names = tuple(
         f"{stem}, {recording.payload}" if recording.payload else stem
-        for stem, recording in zip(stems, found, strict=True)
+        for stem, recording in zip(stems, recordings, strict=True)
     )
     return Chart(
         "By recording and payload",
@@ -93,8 +93,8 @@ def recordings_chart(errors: ErrorBreakdown) -> Chart:
         (
             _bars(
                 names,
-                ("error", np.array([recording.error for recording in found])),
-                ("noise of the current", np.array([recording.noise for recording in found])),
+                ("error", np.array([recording.error for recording in recordings])),
+                ("noise of the current", np.array([recording.noise for recording in recordings])),
             ),
         ),
         aid="A recording or payload that stands out is unlike the others.",
@@ -120,15 +120,15 @@ def opposing_chart(errors: ErrorBreakdown) -> Chart:
 
 def shares_chart(errors: ErrorBreakdown) -> Chart:
     """Share of the squared error that lies in every part of the motion, beside its share of the time."""
-    found = errors.shares
+    regions = errors.shares
     return Chart(
         "Where the squared error lies",
         Axis("share", "%", include=(0.0,)),
         (
             _bars(
-                tuple(region.region for region in found),
-                ("of the squared error", np.array([region.error for region in found])),
-                ("of the time", np.array([region.time for region in found])),
+                tuple(region.region for region in regions),
+                ("of the squared error", np.array([region.error for region in regions])),
+                ("of the time", np.array([region.time for region in regions])),
             ),
         ),
         aid="A bar far longer than the grey one: the error is concentrated there.",
@@ -138,13 +138,13 @@ def shares_chart(errors: ErrorBreakdown) -> Chart:
 
 def spectrum_chart(errors: ErrorBreakdown) -> Chart:
     """Density of the error over frequency, and that of the current's noise."""
-    found = errors.spectrum
-    density = found.density[1:]
-    series: tuple[Series, ...] = (Line("error", "error", found.frequency[1:], density),)
+    spectrum = errors.spectrum
+    density = spectrum.density[1:]
+    series: tuple[Series, ...] = (Line("error", "error", spectrum.frequency[1:], density),)
     domain = None
-    if found.noise > 0:
-        series = (Rule("noise of the current", "noise", "y", found.noise), *series)
-        domain = (found.noise / 30.0, 2.0 * float(max(density.max(), found.noise)))
+    if spectrum.noise > 0:
+        series = (Rule("noise of the current", "noise", "y", spectrum.noise), *series)
+        domain = (spectrum.noise / 30.0, 2.0 * float(max(density.max(), spectrum.noise)))
     return Chart(
         "Spectrum over time",
         Axis("frequency", "Hz"),
@@ -156,8 +156,8 @@ def spectrum_chart(errors: ErrorBreakdown) -> Chart:
 
 def positions_chart(errors: ErrorBreakdown) -> Chart:
     """Amplitude of the sinusoid over position that suits the error best, by its wave number."""
-    found = errors.over_position
-    curve = Line("error", "error", np.asarray(found.cycles), np.asarray(found.amplitude))
+    lines = errors.over_position
+    curve = Line("error", "error", np.asarray(lines.cycles), np.asarray(lines.amplitude))
     return Chart(
         "Spectrum over position",
         Axis(f"cycles per {errors.unit}"),
@@ -168,9 +168,9 @@ def positions_chart(errors: ErrorBreakdown) -> Chart:
 
 def autocorrelation_chart(errors: ErrorBreakdown) -> Chart:
     """Autocorrelation of the error, and what chance gives."""
-    found = errors.autocorrelation
-    band = Band("95 % of what chance gives", "noise", -found.band, found.band)
-    stems = Stems("error", "error", np.asarray(found.lag), np.asarray(found.value))
+    autocorrelation = errors.autocorrelation
+    band = Band("95 % of what chance gives", "noise", -autocorrelation.band, autocorrelation.band)
+    stems = Stems("error", "error", np.asarray(autocorrelation.lag), np.asarray(autocorrelation.value))
     return Chart(
         "Autocorrelation",
         Axis("lag", "s"),

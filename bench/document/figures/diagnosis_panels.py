@@ -42,7 +42,7 @@ class Moved:
 def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
     """Gains, where they were fitted, and (parameters) what the data determine beside them."""
     before = {parameter.name: parameter for parameter in diagnosis.before.parameters}
-    found = [
+    gains = [
         Moved(
             f"gain {joint}",
             diagnosis.before.drive_gains[joint],
@@ -53,8 +53,8 @@ def moved(diagnosis: Diagnosis, *, parameters: bool) -> list[Moved]:
         if diagnosis.after.gains_fitted
     ]
     if not parameters:
-        return found
-    return found + [
+        return gains
+    return gains + [
         Moved(parameter.name, before[parameter.name], parameter)
         for parameter in diagnosis.after.parameters
         if parameter.name in before and not is_poor(parameter)
@@ -66,25 +66,25 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0
 
     No bars: their lengths would say nothing on a scale that is even up to `EVEN_NATS` and logarithmic beyond.
     """
-    shown = [effect_verdict for effect_verdict in diagnosis.ranking if effect_verdict.verdict != "absorbed"][
+    ranked = [effect_verdict for effect_verdict in diagnosis.ranking if effect_verdict.verdict != "absorbed"][
         :most
     ]
-    at = np.arange(len(shown))
+    at = np.arange(len(ranked))
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
     for verdict, colour in VERDICT_COLOURS.items():
         of_it = [
             (effect_verdict.evidence, i)
-            for i, effect_verdict in zip(at, shown, strict=True)
+            for i, effect_verdict in zip(at, ranked, strict=True)
             if effect_verdict.verdict == verdict
         ]
         if of_it:
             evidence, places = zip(*of_it, strict=True)
             axes.plot(evidence, places, "o", color=colour, markersize=6.0 * scale, label=verdict)
     declared = even_then_logarithmic(
-        axes, [effect_verdict.evidence for effect_verdict in shown], EVEN_NATS, "nats"
+        axes, [effect_verdict.evidence for effect_verdict in ranked], EVEN_NATS, "nats"
     )
-    axes.set_yticks(at, [effect_name(effect_verdict.effect) for effect_verdict in shown])
-    axes.set_ylim(len(shown) - 0.4, -0.6)
+    axes.set_yticks(at, [effect_name(effect_verdict.effect) for effect_verdict in ranked])
+    axes.set_ylim(len(ranked) - 0.4, -0.6)
     axes.set_xlabel(f"evidence [nats]{declared}")
     axes.grid(visible=True, axis="y", linewidth=0.5 * scale, alpha=0.5)
 
@@ -102,11 +102,11 @@ def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit
 def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
     """Values before and after with their 95 % intervals, in percent of the value after; nominal gains between them."""
     at = np.arange(len(rows))
-    apart = 0.17 if all(row.nominal is None for row in rows) else 0.28
+    offset = 0.17 if all(row.nominal is None for row in rows) else 0.28
     factor = [100.0 / abs(row.after.value) if row.after.value else 0.0 for row in rows]
     for shift, colour, marker, label, values in (
-        (-apart, COLOURS["before"], "s", "before", [row.before for row in rows]),
-        (apart, COLOURS["after"], "o", "after", [row.after for row in rows]),
+        (-offset, COLOURS["before"], "s", "before", [row.before for row in rows]),
+        (offset, COLOURS["after"], "o", "after", [row.after for row in rows]),
     ):
         axes.errorbar(
             [

@@ -194,14 +194,14 @@ def _(series: Binned, pen: Pen) -> None:
     pen.axes.plot(series.center, series.mean, label=series.name, **means)
 
 
-def _keep_errors_in_view(pen: Pen, found: Sequence[Binned]) -> None:
+def _keep_errors_in_view(pen: Pen, binned: Sequence[Binned]) -> None:
     """All errors in view, unless single ones far off would hide the others: those are marked at the border."""
-    drawn = [points_of(series) for series in found]
-    errors = np.abs(np.concatenate([series.y[rows] for series, rows in zip(found, drawn, strict=True)]))
+    drawn = [points_of(series) for series in binned]
+    errors = np.abs(np.concatenate([series.y[rows] for series, rows in zip(binned, drawn, strict=True)]))
     most, largest = float(np.percentile(errors, LIMIT)), float(errors.max())
     reach = 1.08 * min(largest, OUTSIDE * most) or 1.0
     pen.axes.set_ylim(-reach, reach)
-    for series, rows in zip(found, drawn, strict=True):
+    for series, rows in zip(binned, drawn, strict=True):
         for sign, marker in ((1.0, 6), (-1.0, 7)):  # carets that point out of the axes
             out = sign * series.y[rows] > reach
             if out.any():

@@ -36,11 +36,11 @@ HEADS = {
 def error_figures(what: Compared) -> list[PaperFigure]:
     """Currents of every recording, and the errors of all motors against what they may depend on."""
     motors = {joint: motor_charts(error_breakdown(what, joint)) for joint in what.joints if what.of(joint)}
-    found = [_currents(what, name) for name in dict.fromkeys(trace.recording for trace in what.series)]
+    figures = [_currents(what, name) for name in dict.fromkeys(trace.recording for trace in what.series)]
     for name, code in AGAINST.items():
         charts = {joint: charts[code] for joint, charts in motors.items()}
         if any(_binned(chart) for chart in charts.values()):
-            found.append(_against(name, charts, HEADS.get(code)))
+            figures.append(_against(name, charts, HEADS.get(code)))
     rest: tuple[tuple[str, str, Callable[[Chart], Columns]], ...] = (
         ("error_spectrum", "spectrum", _spectrum),
         ("error_over_position_spectrum", "positions", _positions),
@@ -50,8 +50,8 @@ def error_figures(what: Compared) -> list[PaperFigure]:
     for name, code, columns in rest:
         charts = {joint: charts[code] for joint, charts in motors.items()}
         numbers = [_of_motor(joint, columns(chart)) for joint, chart in charts.items()]
-        found.append(PaperFigure(name, _panels(charts, LINE), {"": _joined(numbers)}))
-    return found
+        figures.append(PaperFigure(name, _panels(charts, LINE), {"": _joined(numbers)}))
+    return figures
 
 
 def _currents(what: Compared, recording: str) -> PaperFigure:

@@ -10,16 +10,16 @@ from bench.effects.display_names import named_after
 
 def diagnosis_markdown(diagnosis: Diagnosis) -> str:
     """What is missing in sentences, the error after each added effect, and the verdicts with their reasons."""
-    told = [verdict for verdict in diagnosis.ranking if verdict.verdict != "not supported"]
+    supported = [verdict for verdict in diagnosis.ranking if verdict.verdict != "not supported"]
     others = [
         effect_name(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "not supported"
     ]
     parts = ["### What is missing", "\n\n".join(map(named_after, summary_sentences(diagnosis)))]
     parts += ["### Error after each added effect", markdown(ladder_table(diagnosis))]
-    if told:
-        parts += ["### Ranking", markdown(ranking_table(diagnosis, told))]
+    if supported:
+        parts += ["### Ranking", markdown(ranking_table(diagnosis, supported))]
     if others:
         parts.append(f"Not supported: {', '.join(others)}.")
-    if told:
-        parts.append("\n".join(f"- {named_after(reason(diagnosis, verdict))}" for verdict in told))
+    if supported:
+        parts.append("\n".join(f"- {named_after(reason(diagnosis, verdict))}" for verdict in supported))
     return "\n\n".join(parts) + "\n"

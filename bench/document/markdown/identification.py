@@ -8,10 +8,10 @@ from bench.identification.result import Identification
 
 def summary_markdown(result: Identification, truth: Truth | None = None) -> str:
     """Gains, errors, notes and settings: what to look at first."""
-    kept = "" if result.gains_fitted else " (nominal: not fitted)"
+    remark = "" if result.gains_fitted else " (nominal: not fitted)"
     effects = ", ".join(result.effects) if result.effects else "rigid bodies only"
     parts = [f"**{result.robot}**, estimator *{result.method}*, {effects}"]
-    parts += [f"### Drive gains{kept}", markdown(gains_table(result, truth))]
+    parts += [f"### Drive gains{remark}", markdown(gains_table(result, truth))]
     if result.effect_parameters:
         parts += ["### Effects", markdown(effects_table(result, truth))]
     errors = errors_table(result.recordings, result.joints)

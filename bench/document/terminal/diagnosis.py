@@ -39,8 +39,8 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     for sentence in map(named_after, summary_sentences(diagnosis)):
         console.print(Text(sentence))
     section(console, "Ladder: error after each added effect", printed(ladder_table(diagnosis), width))
-    shown, left_out = _shown(diagnosis.ranking, verbose)
-    section(console, "Ranking", printed(ranking_table(diagnosis, shown), width))
+    ranked, left_out = _shown(diagnosis.ranking, verbose)
+    section(console, "Ranking", printed(ranking_table(diagnosis, ranked), width))
     console.print(
         Text("evidence: nats on recordings that were not fitted; 10, odds of 20,000 to 1, are strong", "dim")
     )
@@ -49,10 +49,14 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console | None = None, *, ve
     if left_out:
         names = ", ".join(effect_name(verdict.effect) for verdict in left_out)
         console.print(Text(f"not supported, too: {names}", "dim"))
-    told = [
-        verdict for verdict in shown if verbose or not diagnosis.missing or verdict.verdict != "not supported"
+    explained = [
+        verdict
+        for verdict in ranked
+        if verbose or not diagnosis.missing or verdict.verdict != "not supported"
     ]
-    section(console, "Why", sentences_list([named_after(reason(diagnosis, verdict)) for verdict in told]))
+    section(
+        console, "Why", sentences_list([named_after(reason(diagnosis, verdict)) for verdict in explained])
+    )
     if diagnosis.added:
         if diagnosis.after.gains_fitted:
             gains = gains_before_after(diagnosis.before, diagnosis.after)

@@ -47,8 +47,8 @@ def identification_report(
     ]
     console.print()
     console.print(Text.assemble((result.robot, "bold"), "  ", (" · ".join(facts), "dim")))
-    kept = "" if result.gains_fitted else ", kept at their nominal values"
-    section(console, f"Drive gains{kept}", printed(gains_table(result, truth), width))
+    remark = "" if result.gains_fitted else ", kept at their nominal values"
+    section(console, f"Drive gains{remark}", printed(gains_table(result, truth), width))
     section(console, "Dynamic parameters", printed(parameters_table(result, truth), width))
     _poor_line(console, list(result.parameters))
     if result.left_out:

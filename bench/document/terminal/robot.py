@@ -88,20 +88,20 @@ def mobility_in_words(mobility: Mobility) -> str:
     )
 
 
-def singularity_grid(found: Singularity) -> Grid:
+def singularity_grid(singularity: Singularity) -> Grid:
     """Home, reach of each motor, and the nearest singularity, in words."""
-    fast = found.amplification
+    fast = singularity.amplification
     grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(style="dim", no_wrap=True)
     grid.add_column(overflow="fold")
     grid.add_row(
         "at home",
-        f"smallest singular value of the closures {found.home:.3g} (lengths over {found.length:.3g} m)",
+        f"smallest singular value of the closures {singularity.home:.3g} (lengths over {singularity.length:.3g} m)",
     )
     grid.add_row("", f"{fast.passive} moves fastest: {fast.value:.3g} {fast.unit} of {fast.motor}")
-    ends = (f"{name} [{low:.4g}, {high:.4g}]" for name, (low, high) in found.reach.items())
+    ends = (f"{name} [{low:.4g}, {high:.4g}]" for name, (low, high) in singularity.reach.items())
     grid.add_row("one motor moving", f"reaches {', '.join(ends)}")
-    grid.add_row("nearest", nearest_singularity(found))
+    grid.add_row("nearest", nearest_singularity(singularity))
     return grid
 
 

@@ -11,16 +11,20 @@ from bench.document.terminal.tables import printed
 from bench.residuals.side_by_side import SideBySide
 
 
-def side_by_side_report(found: SideBySide, changed: Sequence[str], console: Console | None = None) -> None:
+def side_by_side_report(
+    comparison: SideBySide, changed: Sequence[str], console: Console | None = None
+) -> None:
     """Print errors and gains of every model, and what changed."""
     console = console or Console()
     console.print()
-    console.print(Text.assemble((found.robot, "bold"), "  ", (f"{len(found.models)} models", "dim")))
+    console.print(
+        Text.assemble((comparison.robot, "bold"), "  ", (f"{len(comparison.models)} models", "dim"))
+    )
     section(
         console,
         "Error of the modelled current, RMS(error) / RMS(measured)",
-        printed(errors_beside_table(found), console.width),
+        printed(errors_beside_table(comparison), console.width),
     )
-    section(console, "Drive gains [95 % intervals]", printed(gains_beside_table(found), console.width))
+    section(console, "Drive gains [95 % intervals]", printed(gains_beside_table(comparison), console.width))
     section(console, "What changed", sentences_list(changed))
     console.print()

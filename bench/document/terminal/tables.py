@@ -53,15 +53,15 @@ class Fit:
 
 def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = GAPS) -> Fit:
     """Narrow the gaps, then leave out strips of the highest rank, until all fit into `width`."""
-    kept = list(strips)
+    fitting = list(strips)
     while True:
-        total = sum(strip.width for strip in kept)
-        gap = next((gap for gap in gaps if total + gap * (len(kept) - 1) <= width), gaps[-1])
-        room = width - total - gap * (len(kept) - 1)
-        last = max(kept, key=lambda strip: strip.rank)
+        total = sum(strip.width for strip in fitting)
+        gap = next((gap for gap in gaps if total + gap * (len(fitting) - 1) <= width), gaps[-1])
+        room = width - total - gap * (len(fitting) - 1)
+        last = max(fitting, key=lambda strip: strip.rank)
         if room >= 0 or last.rank == 0:
-            return Fit(tuple(kept), gap, room)
-        kept = [strip for strip in kept if strip.rank < last.rank]
+            return Fit(tuple(fitting), gap, room)
+        fitting = [strip for strip in fitting if strip.rank < last.rank]
 
 
 def printed(table: Table, width: int = WIDTH) -> rich.table.Table:

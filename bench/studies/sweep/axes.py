@@ -187,14 +187,14 @@ def read_axes(table: Mapping[str, Any], where: str) -> tuple[Axis, ...]:
 
 
 def _leaves(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
-    found = []
+    leaves = []
     for key, value in table.items():
         name = f"{prefix}{key}"
         if isinstance(value, Mapping) and value and not any(word in value for word in KEYS):
-            found += _leaves(value, f"{name}.")
+            leaves += _leaves(value, f"{name}.")
         else:
-            found.append((name, value))
-    return found
+            leaves.append((name, value))
+    return leaves
 
 
 def _axis(name: str, value: Any) -> Axis:
@@ -227,10 +227,10 @@ def _grid(name: str, values: Any) -> GridAxis:
 
 def _paths(case: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Value]]:
     """Settings of a case by dotted path; tables are entered."""
-    found: list[tuple[str, Value]] = []
+    paths: list[tuple[str, Value]] = []
     for key, value in case.items():
         if isinstance(value, Mapping):
-            found += _paths(value, f"{prefix}{key}.")
+            paths += _paths(value, f"{prefix}{key}.")
         else:
-            found.append((f"{prefix}{key}", value))
-    return found
+            paths.append((f"{prefix}{key}", value))
+    return paths

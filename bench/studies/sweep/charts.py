@@ -57,14 +57,14 @@ def plot_chart(
     where its values span a wide range. Raises BenchError if the table has no such column.
     """
     pick = {x, *([lines] if lines else [])} <= set(picked)
-    found = _points(table, x, y, lines)
-    every = [point for points in found.values() for point in points]
+    by_line = _points(table, x, y, lines)
+    every = [point for points in by_line.values() for point in points]
     values = list(dict.fromkeys(value for value, _ in every))
     across, at = _across(x, values)
     series = []
-    for i, (name, points) in enumerate(found.items()):
+    for i, (name, points) in enumerate(by_line.items()):
         # lines stand side by side, or their whiskers would hide each other
-        beside = i - (len(found) - 1) / 2.0 if len(found) <= len(ROLES) else 0.0
+        beside = i - (len(by_line) - 1) / 2.0 if len(by_line) <= len(ROLES) else 0.0
         place = _moved(np.array([at[value] for value, _ in points]), list(at.values()), beside, across)
         own = {} if lines is None else {lines: point_label(name)}
         series.append(
@@ -107,13 +107,13 @@ def spread_chart(metric: str, values: Sequence[Any]) -> Chart:
 
 def _points(table: Path, x: str, y: str, lines: str | None) -> dict[Any, Points]:
     """By the value of `lines`: values of x with the spread of y; both rising where they are numbers."""
-    found: dict[Any, Points] = {}
+    points: dict[Any, Points] = {}
     for line in summarise_in_parts(table, [x, *([lines] if lines else [])], [y]).lines:
         at, *names = line.values
         if at is not None and line.spreads[y].count:
             value = at.middle if isinstance(at, SummaryPart) else at
-            found.setdefault(names[0] if names else None, []).append((value, line.spreads[y]))
-    return {name: found[name] for name in sorted(found, key=rank)}
+            points.setdefault(names[0] if names else None, []).append((value, line.spreads[y]))
+    return {name: points[name] for name in sorted(points, key=rank)}
 
 
 def _across(x: str, values: Sequence[Any]) -> tuple[Axis, dict[Any, float]]:

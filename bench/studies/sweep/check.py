@@ -166,8 +166,8 @@ def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> Non
 
 def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose: bool) -> None:
     """What changed; with `verbose` everything."""
-    shown = [comparison for comparison in comparisons if verbose or comparison.verdict != "same"]
-    if not shown:
+    worth_telling = [comparison for comparison in comparisons if verbose or comparison.verdict != "same"]
+    if not worth_telling:
         return
     table = Table(
         box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
@@ -178,14 +178,14 @@ def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose:
     table.add_column("", no_wrap=True)
     order = {verdict: i for i, verdict in enumerate((*ALARMS, "new", "better", "same"))}
     by_line: dict[str, list[ReferenceComparison]] = {}
-    for comparison in shown:
+    for comparison in worth_telling:
         by_line.setdefault(
             f"{comparison.sweep}, {comparison.line}" if comparison.line else comparison.sweep, []
         ).append(comparison)
-    for line, found in by_line.items():
+    for line, of_line in by_line.items():
         table.add_row(line, style="bold")
         for reference_comparison in sorted(
-            found, key=lambda compared: (order[compared.verdict], -(compared.change or 0.0))
+            of_line, key=lambda compared: (order[compared.verdict], -(compared.change or 0.0))
         ):
             table.add_row(
                 f"  {reference_comparison.metric}",

@@ -114,11 +114,11 @@ def errors_chart(rows: Sequence[Row]) -> Chart | None:
     )
 
 
-def _missed(name: str, role: Role, shift: float, found: Sequence[Share]) -> Whiskers:
-    at = np.arange(len(found)) + shift
-    share = np.array([1.0 - found_share.value for found_share in found])
-    low = np.array([1.0 - found_share.interval[1] for found_share in found])
-    high = np.array([1.0 - found_share.interval[0] for found_share in found])
+def _missed(name: str, role: Role, shift: float, shares: Sequence[Share]) -> Whiskers:
+    at = np.arange(len(shares)) + shift
+    share = np.array([1.0 - each.value for each in shares])
+    low = np.array([1.0 - each.interval[1] for each in shares])
+    high = np.array([1.0 - each.interval[0] for each in shares])
     return Whiskers(name, role, at, share, low, high, joined=False)
 
 

@@ -108,19 +108,19 @@ def _found_model(
 ) -> tuple[Prepared, np.ndarray]:
     """The model that was found, and the values of its effects' columns in their order, zero for some of them."""
     catalogue = {**CATALOGUE, **law_effects(diagnosis.discovered)}
-    found = diagnosis.after.effect_parameters
+    fitted = diagnosis.after.effect_parameters
     places = places_in(prepared.model.geometry, prepared.dataset.weighed)
     instances: list[EffectInstance] = []
     values: list[float] = []
-    for name, at in found.items():
+    for name, at in fitted.items():
         for place, quantities in at.items():
             request = name if place == ROBOT else f"{name}:{place}"
             (instance,) = select_effects([request], places, catalogue)
-            told = {label: quantity.value for label, quantity in quantities.items()}
-            shape = {parameter.name: told[parameter.name] for parameter in instance.effect.shape}
-            effect = replace(instance.effect, **shape).about(told)
+            by_name = {label: quantity.value for label, quantity in quantities.items()}
+            shape = {parameter.name: by_name[parameter.name] for parameter in instance.effect.shape}
+            effect = replace(instance.effect, **shape).about(by_name)
             instances.append(replace(instance, effect=effect))
-            values += [0.0 if name in but else told[parameter.name] for parameter in effect.parameters]
+            values += [0.0 if name in but else by_name[parameter.name] for parameter in effect.parameters]
     model = with_effects(prepared, instances)
     return converged(model, nearly=True), np.array(values)
 
@@ -149,10 +149,10 @@ def _true_torques(
     return numbers["c"] * unit, known, motion.time
 
 
-def _alike(numbers: Mapping[str, float], found: Sequence[Discovered]) -> bool:
+def _alike(numbers: Mapping[str, float], laws: Sequence[Discovered]) -> bool:
     """Whether the found laws go by the same variables, and oppose the motion if the hidden one does."""
     wanted = {variable for name, variable in VARIABLES.items() if numbers.get(name)}
-    looks = [each for law in found for term in law.terms for each in term.looks_at]
+    looks = [each for law in laws for term in law.terms for each in term.looks_at]
     seen = {f"{look.what} of others" if look.motor else look.what for look in looks}
     odd = any(
         each.what == "velocity" and not each.motor and each.role in ("direction", "signed", "memory")

@@ -17,7 +17,7 @@ from bench.studies.trial.summary import (
     Miss,
     TrialSummary,
 )
-from bench.studies.trial.target import Kept, Share, Target, TargetFigure
+from bench.studies.trial.target import Reached, Share, Target, TargetFigure
 
 COUNTED = (
     f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
@@ -49,7 +49,7 @@ WORDS = {
     TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
     TargetFigure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
 }
-KEPT_WORDS = {None: "", Kept.YES: "yes", Kept.NO: "no", Kept.TOO_FEW: "too few cases to say"}
+KEPT_WORDS = {None: "", Reached.YES: "yes", Reached.NO: "no", Reached.TOO_FEW: "too few cases to say"}
 MAIN = frozenset(
     {
         TargetFigure.ONE_FIRST,
@@ -100,7 +100,7 @@ def targets_table(summary: TrialSummary) -> Table:
         Column(head, cell, "sentence" if head in FOLDED else "text")
         for head, cell in zip(heads, cells, strict=True)
     )
-    return Table(columns, tuple("strong" if target.kept is Kept.NO else "" for target in tried))
+    return Table(columns, tuple("strong" if target.kept is Reached.NO else "" for target in tried))
 
 
 def confusion_table(summary: TrialSummary) -> Table:
@@ -197,7 +197,7 @@ def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Se
 def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
     """Name, value, bound, whether it is reached, cases, interval."""
     bounds = []
-    shown = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
+    value = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
     for word, bound in (("at least", target.least), ("at most", target.most)):
         if bound is not None:
             bounds.append(
@@ -205,13 +205,13 @@ def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
             )
     name = WORDS[target.figure] if target.figure in MAIN else f"– {WORDS[target.figure]}"
     if target.share is None:
-        return name, shown, " and ".join(bounds), KEPT_WORDS[target.kept], "", ""
+        return name, value, " and ".join(bounds), KEPT_WORDS[target.kept], "", ""
     if not target.share.of:
         return name, "", " and ".join(bounds), "", "0", ""
     low, high = target.share.interval
     return (
         name,
-        shown,
+        value,
         " and ".join(bounds),
         KEPT_WORDS[target.kept],
         str(target.share.of),

@@ -125,7 +125,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
 
     hiding = [row for row in large if row["kind"] != "outside"]
     places = placed(hiding)
-    found = [
+    targets = [
         share(TargetFigure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
         share(TargetFigure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
         share(TargetFigure.TWO_EXACT, of("two"), lambda r: r["exact"], least=0.85),
@@ -140,13 +140,13 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         share(TargetFigure.OUTSIDE_LAW, of("outside"), _law_at_floor),
         share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
-    found += _gain_targets(hiding)
+    targets += _gain_targets(hiding)
     floors = [row["error_over_floor.after"] for row in hiding]
-    found.append(Target(TargetFigure.FLOOR_MEDIAN, _median(floors), None, FLOOR_FACTOR))
-    found.append(
+    targets.append(Target(TargetFigure.FLOOR_MEDIAN, _median(floors), None, FLOOR_FACTOR))
+    targets.append(
         share(TargetFigure.FLOOR_WITHIN, hiding, lambda r: r["error_over_floor.after"] <= FLOOR_FACTOR)
     )
-    found.append(
+    targets.append(
         share(
             TargetFigure.FLOOR_WITHIN_TOLD,
             hiding,
@@ -155,8 +155,8 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
     )
     held = [interval for row in hiding if row["exact"] for interval in _held(row["intervals"])]
     within = Share(sum(held), len(held))
-    found.append(Target(TargetFigure.INTERVALS, within.value, 0.88, 0.99, within))
-    return tuple(found)
+    targets.append(Target(TargetFigure.INTERVALS, within.value, 0.88, 0.99, within))
+    return tuple(targets)
 
 
 def _gain_targets(rows: Sequence[Row]) -> list[Target]:
@@ -217,10 +217,10 @@ def _named_absorbed(name: str, rows: Sequence[Row]) -> tuple[int, int]:
 
 
 def _misses(rows: Sequence[Row]) -> tuple[Miss, ...]:
-    found = []
+    misses = []
     for above, below in pairwise(SIZES):
         here = [row for row in rows if above <= row["least_own_error_over_floor"] < below]
-        found.append(
+        misses.append(
             Miss(
                 above,
                 below,
@@ -228,7 +228,7 @@ def _misses(rows: Sequence[Row]) -> tuple[Miss, ...]:
                 Share(sum(row["first_undecided"] for row in here), len(here)),
             )
         )
-    return tuple(found)
+    return tuple(misses)
 
 
 def _coverage(rows: Sequence[Row]) -> tuple[Coverage, ...]:
