@@ -11,7 +11,7 @@ from bench.studies.trial.figures import write_figures
 from bench.studies.trial.markdown import parts, trial_markdown
 from bench.studies.trial.name_list import cell_of, names_in
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import Reached, Share, Target, TargetFigure
+from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 from tests.trial_rows import trial_row, trial_rows
 
 pytestmark = pytest.mark.pictures
@@ -74,31 +74,31 @@ def test_a_row_of_names_and_numbers_keeps_to_one_line(nothing: TrialSummary) -> 
 @pytest.mark.parametrize(
     ("count", "of", "least", "most", "kept"),
     [
-        (0, 10, None, 0.02, Reached.TOO_FEW),
-        (0, 200, None, 0.02, Reached.YES),
-        (1, 10, None, 0.02, Reached.TOO_FEW),
-        (3, 10, None, 0.02, Reached.NO),
-        (10, 10, 0.95, None, Reached.TOO_FEW),
-        (96, 100, 0.95, None, Reached.YES),
-        (94, 100, 0.95, None, Reached.TOO_FEW),
-        (80, 100, 0.95, None, Reached.NO),
-        (9, 10, 0.88, 0.99, Reached.TOO_FEW),
-        (190, 200, 0.88, 0.99, Reached.YES),
-        (150, 200, 0.88, 0.99, Reached.NO),
+        (0, 10, None, 0.02, Attained.TOO_FEW),
+        (0, 200, None, 0.02, Attained.YES),
+        (1, 10, None, 0.02, Attained.TOO_FEW),
+        (3, 10, None, 0.02, Attained.NO),
+        (10, 10, 0.95, None, Attained.TOO_FEW),
+        (96, 100, 0.95, None, Attained.YES),
+        (94, 100, 0.95, None, Attained.TOO_FEW),
+        (80, 100, 0.95, None, Attained.NO),
+        (9, 10, 0.88, 0.99, Attained.TOO_FEW),
+        (190, 200, 0.88, 0.99, Attained.YES),
+        (150, 200, 0.88, 0.99, Attained.NO),
         (5, 5, None, None, None),
         (0, 0, 0.95, None, None),
     ],
 )
 def test_a_verdict_needs_enough_cases(
-    count: int, of: int, least: float | None, most: float | None, kept: Reached | None
+    count: int, of: int, least: float | None, most: float | None, kept: Attained | None
 ) -> None:
     share = Share(count, of)
     assert Target(TargetFigure.ALARM, share.value, least, most, share).kept is kept
 
 
 def test_a_median_is_held_against_its_limit_as_it_is() -> None:
-    assert Target(TargetFigure.FLOOR_MEDIAN, 1.2, None, 1.15).kept is Reached.NO
-    assert Target(TargetFigure.FLOOR_MEDIAN, 1.1, None, 1.15).kept is Reached.YES
+    assert Target(TargetFigure.FLOOR_MEDIAN, 1.2, None, 1.15).kept is Attained.NO
+    assert Target(TargetFigure.FLOOR_MEDIAN, 1.1, None, 1.15).kept is Attained.YES
     assert Target(TargetFigure.FLOOR_MEDIAN, float("nan"), None, 1.15).kept is None
 
 

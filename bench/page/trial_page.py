@@ -33,7 +33,7 @@ from bench.studies.trial.markdown import (
     target_cells,
 )
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import Reached, Share, Target, TargetFigure
+from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 
 NEEDED = (
     "status",
@@ -46,7 +46,7 @@ NEEDED = (
     "intervals",
 )
 SUFFIX = ".parquet"
-NOT_KEPT = {Reached.NO: "not kept", Reached.TOO_FEW: KEPT_WORDS[Reached.TOO_FEW]}
+NOT_KEPT = {Attained.NO: "not kept", Attained.TOO_FEW: KEPT_WORDS[Attained.TOO_FEW]}
 FEW = 20  # cases, below which a share says little
 
 
@@ -180,7 +180,7 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
         for target in summary.targets
         if target.reached is not None and (target.least, target.most) != (None, None)
     ]
-    kept = sum(target.kept is Reached.YES for target in judged)
+    kept = sum(target.kept is Attained.YES for target in judged)
     if not judged:
         third = "No case counts, so nothing is said: longer recordings or more seeds help."
         return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
@@ -235,7 +235,7 @@ def _targets_section(summary: TrialSummary) -> Section:
 
 
 def _kept(target: Target) -> Cell:
-    if target.kept is Reached.YES:
+    if target.kept is Attained.YES:
         return Cell("kept", "badge missing")
     return Cell(NOT_KEPT[target.kept] if target.kept else "", "badge indistinguishable")
 

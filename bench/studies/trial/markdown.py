@@ -17,7 +17,7 @@ from bench.studies.trial.summary import (
     Miss,
     TrialSummary,
 )
-from bench.studies.trial.target import Reached, Share, Target, TargetFigure
+from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 
 COUNTED = (
     f"Counted are cases in which each hidden effect makes an error of at least {LARGE:g} × the noise floor in a "
@@ -49,7 +49,7 @@ WORDS = {
     TargetFigure.FLOOR_WITHIN_TOLD: "the same for a model that was told the effects",
     TargetFigure.INTERVALS: "effect parameters: 95 % intervals that hold the truth",
 }
-KEPT_WORDS = {None: "", Reached.YES: "yes", Reached.NO: "no", Reached.TOO_FEW: "too few cases to say"}
+KEPT_WORDS = {None: "", Attained.YES: "yes", Attained.NO: "no", Attained.TOO_FEW: "too few cases to say"}
 MAIN = frozenset(
     {
         TargetFigure.ONE_FIRST,
@@ -100,7 +100,7 @@ def targets_table(summary: TrialSummary) -> Table:
         Column(head, cell, "sentence" if head in FOLDED else "text")
         for head, cell in zip(heads, cells, strict=True)
     )
-    return Table(columns, tuple("strong" if target.kept is Reached.NO else "" for target in tried))
+    return Table(columns, tuple("strong" if target.kept is Attained.NO else "" for target in tried))
 
 
 def confusion_table(summary: TrialSummary) -> Table:

@@ -23,7 +23,7 @@ def placed(rows: Sequence[Row]) -> Share:
 
 def _at_motors(row: Row) -> Iterator[tuple[set[str], set[str]]]:
     """The motors that have a hidden effect, and those at which it was named."""
-    named = {one["effect"]: set(one["actuators"]) for one in json.loads(row["verdicts"])}
+    named = {verdict["effect"]: set(verdict["actuators"]) for verdict in json.loads(row["verdicts"])}
     missing = names_in(row["missing"])
     for effect, joints in zip(names_in(row["hidden"]), names_in(row["joints"]), strict=True):
         if effect in missing and CATALOGUE[effect].place == "actuator":

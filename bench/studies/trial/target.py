@@ -10,7 +10,7 @@ import numpy as np
 from bench.basics.chi_squared import WITHIN_95
 
 
-class Reached(Enum):
+class Attained(Enum):
     """Whether what must be reached is surely reached; `bench.studies.trial.markdown` has the words."""
 
     YES = auto()
@@ -89,19 +89,19 @@ class Target:
         )
 
     @property
-    def kept(self) -> Reached | None:
+    def kept(self) -> Attained | None:
         """Whether it is where the cases are enough to say so; None without a bound or any case."""
         if self.reached is None or (self.least is None and self.most is None):
             return None
         if self.share is None:
-            return Reached.YES if self.reached else Reached.NO
+            return Attained.YES if self.reached else Attained.NO
         low, high = self.share.interval
         if not self.reached:
             outside = (self.least is not None and high < self.least) or (
                 self.most is not None and low > self.most
             )
-            return Reached.NO if outside else Reached.TOO_FEW
-        return Reached.YES if self._enough(self.share) else Reached.TOO_FEW
+            return Attained.NO if outside else Attained.TOO_FEW
+        return Attained.YES if self._enough(self.share) else Attained.TOO_FEW
 
     def _enough(self, share: Share) -> bool:
         """Whether so many cases can show that the bound is kept: if all were as they should be."""
