@@ -16,13 +16,13 @@ from bench.diagnosis.normal_equations import AWAY, run_away
 from bench.identification.problem import problem_of
 
 SYSTEM: Any = SimpleNamespace(
-    fitted=SimpleNamespace(rows=4000), checked=SimpleNamespace(rows=2000), memory=10.0, repeats=1.0
+    fitted=SimpleNamespace(rows=4000), judged=SimpleNamespace(rows=2000), memory=10.0, repeats=1.0
 )
 
 
-def left(fitted: float, checked: float, unknowns: int = 5, *, away: bool = False) -> SquaresLeft:
+def left(fitted: float, judged: float, unknowns: int = 5, *, away: bool = False) -> SquaresLeft:
     """Two motors, the second of which has a hundredth of the first one's current."""
-    return SquaresLeft(fitted * np.array([1.0, 1e-4]), checked * np.array([1.0, 1e-4]), unknowns, away)
+    return SquaresLeft(fitted * np.array([1.0, 1e-4]), judged * np.array([1.0, 1e-4]), unknowns, away)
 
 
 @pytest.mark.parametrize(
@@ -109,11 +109,11 @@ def test_a_set_like_it_is_tried_where_the_best_is_worse(monkeypatch: pytest.Monk
     assert seen == [(0,), (1, 2), (0, 3)]
 
 
-@pytest.mark.parametrize(("checked", "taken"), [(1.01, (1,)), (1.2, (0,))])
+@pytest.mark.parametrize(("judged", "taken"), [(1.01, (1,)), (1.2, (0,))])
 def test_a_smaller_set_is_taken_where_it_leaves_hardly_more(
-    checked: float, taken: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+    judged: float, taken: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    leaves = {(0,): left(1.0, 1.0, unknowns=8), (1,): left(checked, checked, unknowns=5)}
+    leaves = {(0,): left(1.0, 1.0, unknowns=8), (1,): left(judged, judged, unknowns=5)}
     found, _ = again(monkeypatch, leaves, {(0,): (1,), (1,): (1,)})
     assert found.chosen == taken
 

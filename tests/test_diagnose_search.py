@@ -13,7 +13,7 @@ from bench.diagnosis.search import NEEDED, Scored, earned
 
 
 @pytest.mark.parametrize(
-    ("checked", "fitted", "total", "enough"),
+    ("judged", "fitted", "total", "enough"),
     [
         (5.0 * NEEDED, 5.0 * NEEDED, 9.0 * NEEDED, True),
         (5.0 * NEEDED, 0.2 * NEEDED, 3.0 * NEEDED, False),
@@ -28,13 +28,13 @@ from bench.diagnosis.search import NEEDED, Scored, earned
     ],
 )
 def test_an_effect_earns_its_place_on_fitted_recordings_and_on_others(
-    checked: float, fitted: float, total: float, enough: bool, monkeypatch: pytest.MonkeyPatch
+    judged: float, fitted: float, total: float, enough: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A redundant robot's current noise, carried through closures, made errors of the gains look like an effect."""
     squares = {(): 1.0, (3,): 0.8}
-    scores = {(): (0.0, 0.0, 0.0), (3,): (checked, fitted, total)}
+    scores = {(): (0.0, 0.0, 0.0), (3,): (judged, fitted, total)}
     monkeypatch.setattr(
-        search, "solve_set", lambda _, key: SimpleNamespace(chosen=key, checked=squares[tuple(key)])
+        search, "solve_set", lambda _, key: SimpleNamespace(chosen=key, judged=squares[tuple(key)])
     )
     monkeypatch.setattr(search, "score", lambda _, fit, __: Scored(fit, *scores[tuple(fit.chosen)]))
     fit = search.solve_set(None, (3,))  # type: ignore[arg-type]

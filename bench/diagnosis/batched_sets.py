@@ -117,14 +117,14 @@ def _together(system: System, keys: Sequence[tuple[int, ...]]) -> dict[tuple[int
         return {}
     which = list(found)
     last = _at(
-        products_of_sets(system.checked, system.base, [added[i] for i in which], wide),
+        products_of_sets(system.judged, system.base, [added[i] for i in which], wide),
         np.array([found[i][0] for i in which]),
         np.array([found[i][1] for i in which]),
         start,
     )
     return {
-        keys[i]: fit_of(system, keys[i], columns[i], own[: len(columns[i])], gains, cost, float(checked))
-        for (i, (own, gains, cost)), checked in zip(found.items(), last.cost, strict=True)
+        keys[i]: fit_of(system, keys[i], columns[i], own[: len(columns[i])], gains, cost, float(judged))
+        for (i, (own, gains, cost)), judged in zip(found.items(), last.cost, strict=True)
     }
 
 

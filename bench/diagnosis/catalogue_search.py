@@ -28,7 +28,7 @@ from bench.diagnosis.showing import shows
 from bench.diagnosis.split import with_held_out_parts
 from bench.diagnosis.starting import given_wholly, kept_and_new, leaving, origins_of, worse
 from bench.diagnosis.unexplained import unexplained
-from bench.diagnosis.verdicts import checked_error, verdicts
+from bench.diagnosis.verdicts import judged_error, verdicts
 from bench.effects import EffectInstance
 from bench.identification.identify import fit
 from bench.identification.impossible_payload import with_possible_payloads
@@ -222,7 +222,7 @@ def _where_it_shows(
 def _relative(after: Identification, system: System, found: Found) -> float:
     """Error of the converged model over that of its set in the system, so that the errors of sets end where it does."""
     judged = relative_error([trace for trace in after.recordings if trace.use == "validate"]) or 0.0
-    here = checked_error(system, found.best.fit)
+    here = judged_error(system, found.best.fit)
     return judged / here if here > 0 else 0.0
 
 

@@ -29,9 +29,9 @@ class Halves:
         """Squares (n,) left on each half by a fit to the other one, with some of the further columns."""
         used = np.array([*range(self.own), *(self.own + i for i in columns)])
         left = np.zeros(self.inner.shape[1])
-        for fitted, checked in ((0, 1), (1, 0)):
+        for fitted, judged in ((0, 1), (1, 0)):
             values = _solution(self.inner[fitted].sum(axis=0), used)
-            left += np.einsum("i,nij,j->n", values, self.inner[checked], values)
+            left += np.einsum("i,nij,j->n", values, self.inner[judged], values)
         return np.maximum(left, np.finfo(float).tiny)
 
     def evidence(self, before: np.ndarray, after: np.ndarray) -> float:

@@ -19,7 +19,7 @@ class SquaresLeft:
     """
 
     fitted: np.ndarray
-    checked: np.ndarray
+    judged: np.ndarray
     unknowns: int
     away: bool
 
@@ -41,13 +41,13 @@ def leaves_clearly_less(system: System, model: SquaresLeft, other: SquaresLeft) 
     nats in all, every motor by what the other leaves of it. system: how many samples count.
     """
     weights = 1.0 / np.maximum(other.fitted, np.finfo(float).tiny)
-    if not float(model.checked @ weights) < (1.0 - MATERIAL) ** 2 * float(other.checked @ weights):
+    if not float(model.judged @ weights) < (1.0 - MATERIAL) ** 2 * float(other.judged @ weights):
         return False
     fitted = system.fitted.rows * _log_ratio(other.fitted @ weights, model.fitted @ weights)
-    checked = system.checked.rows * _log_ratio(other.checked @ weights, model.checked @ weights)
+    judged = system.judged.rows * _log_ratio(other.judged @ weights, model.judged @ weights)
     samples = system.fitted.rows / (system.memory * system.repeats)
     penalty = 0.5 * (model.unknowns - other.unknowns) * np.log(max(samples, 1.0))
-    return bool(0.5 * (fitted + checked) / (system.memory * system.repeats) - penalty > NEEDED)
+    return bool(0.5 * (fitted + judged) / (system.memory * system.repeats) - penalty > NEEDED)
 
 
 def _log_ratio(above: float, below: float) -> float:

@@ -69,7 +69,7 @@ class MotorProducts:
 
 @dataclass(frozen=True)
 class SetFit:
-    """A set of candidates, solved on the fitted recordings; weighted squares left there and on the checked ones.
+    """A set of candidates, solved on the fitted recordings; weighted squares left there and on the judged ones.
 
     values (k,): coefficients of the system's columns, base first, beside the present solution; gains (n,).
     """
@@ -79,12 +79,12 @@ class SetFit:
     values: np.ndarray
     gains: np.ndarray
     fitted: float
-    checked: float
+    judged: float
 
 
 @dataclass(frozen=True)
 class System:
-    """The equations of the fitted and of the checked recordings, with the columns of all candidates.
+    """The equations of the fitted and of the judged recordings, with the columns of all candidates.
 
     base: how many independent columns the present model has. start: its solution, whose weights are one over each
     motor's current error. memory: rows that count as one, since neighbouring errors are alike. priors: nats that each
@@ -95,7 +95,7 @@ class System:
     base: int
     start: Solution
     fitted: MotorProducts
-    checked: MotorProducts
+    judged: MotorProducts
     memory: float
     repeats: float = 1.0
     priors: tuple[float, ...] = ()
@@ -160,8 +160,8 @@ def build_system(
         some = np.arange(at, at + sum(len(instance.effect.parameters) for instance in instances))
         listed.append(Candidate(tuple(instances), base + some, lengths[some]))
         at += len(some)
-    fitted, checked = (_products(prepared, blocks[use], change, use) for use in ("identify", "validate"))
-    system = System(tuple(listed), base, start, fitted, checked, 1.0)
+    fitted, judged = (_products(prepared, blocks[use], change, use) for use in ("identify", "validate"))
+    system = System(tuple(listed), base, start, fitted, judged, 1.0)
     plain = [
         i
         for i, candidate in enumerate(listed)
@@ -214,7 +214,7 @@ def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
         values, gains, cost = new_values, new_gains, new
         if converged:
             break
-    left = squares_of(inner_of(system.checked, columns), errors_by(values, gains, start.gains))
+    left = squares_of(inner_of(system.judged, columns), errors_by(values, gains, start.gains))
     return fit_of(system, chosen, columns, values, gains, cost, float(left @ squares))
 
 
@@ -265,13 +265,13 @@ def fit_of(
     values: np.ndarray,
     gains: np.ndarray,
     cost: float,
-    checked: float,
+    judged: float,
 ) -> SetFit:
     """A set with the solution in its independent columns (k,), and the weighted squares that it leaves."""
     every = system.columns_of(chosen)
     whole = np.zeros(system.fitted.inner.shape[1])
     whole[columns] = values
-    return SetFit(chosen, every, whole[every], gains, cost, checked)
+    return SetFit(chosen, every, whole[every], gains, cost, judged)
 
 
 def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution) -> np.ndarray:

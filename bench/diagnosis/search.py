@@ -17,17 +17,17 @@ ALONE, BESIDE = (
 )  # how many effects the shortlist has for what they do alone, and beside the best set so far
 NEEDED = 10.0  # nats that an effect must bring (odds of some 20,000 to 1)
 FEW = 8  # sets like another of which it is asked whether their effects earn their place
-MATERIAL = 0.03  # share of the error on checked recordings that an effect must take away
+MATERIAL = 0.03  # share of the error on judged recordings that an effect must take away
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A set with its evidence against the present model, in nats: on checked recordings, on fitted ones beyond what
+    """A set with its evidence against the present model, in nats: on judged recordings, on fitted ones beyond what
     noise alone gives as many unknowns, and in all.
     """
 
     fit: SetFit
-    checked: float
+    judged: float
     fitted: float
     total: float
 
@@ -35,21 +35,21 @@ class Scored:
 def score(system: System, fit: SetFit, reference: SetFit) -> Scored:
     """Log-likelihood ratios against `reference`, with as many samples as are independent.
 
-    On checked recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
+    On judged recordings no parameter was fitted, so that it needs no penalty; on fitted ones half the logarithm
     of their number is subtracted for each parameter (Schwarz 1978). So are the priors of the set. Noise alone gives
     half a nat a parameter there (Wilks 1938). In all, every period of a motion that returns counts once, with the
     errors that return with it: recordings that were not fitted are no others than those that were, then.
     """
     tiny = np.finfo(float).tiny
-    samples = system.checked.rows / system.memory
-    checked = 0.5 * samples * np.log((reference.checked + tiny) / (fit.checked + tiny))
+    samples = system.judged.rows / system.memory
+    judged = 0.5 * samples * np.log((reference.judged + tiny) / (fit.judged + tiny))
     samples = system.fitted.rows / system.memory
     fitted = 0.5 * samples * np.log((reference.fitted + tiny) / (fit.fitted + tiny))
     extra = len(fit.columns) - len(reference.columns)
     penalty = 0.5 * extra * np.log(max(samples / system.repeats, 1.0))
     penalty += system.prior_of(fit.chosen) - system.prior_of(reference.chosen)
-    total = (checked + fitted) / system.repeats - penalty
-    return Scored(fit, float(checked), float(fitted - 0.5 * extra), float(total))
+    total = (judged + fitted) / system.repeats - penalty
+    return Scored(fit, float(judged), float(fitted - 0.5 * extra), float(total))
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def earned(system: System, scored: Scored, empty: SetFit) -> bool:
         fewer = solve_set(system, chosen[:i] + chosen[i + 1 :])
         without = score(system, fewer, empty)
         gained = (
-            scored.checked - without.checked,
+            scored.judged - without.judged,
             scored.fitted - without.fitted,
             scored.total - without.total,
         )
@@ -145,12 +145,12 @@ def earned(system: System, scored: Scored, empty: SetFit) -> bool:
 
 def material(before: SetFit, after: SetFit) -> bool:
     """Whether the error on recordings that were not fitted falls by more than MATERIAL."""
-    return bool(np.sqrt(after.checked) < (1.0 - MATERIAL) * np.sqrt(before.checked))
+    return bool(np.sqrt(after.judged) < (1.0 - MATERIAL) * np.sqrt(before.judged))
 
 
 def close(scored: Scored, other: Scored) -> bool:
     """Whether the data cannot tell two sets apart: the second is hardly worse than the first."""
-    return scored.checked - other.checked < NEEDED or not material(other.fit, scored.fit)
+    return scored.judged - other.judged < NEEDED or not material(other.fit, scored.fit)
 
 
 def simplest(system: System, scored: Scored, rivals: Sequence[Scored]) -> Scored:

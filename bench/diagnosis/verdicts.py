@@ -69,15 +69,15 @@ def verdicts(
     )
 
 
-def checked_error(system: System, fit: SetFit) -> float:
+def judged_error(system: System, fit: SetFit) -> float:
     """Relative error of a set on the recordings that were not fitted: RMS(error) / RMS(measured), all motors."""
-    measured = system.checked.measured
-    error = squared_errors(system.checked, fit, system.start)
+    measured = system.judged.measured
+    error = squared_errors(system.judged, fit, system.start)
     return float(np.sqrt(error.sum() / measured)) if measured else 0.0
 
 
 def _error(system: System, scored: Scored, scale: float) -> float:
-    return scale * checked_error(system, scored.fit)
+    return scale * judged_error(system, scored.fit)
 
 
 def _absorbed(proposal: Proposal, error: float) -> EffectVerdict:
@@ -107,7 +107,7 @@ def _found(
         and close(best, score(system, solve_set(system, (*others, k)), found.empty))
     ]
     after = _error(system, best, scale)
-    unsure = without.fit.checked < sure**2 * best.fit.checked
+    unsure = without.fit.judged < sure**2 * best.fit.judged
     why = Reason(Because.EXPLAINS, doubts=(Doubt.MUCH_LEFT,) if unsure else ())
     verdict: Verdict = "indistinguishable" if alternatives else "resembles" if unsure else "missing"
     return EffectVerdict(
@@ -115,7 +115,7 @@ def _found(
         verdict,
         before,
         after,
-        best.checked - without.checked,
+        best.judged - without.judged,
         places,
         tuple(alternatives),
         {},
@@ -141,7 +141,7 @@ def _other(
             "indistinguishable",
             before,
             after,
-            added.checked - best.checked,
+            added.judged - best.judged,
             (),
             tuple(rivals),
             {},
@@ -150,5 +150,5 @@ def _other(
     nothing = after >= before or not material(best.fit, added.fit)
     why = Reason(Because.GAINS_NOTHING if nothing else Because.GAINS_LITTLE)
     return EffectVerdict(
-        proposals[i].name, "not supported", before, after, added.checked - best.checked, (), (), {}, why
+        proposals[i].name, "not supported", before, after, added.judged - best.judged, (), (), {}, why
     )

@@ -33,7 +33,7 @@ from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import Diagnosis, Discovered, EffectVerdict, LawTerm, LooksAt, Unexplained
 from bench.diagnosis.rounds import judged
 from bench.diagnosis.search import MATERIAL, NEEDED
-from bench.diagnosis.verdicts import checked_error
+from bench.diagnosis.verdicts import judged_error
 from bench.identification.identify import fit
 from bench.identification.mistaken import mistaken
 from bench.identification.prepare import Prepared
@@ -298,13 +298,13 @@ def _nearest(finding: SearchResult, law: str, without: float | None) -> tuple[st
     system, proposals = finding.last.system, finding.last.proposals
     chosen = finding.last.found.best.fit.chosen
     others = tuple(i for i in chosen if proposals[i].name != law)
-    here = checked_error(system, finding.last.found.best.fit)
+    here = judged_error(system, finding.last.found.best.fit)
     error = finding.after.error.validate
     if not here or error is None or without is None:
         return None
     scale = error / here
     tried = [
-        (checked_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
+        (judged_error(system, solve_set(system, (*others, i))) * scale, proposals[i].name)
         for i in finding.last.found.singles
         if i not in chosen
     ]
