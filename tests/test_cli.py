@@ -73,6 +73,27 @@ def test_help_lists_every_command_and_imports_nothing_heavy(capsys):
     assert heavy_imports("--help") == []
 
 
+@pytest.mark.parametrize(
+    ("typed", "name"),
+    [
+        ("/opt/bin/bench", "bench"),
+        ("/opt/bin/parabench", "parabench"),
+        ("parabench.exe", "parabench"),
+        ("/opt/bench/__main__.py", "bench"),
+        ("pytest", "bench"),
+    ],
+)
+def test_help_and_version_say_the_name_that_was_typed(typed, name):
+    def said(argument):
+        program = f"import sys; from bench.cli import main; sys.argv = [{typed!r}]; main([{argument!r}])"
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+        return done.stdout + done.stderr
+
+    assert said("--help").startswith(f"Usage: {name} [OPTIONS]")
+    assert said("--version") == f"{name}, version {version('parabench')}\n"
+    assert said("diagnos").rstrip().endswith(f"(see: {name} --help)")
+
+
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_help_of_a_command_imports_nothing_heavy(name):
     assert heavy_imports(name, "--help") == []

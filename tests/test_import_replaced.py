@@ -24,8 +24,10 @@ MAP = LogMap(
 )
 
 
-def write_log(path: Path, current: float = 1.0) -> Path:
+def write_log(path: Path, current: float = 1.0, *, gap: float = 0.0) -> Path:
+    """A log of 10 s; gap: s that are lost in its middle."""
     time = np.arange(COUNT) / 100.0
+    time[COUNT // 2 :] += gap
     rng = np.random.default_rng(1)
     columns = {"t": time}
     for joint in joint_facts(load_robot("five_bar")):
@@ -48,9 +50,9 @@ def folder(tmp_path: Path) -> Path:
     return out
 
 
-def command(folder: Path, *options: str) -> int:
+def command(folder: Path, *options: str, gap: float = 0.0) -> int:
     """Import the second log of the folder's anew."""
-    log = write_log(folder.parent / "held.npz", current=3.0)
+    log = write_log(folder.parent / "held.npz", current=3.0, gap=gap)
     words = [word for pair in MAP.columns.items() for word in ("--map", "=".join(pair))]
     return main(["import", str(log), "--robot", "five_bar", *words, *options, "-o", str(folder)])
 
@@ -106,3 +108,23 @@ def test_a_file_that_no_recording_names_is_not_replaced(folder: Path, capsys) ->
     assert command(folder, "--name", "notes.csv", "--payload", "disc", "--replace") == 2
     assert "dataset.toml does not list it" in capsys.readouterr().err
     assert (folder / "notes.csv").read_text() == "mine"
+
+
+def test_pieces_of_an_earlier_import_are_told_and_stay(folder: Path, capsys) -> None:
+    capsys.readouterr()
+    assert command(folder, "--payload", "disc", "--split-gaps", "--replace", gap=1.0) == 0
+    said = capsys.readouterr().out
+    assert "dataset.toml: held.csv stays as it was: what is a piece of held.npz from an earlier import" in said
+    assert command(folder, "--payload", "disc", "--split-gaps", "--replace", gap=2.0) == 0
+    assert "held.csv stays as it was" in capsys.readouterr().out
+    assert command(folder, "--payload", "disc", "--replace") == 0
+    said = capsys.readouterr().out
+    assert "dataset.toml: held-1.csv, held-2.csv stay as they were: " in said
+    assert "free" not in said
+    held = ["held.csv", "held-1.csv", "held-2.csv"]
+    assert [recording.name for recording in load_dataset(folder).recordings] == ["free.csv", *held]
+
+
+def test_a_log_that_is_cut_as_before_leaves_nothing_to_tell(folder: Path, capsys) -> None:
+    assert command(folder, "--payload", "disc", "--replace") == 0
+    assert "stay" not in capsys.readouterr().out

@@ -13,7 +13,7 @@ from bench.basics.errors import BenchError
 from bench.benchmarks.peers.__main__ import EXPLANATION, HEADERS, Score, cells, scores_table
 from bench.benchmarks.speed import sweep
 from bench.benchmarks.speed.__main__ import MEASUREMENTS
-from bench.benchmarks.speed.figures import SpeedFigure, append_history, figures_table, last_values
+from bench.benchmarks.speed.figures import HISTORY, SpeedFigure, append_history, figures_table, last_values
 from bench.benchmarks.speed.memory import STATUS, peak_bytes
 from bench.studies.sweep.console import WIDE, table_console
 
@@ -59,6 +59,14 @@ def test_every_figure_stands_beside_that_of_the_last_time(tmp_path):
         "two workers over one – 1.9 – ≥ 1.8",
         "report 3 3 s +0 %",
     ]
+
+
+def test_every_figure_of_the_history_has_a_unit():
+    records = [json.loads(line) for line in HISTORY.read_text(encoding="utf-8").splitlines()]
+    assert [record["commit"] for record in records if set(record["units"]) != set(record["figures"])] == []
+    units = {name: unit for record in records for name, unit in record["units"].items()}
+    assert {"s", "×", "MB", "GB"} <= set(units.values())
+    assert units["peak memory of a hexapod's diagnosis"] == "MB"
 
 
 def test_a_spoilt_history_is_told_with_its_line(tmp_path):

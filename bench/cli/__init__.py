@@ -11,6 +11,7 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 
 import click
@@ -94,6 +95,7 @@ COMMANDS = {
     ),
 }
 
+COMMAND, OTHER_NAME = "bench", "parabench"  # another package installs a `bench`, too
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 TERMINATED = 143  # 128 + SIGTERM
@@ -104,7 +106,7 @@ TERMINATED = 143  # 128 + SIGTERM
     lazy_commands=COMMANDS,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-@click.version_option(package_name="parabench", prog_name="bench")
+@click.version_option(package_name="parabench")
 def cli() -> None:
     """Identify the drive gains and dynamic parameters of a robot from its logs.
 
@@ -126,7 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )  # no command draws with MuJoCo, whose windows take time to import
     try:
         with _leaving_on_termination(), forgiving_output():
-            result = cli.main(args=arguments, prog_name="bench", standalone_mode=False)
+            result = cli.main(args=arguments, prog_name=called_as(), standalone_mode=False)
     except BenchError as error:
         for line in lines_of(error):
             _say(line, BAD_INPUT)
@@ -135,13 +137,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         error.show()
         return error.exit_code
     except click.UsageError as error:
-        path = error.ctx.command_path if error.ctx else "bench"
+        path = error.ctx.command_path if error.ctx else called_as()
         return _say(f"{error.format_message()} (see: {path} --help)", error.exit_code)
     except click.ClickException as error:
         return _say(error.format_message(), error.exit_code)
     except click.Abort:
         return _say("interrupted", INTERRUPTED)
     return result if isinstance(result, int) else 0
+
+
+def called_as() -> str:
+    """The name by which the command was called: `bench`, or `parabench` where that was typed."""
+    return OTHER_NAME if Path(sys.argv[0]).stem == OTHER_NAME else COMMAND
 
 
 def _say(message: str, exit_code: int) -> int:

@@ -290,9 +290,9 @@ def speed_table() -> str:
     last: dict[str, tuple[str, str]] = {}
     for line in (RESULTS / "speed" / "history.jsonl").read_text(encoding="utf-8").splitlines():
         record = json.loads(line)
-        units = record.get("units", {})
         for name, value in record["figures"].items():
-            last[name] = (f"{value:.3g}&nbsp;{units.get(name, '')}".removesuffix("&nbsp;"), record["commit"])
+            unit = record["units"][name]  # empty for an exponent, which has none
+            last[name] = (f"{value:.3g}&nbsp;{unit}".removesuffix("&nbsp;"), record["commit"])
     rows = [(name, value, f"`{commit[:7]}`") for name, (value, commit) in last.items()]
     return rows_in_markdown(("", "measured", "commit"), rows)
 

@@ -45,7 +45,7 @@ def sweep_figures() -> list[SpeedFigure]:
     return [
         SpeedFigure(f"sweep: {RUNS} five-bar runs, two workers", seconds, "s", SECONDS_LIMIT),
         SpeedFigure(
-            "sweep: runs a second, two workers over one", together / alone, "", GAIN_LIMIT, at_least=True
+            "sweep: runs a second, two workers over one", together / alone, "×", GAIN_LIMIT, at_least=True
         ),
         SpeedFigure("sweep: from the command to the first run", start, "s", START_LIMIT),
     ]

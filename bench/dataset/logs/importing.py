@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -45,6 +46,11 @@ class LogRequest:
     reading: Reading = AS_FOUND
     cutting: Cutting = UNCUT
     accept: tuple[Check, ...] = ()
+
+    @property
+    def recording(self) -> str:
+        """The recording's file name; pieces of a log that is cut are called after it."""
+        return self.name or f"{self.file.stem}.csv"
 
 
 @dataclass(frozen=True)
@@ -136,6 +142,8 @@ def import_logs(
         )
     text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads, replace=replace)
     notes += [(folder / DATASET_FILE, note) for note in _payload_notes(folder, payloads, names)]
+    if replace:
+        notes += [(folder / DATASET_FILE, note) for note in _left_pieces(folder, requests, names)]
     _write(folder, text, parts)
     return Imported(tuple(entries), tuple(notes))
 
@@ -147,8 +155,7 @@ def _parts(
     file = request.file
     log = read_log(file, request.reading)
     columns = columns_of(file, log, robot, request.log_map)
-    name = request.name or f"{file.stem}.csv"
-    parts, cuts = cut(file, columns.values, request.use, name, request.cutting)
+    parts, cuts = cut(file, columns.values, request.use, request.recording, request.cutting)
     faults = [_as_fault(file, line) for line in columns.faults]
     for part in parts:
         table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
@@ -189,6 +196,25 @@ def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[st
         was = "had no mass" if before is None else f"was {before:g} kg"
         also = f", in {listed(others)} as well" if others else ""
         said.append(f"the payload {payload.name} {was} and is {payload.mass:g} kg now{also}")
+    return said
+
+
+def _left_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
+    """What is said of recordings called as pieces of a log that takes another place: an import that cut it otherwise
+    may have left them. They are not deleted, since a recording of one's own may be called so, too.
+    """
+    if not (folder / DATASET_FILE).exists():
+        return []
+    files, said = [entry.file for entry in read_toml(folder / DATASET_FILE, DatasetSpec).recordings], []
+    for request in requests:
+        whole = Path(request.recording)
+        piece = re.compile(rf"{re.escape(whole.stem)}(-\d+)?(-validate)?{re.escape(whole.suffix)}")
+        left = [file for file in files if piece.fullmatch(file) and file not in names]
+        if left:
+            said.append(
+                f"{listed(left)} {'stays as it was' if len(left) == 1 else 'stay as they were'}: what is a piece of "
+                f"{request.file.name} from an earlier import is to be deleted, with its [[recordings]] table"
+            )
     return said
 
 
