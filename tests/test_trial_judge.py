@@ -237,7 +237,7 @@ def test_figures_of_a_trial() -> None:
     assert targets[TargetFigure.ONE_FIRST].value == pytest.approx(2 / 3)
     assert targets[TargetFigure.ALARM].value == pytest.approx(0.5)
     assert targets[TargetFigure.OUTSIDE_HONEST].value == pytest.approx(0.75)
-    assert targets[TargetFigure.OUTSIDE_LAW].value == pytest.approx(0.25)
+    assert targets[TargetFigure.OUTSIDE_LAW].share == Share(1, 2)  # of those in which laws were searched
     assert found.confusion["current_crosstalk"] == {A_LAW: 2}
     assert targets[TargetFigure.INTERVALS].value == pytest.approx(0.5)
     assert found.confusion["viscous_friction"] == {"viscous_friction": 2, "base_tilt": 1}

@@ -1,8 +1,10 @@
 """The figures of a trial in print and on a page: nothing without cases, no verdict on too few."""
 
 import io
+import re
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 from rich.console import Console
 
@@ -51,6 +53,19 @@ def test_pictures_are_of_what_there_are_cases_for(tmp_path: Path) -> None:
     assert [path.name for path in paths] == [
         f"robot_{name}.png" for name in ("confusion", "misses", "errors")
     ]
+
+
+KEPT = sorted(path for path in Path("results/trial").glob("*.parquet") if not path.stem.endswith("_unknown"))
+
+
+@pytest.mark.parametrize("table", KEPT, ids=lambda path: path.stem)
+def test_kept_pages_are_those_of_their_tables(table: Path) -> None:
+    page = table.with_suffix(".md").read_text(encoding="utf-8")
+    notes, _, tables = page.partition("\n## ")
+    summary = summarised(table.stem, pq.read_table(table).to_pylist())
+    told = trial_markdown(summary, {}, re.findall(r"^!\[(.*)\]", page, re.MULTILINE))
+    assert tables == told.partition("\n## ")[2]
+    assert notes.startswith(f"# Blind trial of the diagnosis: {table.stem}\n\n- datasets: ")
 
 
 def test_every_table_has_a_title_and_rows_with_cases() -> None:

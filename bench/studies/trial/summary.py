@@ -137,7 +137,7 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         share(TargetFigure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
         share(TargetFigure.OUTSIDE_HONEST, of("outside"), _honest, least=0.90),
         share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
-        share(TargetFigure.OUTSIDE_LAW, of("outside"), _law_at_floor),
+        share(TargetFigure.OUTSIDE_LAW, [row for row in of("outside") if _searched(row)], _law_at_floor),
         share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
     targets += _gain_targets(hiding)
@@ -197,8 +197,13 @@ def _law_at_floor(row: Row) -> bool:
     return bool(_laws(row)) and bool(row["error_over_floor.after"] <= LAW_FACTOR)
 
 
+def _searched(row: Row) -> bool:
+    """Whether a law was looked for; trials before there was a search for them have no such figure."""
+    return row.get("laws") is not None
+
+
 def _laws(row: Row) -> int:
-    """How many laws were found; trials before there was a search for them have no such figure."""
+    """How many laws were found."""
     return int(row.get("laws") or 0)
 
 
