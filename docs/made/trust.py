@@ -14,7 +14,7 @@ from bench.document.markdown.tables import rows_in_markdown
 from bench.identification.estimators import ESTIMATORS
 from bench.studies.trial.markdown import MAIN, target_cells
 from bench.studies.trial.summary import TrialSummary, summarised
-from bench.studies.trial.target import Kept, Share, Target, TargetFigure
+from bench.studies.trial.target import Attained, Share, Target, TargetFigure
 from bench.studies.trial.unknown_page import unknown_table
 
 SEEDS = ("five_bar", "delta", "robots", "dualv")
@@ -103,7 +103,7 @@ def _reached(target: Target | None) -> str:
     if target is None:
         return ""
     _, shown, *_ = target_cells(target)
-    mark = {Kept.NO: "✗ ", Kept.TOO_FEW: "? "}.get(target.kept, "") if target.reached is False else ""
+    mark = {Attained.NO: "✗ ", Attained.TOO_FEW: "? "}.get(target.kept, "") if target.reached is False else ""
     text = f"{mark}{shown}".replace(" ", "&nbsp;")
     text = f"**{text}**" if mark else text
     return text if target.share is None else f"{text} {target.share.count}&nbsp;of&nbsp;{target.share.of}"
@@ -172,7 +172,7 @@ def _coverage(within: list[float]) -> str:
     text = percent(target.value)
     if target.reached:
         return text
-    return f"**?&nbsp;{text}**" if target.kept is Kept.TOO_FEW else f"**✗&nbsp;{text}**"
+    return f"**?&nbsp;{text}**" if target.kept is Attained.TOO_FEW else f"**✗&nbsp;{text}**"
 
 
 def estimators_table() -> str:
