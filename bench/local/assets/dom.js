@@ -2,6 +2,7 @@
 /* Small pieces that the page is made of. Texts are only ever set as text: what a file is called is never markup. */
 const Dom = (() => {
   const {el} = ChartBasics;
+  const {table, command, unit} = Elements;
 
   /* A label with a name and its input. */
   function field(name, input) {
@@ -21,39 +22,6 @@ const Dom = (() => {
       made.append(el("label", {}, input, text));
     }
     return made;
-  }
-
-  function table(heads, rows, kinds = []) {
-    const head = el("tr", {}, ...heads.map((text, i) => el("th", {scope: "col", class: kinds[i] || null}, text)));
-    const body = rows.map((cells) =>
-      el("tr", {}, ...cells.map((cell, i) => el("td", {class: kinds[i] || null}, cell))),
-    );
-    return el("div", {class: "scroll"}, el("table", {}, el("thead", {}, head), el("tbody", {}, ...body)));
-  }
-
-  /* A command with a button that copies it. */
-  function command(line) {
-    const text = el("pre", {tabindex: "0"}, line);
-    const button = el(
-      "button",
-      {
-        type: "button",
-        class: "small",
-        "aria-label": "Copy the command",
-        click: async () => {
-          try {
-            await navigator.clipboard.writeText(line);
-            button.textContent = "Copied";
-          } catch {
-            getSelection().selectAllChildren(text); // a browser may not let a page write there
-            button.textContent = "Selected";
-          }
-          setTimeout(() => (button.textContent = "Copy"), 2000);
-        },
-      },
-      "Copy",
-    );
-    return el("div", {class: "command"}, text, button);
   }
 
   /* What a command said: its fault, or what it printed, folded away. */
@@ -118,7 +86,6 @@ const Dom = (() => {
     return `${found.value.toFixed(decimals)} ± ${found.std.toFixed(decimals)}`.replace(/-/g, "−");
   }
 
-  const unit = (text) => text.replace(/\*/g, "·").replace(/\^2/g, "²").replace(/\^3/g, "³");
   const percent = (share) => (share === null || share === undefined ? "–" : ChartBasics.formatPercent(share));
 
   return {el, field, select, radios, table, command, outcome, spark, sentence, determined, quantity, unit, percent};

@@ -3,65 +3,52 @@
 const WorkbenchList = (() => {
   const MOST_NAMED = 3; // places of an effect
 
-  function make(name, kind, parent, text) {
-    const found = document.createElement(name);
-    if (kind) found.className = kind;
-    if (text !== undefined) found.textContent = text;
-    if (parent) parent.appendChild(found);
-    return found;
-  }
+  const {el} = ChartBasics;
 
   const spoken = (name) =>
     name.replaceAll("_", " ").replace(/\b(coulomb|stribeck)\b/g, (person) => person[0].toUpperCase() + person.slice(1));
   const titled = (name) => spoken(name).replace(/^./, (first) => first.toUpperCase());
 
-  const unitOf = (unit) =>
-    unit === "1" ? "" : unit.replaceAll("*", "·").replace(/\^([23])/g, (_, power) => "²³"[power - 2]);
-
-  function tickOf(parent, kind, text, changed) {
-    const label = make("label", kind, parent);
-    const input = make("input", "", label);
-    input.type = "checkbox";
-    const words = make("span", "", label, text);
-    input.addEventListener("change", () => changed(input.checked));
-    return {input, words};
+  /* A box to be ticked, and its label. */
+  function tickOf(text, data, changed) {
+    const input = el("input", {type: "checkbox", ...data, change: () => changed(input.checked)});
+    return {input, label: el("label", {class: "bench-tick"}, input, el("span", {}, text))};
   }
 
   function rowOf(parent, effect, own, format, actions) {
-    const item = make("li", "bench-effect", parent);
-    item.dataset.effect = effect.name;
-    const head = make("div", "bench-head", item);
-    const {input} = tickOf(head, "bench-tick", titled(effect.name), (on) => actions.effect(effect.name, on));
-    input.dataset.effect = effect.name;
-    const some = make("span", "bench-some", head);
-    const then = make("span", "bench-then", head);
-    const opener = make("button", "bench-open", head);
-    opener.type = "button";
-    const bar = make("div", "bench-bar", item);
-    const fill = make("div", "", bar);
-    const details = make("div", "bench-details", item);
+    const name = {"data-effect": effect.name};
+    const {input, label} = tickOf(titled(effect.name), name, (on) => actions.effect(effect.name, on));
+    const [some, then] = [el("span", {class: "bench-some"}), el("span", {class: "bench-then"})];
+    const fill = el("div");
     const boxes = new Map();
+    const details = el("div", {class: "bench-details"});
     if (own.length > 1) {
-      const set = make("div", "bench-places", details);
-      for (const place of own) {
-        const box = tickOf(set, "bench-tick", place.place, (on) => actions.place(place.key, on));
-        box.input.dataset.key = place.key;
-        boxes.set(place.key, box.input);
-      }
+      const ticks = own.map(({key, place}) => {
+        const box = tickOf(place, {"data-key": key}, (on) => actions.place(key, on));
+        boxes.set(key, box.input);
+        return box.label;
+      });
+      details.append(el("div", {class: "bench-places"}, ...ticks));
     }
-    if (effect.why) make("p", "bench-why", details, effect.why);
+    if (effect.why) details.append(el("p", {class: "bench-why"}, effect.why));
+    const told = `${titled(effect.name)}: ${own.length > 1 ? "where it sits, and " : ""}what diagnose says`;
+    const opener = el("button", {
+      type: "button",
+      class: "bench-open",
+      "aria-label": told,
+      click: () => open(details.hidden),
+    });
     const open = (wanted) => {
       details.hidden = !wanted;
       opener.setAttribute("aria-expanded", wanted);
       opener.textContent = wanted ? "▾" : "▸";
-      opener.setAttribute(
-        "aria-label",
-        `${titled(effect.name)}: ${own.length > 1 ? "where it sits, and " : ""}what diagnose says`,
-      );
     };
     open(false);
-    opener.addEventListener("click", () => open(details.hidden));
-    const values = make("ul", "bench-values", item);
+    const values = el("ul", {class: "bench-values"});
+    const head = el("div", {class: "bench-head"}, label, some, then, opener);
+    const bar = el("div", {class: "bench-bar"}, fill);
+    const item = el("li", {class: "bench-effect", ...name}, head, bar, details, values);
+    parent.append(item);
 
     function show(state, fit) {
       const ticked = own.filter((place) => state.ticks.has(place.key));
@@ -73,21 +60,17 @@ const WorkbenchList = (() => {
       for (const [key, box] of boxes) box.checked = state.ticks.has(key);
       values.replaceChildren();
       for (const fitted of fit.effects.filter((term) => term.place.effect === effect.name)) {
-        const line = make("li", "", values);
-        if (own.length > 1) make("span", "bench-place", line, fitted.place.place);
-        for (const value of fitted.values) {
-          const text = value.absorbed
-            ? `${value.name} taken up by the model`
-            : `${value.name} ${format(value.value)} ${unitOf(value.unit)}`.trim();
-          const shown = make(
-            "span",
-            value.shape ? "bench-number bench-shape" : "bench-number",
-            line,
-            value.shape ? `${text}, as found` : text,
-          );
-          Object.assign(shown.dataset, {key: fitted.key, parameter: value.name, value: value.value});
-        }
+        const place = own.length > 1 && el("span", {class: "bench-place"}, fitted.place.place);
+        values.append(el("li", {}, place, ...fitted.values.map((value) => numberOf(fitted.key, value))));
       }
+    }
+
+    function numberOf(key, value) {
+      const number = `${value.name} ${format(value.value)} ${Elements.unit(value.unit)}`.trim();
+      const text = value.absorbed ? `${value.name} taken up by the model` : number;
+      const kind = value.shape ? "bench-number bench-shape" : "bench-number";
+      const data = {"data-key": key, "data-parameter": value.name, "data-value": value.value};
+      return el("span", {class: kind, ...data}, value.shape ? `${text}, as found` : text);
     }
 
     /* other: the fit with the effect switched over; null while it is not known. largest: error of the longest bar. */
@@ -104,5 +87,5 @@ const WorkbenchList = (() => {
     return {item, input, show, after, name: effect.name};
   }
 
-  return {make, spoken, titled, unitOf, rowOf};
+  return {spoken, titled, rowOf};
 })();

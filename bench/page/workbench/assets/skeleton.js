@@ -1,105 +1,98 @@
 "use strict";
 /* What the workbench's section is made of: headings, tiles, buttons, and places for lists, tables and charts. */
 const WorkbenchSkeleton = (() => {
-  const {make} = WorkbenchList;
+  const {el} = ChartBasics;
 
   function segments(parent, name, options, changed) {
-    const set = make("fieldset", "", parent);
-    make("legend", "", set, name);
-    const select = make("select", "", set);
-    select.setAttribute("aria-label", name);
-    options.forEach((option, i) => (make("option", "", select, option).value = i));
-    select.addEventListener("change", () => changed(Number(select.value)));
+    const select = el("select", {"aria-label": name, change: () => changed(Number(select.value))});
+    select.append(...options.map((option, i) => el("option", {value: i}, option)));
+    parent.append(el("fieldset", {}, el("legend", {}, name), select));
     return select;
   }
 
-  function tile(list, name) {
-    const box = make("div", "tile", list);
-    make("dt", "", box, name);
-    return {value: make("dd", "", box), note: make("dd", "note", box)};
+  function tile(name) {
+    const [value, note] = [el("dd"), el("dd", {class: "note"})];
+    return {value, note, box: el("div", {class: "tile"}, el("dt", {}, name), value, note)};
   }
 
+  const aid = (text) => el("p", {class: "aid"}, text);
+  const button = (text, title = null) => el("button", {type: "button", title}, text);
+  const part = (title, ...children) => el("div", {class: "part"}, el("h3", {}, title), ...children);
+
   function skeleton(section) {
+    const copied = Elements.command("", "bench-command");
+    const parts = {
+      judged: tile("Error, not fitted"),
+      fitted: tile("Error, fitted"),
+      found: button("Found by diagnose"),
+      nothing: button("Nothing"),
+      pin: button("Keep as A", "Keep this model, to see another one beside it"),
+      pinned: el("p", {class: "bench-pinned"}),
+      said: el("p", {class: "bench-said", role: "status"}),
+      list: el("ul", {class: "bench-effects"}),
+      hidden: aid(""),
+      ladder: el("div", {class: "chart"}),
+      gains: el("div"),
+      choices: el("div", {class: "choices"}),
+      aid: aid(""),
+      curves: el("div", {class: "chart"}),
+      parameters: el("div"),
+      command: copied.querySelector("pre"),
+      download: button("Download model"),
+      file: el("span", {class: "aid"}),
+    };
+    const {judged, fitted, pin, found, nothing} = parts;
+    const effects = el(
+      "div",
+      {class: "bench-list"},
+      el("h3", {}, "Effects"),
+      aid("Beside each: the error on recordings that were not fitted, if you tick it or take it out."),
+      parts.list,
+      parts.hidden,
+    );
+    const answer = el(
+      "div",
+      {class: "bench-answer"},
+      part(
+        "Error, effect by effect",
+        aid("From the model without any effect; at each step the one that helps most."),
+        parts.ladder,
+      ),
+      part(
+        "Drive gains and errors",
+        aid(
+          "Standard error: of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.",
+        ),
+        parts.gains,
+      ),
+      part("Currents", parts.choices, parts.aid, parts.curves),
+      part(
+        "The same on the command line",
+        aid("With its shapes fitted anew, and all standard errors."),
+        copied,
+        el("p", {class: "bench-model"}, parts.download, parts.file),
+      ),
+      el("div", {class: "part"}, el("details", {}, el("summary", {}, "Dynamic parameters"), parts.parameters)),
+    );
     section.classList.add("bench");
-    make("h2", "", section, "Workbench");
-    make(
-      "p",
-      "lead",
-      section,
-      "Tick an effect, and this page fits gains and all that enters linearly anew, at once. Shapes, such as a speed or a period, stay as diagnose found them; the command below fits them anew, too.",
+    section.append(
+      el("h2", {}, "Workbench"),
+      el(
+        "p",
+        {class: "lead"},
+        "Tick an effect, and this page fits gains and all that enters linearly anew, at once. Shapes, such as a speed or a period, stay as diagnose found them; the command below fits them anew, too.",
+      ),
+      el(
+        "div",
+        {class: "bench-now"},
+        el("dl", {class: "tiles"}, judged.box, fitted.box),
+        el("div", {class: "bench-buttons"}, pin, found, nothing),
+      ),
+      parts.pinned,
+      parts.said,
+      el("div", {class: "bench-grid"}, effects, answer),
     );
-    const now = make("div", "bench-now", section);
-    const tiles = make("dl", "tiles", now);
-    const judged = tile(tiles, "Error, not fitted");
-    const fitted = tile(tiles, "Error, fitted");
-    const buttons = make("div", "bench-buttons", now);
-    const pin = make("button", "", buttons, "Keep as A");
-    const found = make("button", "", buttons, "Found by diagnose");
-    const nothing = make("button", "", buttons, "Nothing");
-    for (const button of [found, nothing, pin]) button.type = "button";
-    pin.title = "Keep this model, to see another one beside it";
-    const pinned = make("p", "bench-pinned", section);
-    const said = make("p", "bench-said", section);
-    said.setAttribute("role", "status");
-    const grid = make("div", "bench-grid", section);
-    const left = make("div", "bench-list", grid);
-    make("h3", "", left, "Effects");
-    const then = "Beside each: the error on recordings that were not fitted, if you tick it or take it out";
-    make("p", "aid", left, `${then}.`);
-    const list = make("ul", "bench-effects", left);
-    const hidden = make("p", "aid", left);
-    const right = make("div", "bench-answer", grid);
-    const part = (title, aid) => {
-      const box = make("div", "part", right);
-      make("h3", "", box, title);
-      if (aid) make("p", "aid", box, aid);
-      return box;
-    };
-    const ladder = part(
-      "Error, effect by effect",
-      "From the model without any effect; at each step the one that helps most.",
-    );
-    const motors = part(
-      "Drive gains and errors",
-      "Standard error: of the gain, known of the models that diagnose fitted; bench identify tells it of others. Fitted, not fitted: error of this motor's current.",
-    );
-    const curves = part("Currents", "");
-    const choices = make("div", "choices", curves);
-    const aid = make("p", "aid", curves);
-    const line = part("The same on the command line", "With its shapes fitted anew, and all standard errors.");
-    const holder = make("div", "bench-command", line);
-    const shown = make("pre", "", holder);
-    shown.tabIndex = 0;
-    const copy = make("button", "", holder, "Copy");
-    copy.type = "button";
-    copy.setAttribute("aria-label", "Copy the command");
-    const model = make("p", "bench-model", line);
-    const download = make("button", "", model, "Download model");
-    download.type = "button";
-    const file = make("span", "aid", model);
-    const details = make("details", "", make("div", "part", right));
-    make("summary", "", details, "Dynamic parameters");
-    return {
-      judged,
-      fitted,
-      found,
-      nothing,
-      pin,
-      pinned,
-      said,
-      list,
-      hidden,
-      ladder: make("div", "chart", ladder),
-      gains: make("div", "scroll", motors),
-      choices,
-      aid,
-      curves: make("div", "chart", curves),
-      parameters: make("div", "scroll", details),
-      command: shown,
-      copy,
-      download,
-      file,
-    };
+    return parts;
   }
 
   /* The command with these effects; line: as far as it does not depend on them. A word is as a shell takes it. */
@@ -108,40 +101,19 @@ const WorkbenchSkeleton = (() => {
     return [line, ...requests.map((request) => `--with ${quoted(request)}`)].join(" \\\n  ");
   }
 
-  async function copied(text, button) {
-    try {
-      await navigator.clipboard.writeText(text.textContent);
-      button.textContent = "Copied";
-    } catch {
-      getSelection().selectAllChildren(text); // a browser may not let a page write there
-      button.textContent = "Selected";
-    }
-    setTimeout(() => (button.textContent = "Copy"), 2000);
-  }
-
   /* Hand the reader a file. */
   function saved(content, name) {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([`${JSON.stringify(content, null, 1)}\n`], {type: "application/json"}));
-    link.download = name;
+    const file = new Blob([`${JSON.stringify(content, null, 1)}\n`], {type: "application/json"});
+    const link = el("a", {href: URL.createObjectURL(file), download: name});
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   }
 
+  /* A table whose columns of numbers stand right. */
   function table(holder, heads, rows) {
-    const found = document.createElement("table");
-    const top = make("tr", "", make("thead", "", found));
-    heads.forEach((head, i) => (make("th", i ? "right" : "", top, head).scope = "col"));
-    const body = make("tbody", "", found);
-    for (const row of rows) {
-      const line = make("tr", "", body);
-      row.forEach((cell, i) => {
-        const at = make("td", i ? "right" : "", line, cell.text ?? cell);
-        if (cell.data) Object.assign(at.dataset, cell.data);
-      });
-    }
-    holder.replaceChildren(found);
+    const kinds = heads.map((_, i) => (i ? "right" : ""));
+    holder.replaceChildren(Elements.table(heads, rows, kinds));
   }
 
-  return {segments, skeleton, table, command, copied, saved};
+  return {segments, skeleton, table, command, saved};
 })();

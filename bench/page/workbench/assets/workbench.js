@@ -1,7 +1,9 @@
 "use strict";
 /* The workbench: tick effects, and see errors, gains, ladder and curves of the model that has them. */
 (() => {
-  const {spoken, titled, unitOf, rowOf} = WorkbenchList;
+  const {el} = ChartBasics;
+  const {unit: unitOf} = Elements;
+  const {spoken, titled, rowOf} = WorkbenchList;
   const {segments, skeleton, table} = WorkbenchSkeleton;
   const SLICE = 14; // ms of solving between two looks at the page
   const MOST_STEPS = 6; // effects of which a ladder is made
@@ -87,7 +89,6 @@
       pinned = pinned ? null : {ticks: state.ticks, fit: shown};
       show(shown);
     });
-    parts.copy.addEventListener("click", () => WorkbenchSkeleton.copied(parts.command, parts.copy));
     parts.download.addEventListener("click", () => WorkbenchSkeleton.saved(data.model, "model.json"));
     const motor = segments(
       parts.choices,
@@ -153,7 +154,7 @@
           const off = 100 * (gain / each.nominal - 1);
           return [
             each.joint,
-            {text: `${formatNumber(gain, 5)} ${unitOf(each.unit)}`, data: {gain: each.joint, value: gain}},
+            el("span", {"data-gain": each.joint, "data-value": gain}, `${formatNumber(gain, 5)} ${unitOf(each.unit)}`),
             deviationOf(j),
             `${off > 0 ? "+" : ""}${formatNumber(off, 3)} %`,
             percent(fitted),
@@ -195,7 +196,7 @@
       const std = known ? known.gains[number] : null;
       return std === null
         ? "–"
-        : {text: `± ${formatNumber(std, 2)}`, data: {deviation: data.motors[number].joint, value: std}};
+        : el("span", {"data-deviation": data.motors[number].joint, "data-value": std}, `± ${formatNumber(std, 2)}`);
     }
 
     /* What keeps the page from being bench identify to the last digit, for what is ticked. */
