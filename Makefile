@@ -44,10 +44,11 @@ types: $(INSTALLED)
 imports: $(INSTALLED)
 	$(BIN)/lint-imports --no-logo
 
-# Compiled first: the commands that tests start would do it each time where Python is told to write no bytecode.
+# Compiled first, and bytecode is kept whatever the environment says of it: the commands that tests start would compile
+# the package each time, and pytest rewrite the assertions of all tests.
 tests: $(INSTALLED)
 	@$(BIN)/python -m compileall -q bench
-	$(BIN)/pytest --quiet --numprocesses 2 --dist worksteal
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/pytest --quiet --numprocesses 2 --dist worksteal
 
 test-kernels: $(INSTALLED)
 	$(BIN)/python -m tests.kernels
