@@ -32,7 +32,7 @@ def test_one_law_is_tried_for_several_frictions(
     gain = SimpleNamespace(value=1.0, nominal=1.0)
     plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={"motor": gain}), unexplained=None)
     finding: Any = SimpleNamespace(origin=None, last=None, barred={})
-    monkeypatch.setattr(find, "search", lambda *_: finding)
+    monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)
     monkeypatch.setattr(find, "answered", lambda *_: plain)
     monkeypatch.setattr(find, "something_left", lambda _: left)
     monkeypatch.setattr(find, "search_laws", lambda *_: laws)
@@ -53,7 +53,7 @@ def test_an_effect_that_was_not_needed_may_be_found_beside_a_law(monkeypatch: py
     finding: Any = SimpleNamespace(origin=None, last=None, barred=barred)
     plain: Any = SimpleNamespace(after=SimpleNamespace(drive_gains={}), unexplained=None)
     asked: list[Any] = []
-    monkeypatch.setattr(find, "search", lambda *_: finding)
+    monkeypatch.setattr(find, "search_catalogue", lambda *_: finding)
     monkeypatch.setattr(find, "answered", lambda *_: plain)
     monkeypatch.setattr(find, "something_left", lambda _: True)
     monkeypatch.setattr(find, "search_laws", lambda _, __, never, ___: asked.append(never))
