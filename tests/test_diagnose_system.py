@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bench.diagnosis.batched_sets import solve_sets
+from bench.diagnosis.motor_rows import combined, folded, motor_rows, products
 from bench.diagnosis.normal_equations import (
     Candidate,
     System,
@@ -38,14 +39,22 @@ def rows_of(seed, noise):
     return columns, kappa, current + noise * current.std() * random.standard_normal(current.shape)
 
 
+def by_motor(rows, cut):
+    """Rows (M, n, C + 2) of two recordings, motor by motor."""
+    return [
+        [motor_rows([own[:, :-2]], own[:, -2:]) for own in part.swapaxes(0, 1)]
+        for part in (rows[:cut], rows[cut:])
+    ]
+
+
 def system_of(columns, kappa, current, start):
     """The system of a model's columns and of those that it lacks, about a solution of the model."""
     torque = columns[:, :, :OWN] @ start.theta + kappa
     rows = np.concatenate((columns, torque[:, :, None], (current - torque / start.gains)[:, :, None]), axis=2)
-    change, sizes = _orthonormal(_triangle([rows[:200], rows[200:]], start), OWN)
+    change, sizes = _orthonormal(_triangle(by_motor(rows, 200), OWN + ADDED, start), OWN)
     seen = SimpleNamespace(use="identify", current=current, moving=np.ones(current.shape, dtype=bool))
     prepared = SimpleNamespace(present=SimpleNamespace(gains=start.gains), observations=[seen])
-    products = _products(prepared, [rows[:100], rows[100:]], change, "identify")
+    products = _products(prepared, by_motor(rows, 100), change, "identify")
     listed = tuple(Candidate((), np.array([OWN + i]), sizes[[i]]) for i in range(ADDED))
     return System(listed, OWN, start, products, products, 1.0)
 
@@ -59,6 +68,23 @@ def known(request):
     own = factors[:, :, [*range(OWN), -2, -1]]
     theta, gains = minimised(own, np.zeros(OWN), np.array([3.0, 3.0]), weights, True)
     return system_of(columns, kappa, current, Solution(theta, gains, weights, "current", True)), factors
+
+
+def test_columns_that_are_zero_at_a_motor_are_left_out_and_change_nothing():
+    random = np.random.default_rng(5)
+    columns = random.standard_normal((40, 6))
+    columns[:, [1, 4]] = 0.0
+    ends, change, values = random.standard_normal((40, 2)), random.standard_normal((6, 5)), np.arange(8.0)
+    rows = motor_rows([columns[:, :2], columns[:, 2:]], ends)
+    whole = np.concatenate((columns, ends), axis=1)
+    changed = np.concatenate((columns @ change, ends), axis=1)
+    np.testing.assert_array_equal(rows.filled, [0, 2, 3, 5])
+    np.testing.assert_allclose(products(rows, change), changed.T @ changed, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(combined(rows, values), whole @ values, rtol=1e-12, atol=1e-12)
+    before = random.standard_normal((9, 6))
+    triangle = folded(before, rows, 0.5)
+    under = np.concatenate((before, 0.5 * columns))
+    np.testing.assert_allclose(triangle.T @ triangle, under.T @ under, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("chosen", [(), (0,), (1,), (0, 1), (1, 2), (0, 1, 2, 3), (0, 4, 5)])

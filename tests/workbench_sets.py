@@ -63,7 +63,9 @@ class Carried:
         weights = np.sqrt(data["rows"] / np.maximum(inner["fitted"][:, -1, -1], 1e-300))
         start = Solution(reference[: self.own], gains, weights, "current", data["fits_gains"])
         products = [
-            MotorProducts(inner[use], data["rows"], float(self.squares[use].sum()))
+            MotorProducts(
+                np.pad(inner[use], ((0, 0), (0, 1), (0, 1))), data["rows"], float(self.squares[use].sum())
+            )
             for use in ("fitted", "judged")
         ]
         self.system = System(candidates, self.own, start, *products, 1.0)

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from bench.diagnosis.motor_rows import MotorRows, combined, folded, motor_rows, products
 from bench.effects import EffectInstance, RobotSignals
 from bench.identification.bilinear import (
     errors_by,
@@ -51,20 +52,21 @@ class Candidate:
 
 @dataclass(frozen=True)
 class MotorProducts:
-    """Inner products (n, C + 2, C + 2) of every motor's [columns, torque, error] over so many rows.
+    """Inner products of every motor's [columns, torque, error] over so many rows.
 
-    torque and error: what the present model's solution needs, and leaves of the current. measured: sum of squares of
-    all currents.
+    torque and error: what the present model's solution needs, and leaves of the current. with_zeros
+    (n, C + 3, C + 3): with one more column, of zeros, for sets of different size that are solved side by side.
+    measured: sum of squares of all currents.
     """
 
-    inner: np.ndarray
+    with_zeros: np.ndarray
     rows: int
     measured: float
 
-    @cached_property
-    def with_zeros(self) -> np.ndarray:
-        """The inner products with those of one more column, of zeros."""
-        return np.pad(self.inner, ((0, 0), (0, 1), (0, 1)))
+    @property
+    def inner(self) -> np.ndarray:
+        """The inner products (n, C + 2, C + 2), without the zeros."""
+        return self.with_zeros[:, :-1, :-1]
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,7 @@ def build_system(
         ]
     )
     decimation = prepared.settings.decimation
-    blocks: dict[str, list[np.ndarray]] = {"identify": [], "validate": []}
+    blocks: dict[str, list[tuple[MotorRows, ...]]] = {"identify": [], "validate": []}
     for signals, nearly, observation in zip(prepared.signals, near, prepared.observations, strict=True):
 
         def added(signals: RobotSignals = signals, nearly: RobotSignals = nearly) -> np.ndarray:
@@ -152,7 +154,9 @@ def build_system(
             return columns
 
         blocks[observation.use].append(_rows(prepared, observation, added(), start))
-    change, lengths = _orthonormal(_triangle(blocks["identify"], start), prepared.layout.size)
+    size = prepared.layout.size
+    triangle = _triangle(blocks["identify"], size + len(as_fitted), start)
+    change, lengths = _orthonormal(triangle, size)
     base = change.shape[1] - len(lengths)
     listed = []
     at = 0
@@ -274,24 +278,25 @@ def fit_of(
     return SetFit(chosen, every, whole[every], gains, cost, judged)
 
 
-def _rows(prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution) -> np.ndarray:
-    """[phi, candidates, torque, error] of one recording, (M, n, C + 2), zero where a joint stands still."""
+def _rows(
+    prepared: Prepared, observation: Observation, added: np.ndarray, start: Solution
+) -> tuple[MotorRows, ...]:
+    """[phi, candidates, torque, error] of one recording at each motor, zero where it stands still."""
     phi = regressor_rows(observation, prepared.layout)
     torque = phi @ start.theta + known_rows(observation, prepared.dataset.payloads)
-    error = observation.current - torque / start.gains
-    parts = (phi, added, torque[:, :, None], error[:, :, None])
-    rows = np.concatenate(parts, axis=2)
-    rows *= observation.moving[:, :, None]
-    return rows
+    ends = np.stack((torque, observation.current - torque / start.gains), axis=2)
+    return tuple(
+        motor_rows((phi[:, j] * moving[:, None], added[:, j] * moving[:, None]), ends[:, j] * moving[:, None])
+        for j, moving in enumerate(observation.moving.T)
+    )
 
 
-def _triangle(blocks: Sequence[np.ndarray], start: Solution) -> np.ndarray:
-    """Triangular factor of all columns but torque and error, every motor's rows weighted."""
-    triangle = np.zeros((0, blocks[0].shape[2] - 2))
-    for rows in blocks:
-        for j, weight in enumerate(start.weights / start.gains):  # motor by motor, for less memory
-            together = np.concatenate((triangle, rows[:, j, :-2] * weight))
-            triangle = np.asarray(np.linalg.qr(together, mode="r"))
+def _triangle(blocks: Sequence[Sequence[MotorRows]], size: int, start: Solution) -> np.ndarray:
+    """Triangular factor of so many columns, all but torque and error, every motor's rows weighted."""
+    triangle = np.zeros((0, size))
+    for motors in blocks:
+        for rows, weight in zip(motors, start.weights / start.gains, strict=True):
+            triangle = folded(triangle, rows, weight)
     return triangle
 
 
@@ -320,22 +325,22 @@ def _orthonormal(triangle: np.ndarray, p: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _products(
-    prepared: Prepared, blocks: Sequence[np.ndarray], change: np.ndarray, use: str
+    prepared: Prepared, blocks: Sequence[Sequence[MotorRows]], change: np.ndarray, use: str
 ) -> MotorProducts:
     """Of all recordings of a use, their columns combined by `change`."""
     size = change.shape[1] + 2
-    inner = np.zeros((len(prepared.present.gains), size, size))
-    for rows in blocks:
-        for j, motor in enumerate(rows.transpose(1, 0, 2)):
-            changed = np.concatenate((motor[:, :-2] @ change, motor[:, -2:]), axis=1)
-            inner[j] += changed.T @ changed
+    with_zeros = np.zeros((len(prepared.present.gains), size + 1, size + 1))
+    for motors in blocks:
+        for inner, rows in zip(with_zeros, motors, strict=True):
+            inner[:size, :size] += products(rows, change)
     seen = [observation for observation in prepared.observations if observation.use == use]
     measured = sum(float(((observation.current * observation.moving) ** 2).sum()) for observation in seen)
-    return MotorProducts(inner, sum(int(observation.moving.sum()) for observation in seen), measured)
+    return MotorProducts(with_zeros, sum(int(observation.moving.sum()) for observation in seen), measured)
 
 
-def _errors(rows: np.ndarray, change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
+def _errors(motors: Sequence[MotorRows], change: np.ndarray, fit: SetFit, start: Solution) -> np.ndarray:
     """Weighted current errors (M, n) of one recording."""
     errors = errors_by(fit.values, fit.gains, start.gains)
-    combined = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
-    return np.asarray(np.einsum("mjc,jc->mj", rows, combined) * start.weights)
+    values = np.concatenate((errors[:, :-2] @ change[:, fit.columns].T, errors[:, -2:]), axis=1)
+    found = [combined(rows, own) for rows, own in zip(motors, values, strict=True)]
+    return np.column_stack(found) * start.weights
