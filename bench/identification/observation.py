@@ -78,7 +78,7 @@ def observe(model: IdentificationModel, measured: Measured) -> Observation:
         rigid=np.ascontiguousarray(filtered[:, :, :nb]),
         payload=filtered[:, :, load] @ model.payload if loaded and model.payload is not None else None,
         effects=np.zeros((len(kept), n, 0)),
-        redundant=np.ascontiguousarray(filtered[:, :, p - r :]),
+        redundant=filtered[:, :, p - r :].copy(),  # of none a view, too, would keep all of `filtered`
         nominal=np.array([actuator.gain for actuator in robot.redundant]),
         position=position,
         velocity=np.ascontiguousarray(velocity),
