@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bench.basics.errors import BenchError
+from bench.basics.files.sidecar_path import sidecar_path
 from bench.effects import CATALOGUE, ActuatorEffect, EffectParameter, JointSignals
 from bench.effects.laws.presliding_hysteresis import dahl_state
 from bench.export.mjcf import write_mjcf
@@ -15,7 +16,6 @@ from bench.export.physical import physical_set
 from bench.export.sidecar import sidecar, write_sidecar
 from bench.twin import load_twin
 from bench.twin.drive import drive_law_of
-from bench.twin.file import sidecar_path
 from bench.twin.laws import Instant, Memoryless, joint_law_of
 from tests.export_kit import identified
 from tests.test_export_files import with_effects

@@ -273,7 +273,7 @@ class Heard:
 
 
 def test_a_worker_answers_refuses_dies_and_is_cancelled():
-    worker = Worker({"double": double, "refuse": refuse, "die": die, "wait": wait})
+    worker = Worker({name: f"{__name__}:{name}" for name in ("double", "refuse", "die", "wait")})
     heard = Heard(lambda: None)
     assert worker.call("double", {"number": 21}, heard) == 42
     assert heard.said == [("doubling", 2), 1]

@@ -78,13 +78,14 @@ def discriminate(
     """
     duration, widen, seed = (options.pop(name) for name in ("duration", "widen", "seed"))
     with shown_progress(quiet) as progress:
+        from bench.basics.shell_word import quoted
         from bench.dataset.catalogue import built_in_robots
         from bench.dataset.dataset import load_dataset
         from bench.excitation.discrimination.discriminate import discriminate as run
         from bench.excitation.discrimination.figure import write_discrimination_figure
         from bench.excitation.discrimination.files import Told, check_folder, write_discrimination
         from bench.identification.problem import problem_of
-        from bench.page.section_run import CommandRun, quoted
+        from bench.page.section_run import CommandRun
 
         check_folder(output)
         progress.phase("reading the recordings")

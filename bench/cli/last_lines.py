@@ -24,7 +24,7 @@ def wrote(path: str | Path, what: str = "") -> str:
 
 def next_line(words: Sequence[str | Path], why: str = "") -> str:
     """The command that makes sense next, to be copied, and what it does."""
-    from bench.page.section_run import quoted
+    from bench.basics.shell_word import quoted
 
     line = f"next: {' '.join(quoted(word) for word in ('bench', *words))}"
     return f"{line}    {why}" if why else line

@@ -9,7 +9,8 @@ import click
 
 from bench.basics.errors import BenchError
 from bench.cli.known_truth import known_of, simulated_again, truth_beside, truth_of
-from bench.dataset.dataset import DATASET_FILE, Dataset, load_dataset
+from bench.dataset.dataset import Dataset, load_dataset
+from bench.dataset.names import DATASET_FILE
 from bench.diagnosis.result import Diagnosis, LadderStep
 from bench.document.diagnosis import step_labels
 from bench.document.markdown.diagnosis import diagnosis_markdown
@@ -19,7 +20,8 @@ from bench.identification.model_file import load_model, read_identification
 from bench.identification.prepare import prepare
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import Identification
-from bench.page.folder import RUN_FILE, SavedRun, read_run
+from bench.page.folder import SavedRun, read_run
+from bench.page.run_file import RUN_FILE
 from bench.studies.known_values import known_values
 from bench.studies.sweep.rerun_runs import is_sweep_folder, plan_of, run_again, telling_runs
 from bench.truth.dataset import as_dataset

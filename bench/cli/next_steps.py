@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bench.basics.shell_word import quoted
 from bench.cli.last_lines import after_diagnosis, next_line
-from bench.page.section_run import CommandRun, quoted
+from bench.page.section_run import CommandRun
 
 if TYPE_CHECKING:
     from bench.diagnosis.result import Diagnosis
@@ -33,7 +34,7 @@ class Source:
     @property
     def dataset(self) -> Path | None:
         """Its own folder, where it is a dataset; of a model, the recordings that it is shown beside."""
-        from bench.dataset.dataset_toml import DATASET_FILE
+        from bench.dataset.names import DATASET_FILE
 
         if self.path.name == DATASET_FILE or (self.path / DATASET_FILE).is_file():
             return self.path

@@ -46,11 +46,11 @@ def open_page(folder: Path, robots: tuple[Path, ...], port: int, no_browser: boo
 
             webbrowser.open(address)
 
-    serve(opened(folder, robots, _line(words), port), {"command": run_command}, ready)
+    serve(opened(folder, robots, _line(words), port), {"command": "bench.cli.open:run_command"}, ready)
 
 
 def _line(words: list[str]) -> str:
-    from bench.page.section_run import quoted
+    from bench.basics.shell_word import quoted
 
     return " ".join(quoted(word) for word in ["bench", "open", *words])
 

@@ -75,7 +75,8 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     """
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_page, after_trial
-    from bench.page.folder import RUN_FILE, read_run
+    from bench.page.folder import read_run
+    from bench.page.run_file import RUN_FILE
     from bench.page.write import write_saved_run
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
@@ -121,7 +122,7 @@ def _refuse(options: dict[str, Any], what: str) -> None:
 
 def _of_trial(source: Path, output: Path) -> Path:
     from bench.basics.errors import BenchError
-    from bench.page.folder import RUN_FILE
+    from bench.page.run_file import RUN_FILE
     from bench.page.trial_page import trial_table
     from bench.page.write_studies import write_trial_report
 

@@ -91,7 +91,8 @@ def new(
     Without a --motor, it says what MODEL.xml has.
     """
     from bench.cli.parameters import unique
-    from bench.dataset.robot_toml import ROBOT_FILE, mjcf_parts, write_robot_toml
+    from bench.dataset.names import ROBOT_FILE
+    from bench.dataset.robot_toml import mjcf_parts, write_robot_toml
 
     if not motors:
         raise click.UsageError(

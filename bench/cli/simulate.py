@@ -32,7 +32,7 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
     with shown_progress(quiet) as progress:
         from bench.api.simulate import simulation_of
         from bench.basics.errors import BenchError
-        from bench.dataset.dataset_toml import DATASET_FILE
+        from bench.dataset.names import DATASET_FILE
         from bench.truth.dataset import write_simulation
 
         if (output / DATASET_FILE).exists() and not overwrite:

@@ -10,11 +10,11 @@ from bench.basics.errors import BenchError
 from bench.basics.files.table import release_tables
 from bench.basics.files.toml_input import read_toml
 from bench.dataset.controller import ControlLaw, controller_of, references
-from bench.dataset.dataset_toml import DATASET_FILE as DATASET_FILE
 from bench.dataset.dataset_toml import DatasetSpec, payload_of
 from bench.dataset.dataset_toml import RecordingEntry as RecordingEntry
 from bench.dataset.dataset_toml import write_dataset_toml as write_dataset_toml
 from bench.dataset.joint_facts import joint_facts
+from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.recording import Recording
 from bench.dataset.recording_file import load_recordings

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from bench.dataset.names import Check, Use
 from bench.dataset.payload import Payload
-from bench.dataset.recording import Use
-from bench.dataset.recording_checks import Check
 
 OF_THE_OLD = ("window", "exclude")  # stretches of a log that is replaced say nothing of the new one
 

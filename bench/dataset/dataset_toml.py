@@ -17,13 +17,11 @@ from bench.basics.files.toml_output import toml_header, toml_line
 from bench.dataset.controller import ControlLaw, ControllerSpec
 from bench.dataset.dataset_edit import RecordingEntry as RecordingEntry
 from bench.dataset.dataset_edit import edited, payload_keys
+from bench.dataset.names import DATASET_FILE, Check, Use
 from bench.dataset.payload import Payload, payload_fault
-from bench.dataset.recording import Use
-from bench.dataset.recording_checks import Check
 from bench.dataset.recording_window import Spans
 from bench.dataset.robot import Robot, load_robot
 
-DATASET_FILE = "dataset.toml"
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -14,8 +13,8 @@ import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import atomic_path
+from bench.dataset.names import Use
 
-Use = Literal["identify", "validate"]
 Array = npt.NDArray[np.float64]
 
 

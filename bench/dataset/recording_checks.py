@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +19,8 @@ import numpy.typing as npt
 from bench.basics.files.recording_fault import Remedy
 from bench.basics.joint_units import joint_units
 from bench.dataset.joint_facts import JointFacts
+from bench.dataset.names import Check
 
-Check = Literal["units", "limits", "constant", "spikes", "frozen", "saturated", "mass"]
-"""What a recording may be accepted with; mass: of its payload, which an import asks about."""
 CHECKS: tuple[Check, ...] = get_args(Check)
 
 DEGREES = 180.0 / np.pi

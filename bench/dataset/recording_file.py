@@ -12,7 +12,8 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.files.table import FileTable, read_table
 from bench.dataset.joint_facts import JointFacts
-from bench.dataset.recording import Recording, Use, position_column
+from bench.dataset.names import Use
+from bench.dataset.recording import Recording, position_column
 from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.recording_window import WHOLE, Window
 from bench.dataset.sampling import on_uniform_grid

@@ -11,14 +11,11 @@ from typing import TYPE_CHECKING, Literal
 from bench.basics.errors import BenchError, meant
 from bench.basics.files.atomic import atomic_path
 from bench.basics.files.toml_output import toml_line
+from bench.dataset.names import ROBOT_FILE, Unit
 from bench.dataset.robot import compiler_message, load_robot
 
 if TYPE_CHECKING:
     import mujoco
-
-ROBOT_FILE = "robot.toml"
-Unit = Literal["A", "V", "1"]
-"""What the drive commands: a current, the voltage of an amplifier; or torques and forces are logged themselves."""
 
 
 @dataclass(frozen=True)

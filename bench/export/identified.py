@@ -8,8 +8,8 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import read_toml
-from bench.dataset.dataset import DATASET_FILE
 from bench.dataset.dataset_toml import DatasetSpec, PayloadSpec
+from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot, refuse_redundant
 from bench.effects import Effect, EffectInstance, catalogue_for, places_in, select_effects

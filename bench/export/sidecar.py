@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from bench.basics.files.atomic import write_json_atomically
+from bench.basics.files.sidecar_path import sidecar_path
 from bench.export.mjcf import Exported
 from bench.export.physical import PhysicalSet
-from bench.twin.file import FORMAT, sidecar_path
+from bench.twin.file import FORMAT
 
 
 def sidecar(physical: PhysicalSet, exported: Exported) -> dict[str, Any]:

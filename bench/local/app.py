@@ -18,7 +18,7 @@ from starlette.routing import Route
 from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT
-from bench.dataset.dataset_toml import DATASET_FILE
+from bench.dataset.names import DATASET_FILE
 from bench.local.folder import Folder, said_time
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
@@ -26,7 +26,7 @@ from bench.local.page import asset, page_html
 from bench.local.steps import command_of
 from bench.local.upload import LARGEST, take, zip_dataset
 from bench.local.worker import CancelledError, DiedError, Worker
-from bench.page.folder import RUN_FILE
+from bench.page.run_file import RUN_FILE
 
 LARGEST_REQUEST = 1 << 20  # bytes of what is not a log
 LEAVING = {".json", ".html", ".csv", ".parquet", ".toml", ".png", ".zip", ".xml", ".urdf", ".yaml", ".c"}

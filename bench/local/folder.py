@@ -10,13 +10,11 @@ from pathlib import Path
 
 from bench.basics.errors import BenchError
 from bench.dataset.catalogue import built_in_robots
-from bench.dataset.dataset_toml import DATASET_FILE
-from bench.dataset.logs.log_file import TEXTS
-from bench.dataset.logs.ros_bag import SUFFIXES as BAGS
-from bench.dataset.robot_toml import ROBOT_FILE
-from bench.page.folder import RUN_FILE
+from bench.dataset.logs.kinds import ARRAYS, BAGS, TEXTS
+from bench.dataset.names import DATASET_FILE, ROBOT_FILE
+from bench.page.run_file import RUN_FILE
 
-LOGS = (*TEXTS, ".mat", ".npz", ".parquet", *BAGS)
+LOGS = (*TEXTS, *ARRAYS, *BAGS)
 MODELS = (".xml",)
 MJCF = b"<mujoco"
 BEGINNING = 1 << 16  # bytes of a model file in which that stands

@@ -10,8 +10,9 @@ from bench.basics.files.toml_input import read_toml
 from bench.basics.plain_data import finite
 from bench.basics.progress import Progress
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.dataset.dataset_toml import DATASET_FILE, DatasetSpec
+from bench.dataset.dataset_toml import DatasetSpec
 from bench.dataset.heavy_payload import HeavyPayload, heavy_payload
+from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.robot import load_robot
 from bench.dataset.robot_toml import mjcf_parts
@@ -21,8 +22,9 @@ from bench.identification.model_json import to_json
 from bench.identification.problem import places_of, problem_of
 from bench.local.checks import Mapped, checked
 from bench.local.columns import look_at
-from bench.page.folder import RUN_FILE, read_json
+from bench.page.folder import read_json
 from bench.page.model_errors import model_beside
+from bench.page.run_file import RUN_FILE
 from bench.page.section_errors import currents_section
 from bench.page.section_run import CommandRun
 
@@ -109,18 +111,6 @@ def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]
     if recording is None or series is None:
         raise BenchError(f"{name}: no such recording")
     return mechanism(data, recording, series, saved.settings)
-
-
-LOOKS = {
-    "columns": columns,
-    "checks": checks,
-    "parts": parts,
-    "payload": payload,
-    "dataset": dataset,
-    "curves": curves,
-    "machine": machine,
-    "runs": runs,
-}
 
 
 def _asked(heavy: HeavyPayload | None, accepted: Sequence[str]) -> str:

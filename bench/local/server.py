@@ -9,14 +9,18 @@ import uvicorn
 from starlette.applications import Starlette
 
 from bench.basics.errors import BenchError
-from bench.dataset.dataset_toml import DATASET_FILE
+from bench.dataset.names import DATASET_FILE
 from bench.local.app import Pages, application
 from bench.local.folder import Folder
 from bench.local.guard import LOOPBACK, Guard, new_token
 from bench.local.jobs import Jobs
-from bench.local.looks import LOOKS
-from bench.local.worker import Function, Worker
+from bench.local.worker import Home, Worker
 
+LOOKS = {
+    name: f"bench.local.looks:{name}"
+    for name in ("columns", "checks", "parts", "payload", "dataset", "curves", "machine", "runs")
+}
+"""What a page may ask of files."""
 PATIENCE = 1  # s that open pages have to hear that the server ends
 
 
@@ -47,7 +51,7 @@ def opened(path: Path, robots: tuple[Path, ...], command: str, port: int = 0) ->
     return Opened(folder, start, command, port)
 
 
-def serve(asked: Opened, functions: Mapping[str, Function], ready: Callable[[str], None]) -> None:
+def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], None]) -> None:
     """Serve until interrupted. ready: called with the page's address once it can be opened.
 
     functions: `command`, which runs one. Raises BenchError where the port is taken.

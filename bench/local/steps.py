@@ -9,14 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from bench.basics.errors import BenchError
+from bench.basics.files.sidecar_path import sidecar_path
 from bench.basics.files.toml_input import UserTable, first_mistake
-from bench.dataset.dataset_toml import DATASET_FILE
-from bench.dataset.recording import Use
-from bench.dataset.recording_checks import Check
-from bench.dataset.robot_toml import Unit
+from bench.basics.shell_word import quoted
+from bench.dataset.names import DATASET_FILE, Check, Unit, Use
 from bench.local.folder import RESULTS, Folder
-from bench.page.section_run import quoted
-from bench.twin.file import sidecar_path
 
 Name = Annotated[str, Field(min_length=1, max_length=400)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]

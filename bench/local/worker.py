@@ -1,5 +1,6 @@
 """Work in a process of its own: it keeps what it has loaded, tells its progress, and can be ended at any moment."""
 
+import importlib
 import os
 import signal
 import threading
@@ -13,6 +14,8 @@ from bench.basics.progress import Progress
 
 Function = Callable[[Mapping[str, Any], Progress], Any]
 """What a worker can do: plain arguments to a plain answer; a user's mistake is a BenchError."""
+Home = str
+"""Where a function is, as `module:name`: the process imports it, and who asks for it need not."""
 
 GRACE = 5.0  # s that an ended process has to remove its half-written files
 
@@ -28,7 +31,7 @@ class DiedError(Exception):
 class Worker:
     """One process that runs one function at a time; it starts with the first, and again after a cancellation."""
 
-    def __init__(self, functions: Mapping[str, Function]) -> None:
+    def __init__(self, functions: Mapping[str, Home]) -> None:
         self._functions = dict(functions)
         self._one_at_a_time = threading.Lock()
         self._changing = threading.Lock()
@@ -114,7 +117,7 @@ class _Told:
         self._connection.send(("advance", steps))
 
 
-def _serve(connection: Connection, functions: Mapping[str, Function]) -> None:
+def _serve(connection: Connection, functions: Mapping[str, Home]) -> None:
     """What the process does: one request after the other until nobody asks any more."""
     signal.signal(
         signal.SIGINT, signal.SIG_IGN
@@ -127,11 +130,17 @@ def _serve(connection: Connection, functions: Mapping[str, Function]) -> None:
         except EOFError:
             return
         try:
-            answer = functions[name](arguments, progress)
+            answer = _function(functions[name])(arguments, progress)
         except BenchError as error:
             connection.send(("refused", str(error)))
         else:
             connection.send(("done", answer))
+
+
+def _function(home: Home) -> Function:
+    module, _, name = home.partition(":")
+    function: Function = getattr(importlib.import_module(module), name)
+    return function
 
 
 def _leave_with_parent() -> None:

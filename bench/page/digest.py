@@ -8,7 +8,8 @@ import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.dataset.dataset import DATASET_FILE, Dataset
+from bench.dataset.dataset import Dataset
+from bench.dataset.names import DATASET_FILE
 
 SIZE = 16  # bytes
 

@@ -36,11 +36,11 @@ from bench.identification.model_file import load_model, read_identification, sav
 from bench.identification.problem import Problem, problem_of
 from bench.identification.result import CurrentSeries, Identification, Quantity
 from bench.page.digest import dataset_digest, file_digest
+from bench.page.run_file import RUN_FILE
 from bench.page.section_run import CommandRun
 from bench.page.series_file import read_series, write_series
 from bench.page.workbench.page_data import VERSION as WORKBENCH_VERSION
 
-RUN_FILE = "report.json"
 MODEL_FILE, AFTER_FILE, BEFORE_FILE = "model.json", "model_after.json", "model_before.json"
 SERIES_FILE, WORKBENCH_FILE = "series.parquet", "workbench.json"
 FORMAT = 2

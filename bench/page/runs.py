@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from bench.basics.shell_word import quoted
 from bench.document.typeset import typeset
 from bench.effects.display_names import begun
 from bench.page.parts import Items, Part, Runs, RunsColumn
-from bench.page.section_run import quoted
 from bench.page.thinned import significant
 from bench.studies.sweep.charts import point_label
 from bench.studies.sweep.metrics import is_relative

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
+from bench.basics.shell_word import quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.reason_words import judged_on, left_words
@@ -73,14 +73,6 @@ class Made:
 
     again: tuple[str, ...]
     by: Versions = field(default_factory=versions)
-
-
-def quoted(word: str | Path) -> str:
-    """A word as a shell takes it."""
-    word = str(word)
-    return (
-        word if all(c.isalnum() or c in "-_./:=,+~" for c in word) else "'" + word.replace("'", "'\\''") + "'"
-    )
 
 
 def limits_section(

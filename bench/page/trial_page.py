@@ -9,11 +9,12 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
+from bench.basics.shell_word import quoted
 from bench.document.typeset import typeset
 from bench.identification.wording import and_list
 from bench.page.figures_trial import confusion_figure, coverage_figure, errors_figure, misses_figure
 from bench.page.parts import Cell, Commands, Items, Page, PageColumn, PageTable, Part, Section, Tile, row
-from bench.page.section_run import quoted, versions_of
+from bench.page.section_run import versions_of
 from bench.page.sweep_page import footer, generator
 from bench.page.tables import on_page
 from bench.studies.sweep.journal import Row

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from bench.basics.files.atomic import write_text_atomically
 from bench.basics.progress import SILENT, Progress
+from bench.basics.shell_word import quoted
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.effects.select import TAG
@@ -16,7 +17,7 @@ from bench.page.folder import SavedRun, save_run
 from bench.page.pages import comparison_page, diagnosis_page, identification_page, replay_page
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
-from bench.page.section_run import CommandRun, Made, quoted
+from bench.page.section_run import CommandRun, Made
 from bench.page.workbench.page_data import page_data, with_command
 from bench.page.workbench.page_files import script, style
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from bench.page.section_run import quoted
+from bench.basics.shell_word import quoted
 from bench.page.sweep_page import read_sweep, sweep_page
 from bench.page.trial_page import again_line, read_trial, trial_page
 from bench.page.write import write_page

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from bench.basics.files.toml_input import UserTable
-from bench.dataset.recording import Use
+from bench.dataset.names import Use
 
 FILE_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
 

@@ -9,7 +9,8 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import whole_folder, write_json_atomically
 from bench.dataset.controller import ControlLaw, reference_column
-from bench.dataset.dataset import DATASET_FILE, Dataset, RecordingEntry, write_dataset_toml
+from bench.dataset.dataset import Dataset, RecordingEntry, write_dataset_toml
+from bench.dataset.names import DATASET_FILE
 from bench.dataset.recording import Recording, position_column, write_recording
 from bench.dataset.robot import Robot
 from bench.scenario.scenario import payload_declared

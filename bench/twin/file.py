@@ -6,14 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from bench.basics.errors import BenchError
+from bench.basics.files.sidecar_path import sidecar_path
 from bench.effects import Effect, EffectInstance, catalogue_for
 
 FORMAT = 1
-
-
-def sidecar_path(path: Path) -> Path:
-    """Where it lies: NAME.twin.json beside NAME.xml."""
-    return path.with_name(f"{path.stem}.twin.json")
 
 
 @dataclass(frozen=True)

@@ -15,16 +15,16 @@ from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Rem
 from bench.basics.files.table import FileTable
 from bench.basics.files.toml_input import read_toml
 from bench.dataset.catalogue import built_in_robots
-from bench.dataset.dataset_toml import DATASET_FILE, DatasetSpec, RecordingEntry, extended_toml
+from bench.dataset.dataset_toml import DatasetSpec, RecordingEntry, extended_toml
 from bench.dataset.heavy_payload import heavy_payload
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import LogMap, columns_of
 from bench.dataset.logs.log_file import AS_FOUND, Reading, read_log
 from bench.dataset.logs.segments import UNCUT, Cutting, Segment, cut
 from bench.dataset.logs.units import UNITS
+from bench.dataset.names import DATASET_FILE, Check, Use
 from bench.dataset.payload import Payload
-from bench.dataset.recording import Use, write_table
-from bench.dataset.recording_checks import Check
+from bench.dataset.recording import write_table
 from bench.dataset.recording_faults import faults_of, listed
 from bench.dataset.robot import Robot, load_robot
 

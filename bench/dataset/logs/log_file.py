@@ -15,14 +15,12 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.io import loadmat
-from scipy.io.matlab import MatReadError
 
 from bench.basics.errors import BenchError
 from bench.basics.files.csv_text import CsvText
 from bench.basics.files.table import FileTable, read_table, table_of
 from bench.basics.files.toml_input import one_line
-from bench.dataset.logs.ros_bag import SUFFIXES as BAGS
+from bench.dataset.logs.kinds import BAGS, TEXTS
 from bench.dataset.logs.ros_bag import is_bag, read_bag
 from bench.dataset.logs.text_log import split_log
 
@@ -72,7 +70,6 @@ class Reading:
 
 
 AS_FOUND = Reading()
-TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
 
 
 def read_log(path: str | Path, reading: Reading = AS_FOUND) -> LogFile:
@@ -124,6 +121,9 @@ def _log_of(table: FileTable) -> LogFile:
 
 
 def _read_mat(path: Path) -> LogFile:
+    from scipy.io import loadmat  # noqa: PLC0415 - takes its time to import, and few logs are of MATLAB
+    from scipy.io.matlab import MatReadError  # noqa: PLC0415
+
     try:
         content = loadmat(path, squeeze_me=False, struct_as_record=True)
     except NotImplementedError as error:

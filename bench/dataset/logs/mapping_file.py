@@ -32,8 +32,7 @@ from bench.dataset.logs.columns import LogMap
 from bench.dataset.logs.importing import Imported, LogRequest, import_logs
 from bench.dataset.logs.log_file import Reading
 from bench.dataset.logs.segments import SHORTEST, Cutting
-from bench.dataset.recording import Use
-from bench.dataset.recording_checks import Check
+from bench.dataset.names import Check, Use
 from bench.dataset.robot import load_robot
 
 Text = Annotated[str, Field(min_length=1)]

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import one_line
 from bench.basics.plural import plural
+from bench.dataset.logs.kinds import BAGS
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 Found = TypeVar("Found")
-SUFFIXES = (".mcap", ".db3", ".bag")
 JOINT_STATE = "sensor_msgs/msg/JointState"
 KINDS = {"position": "position", "velocity": "velocity", "effort": "current"}
 """Field of a message -> the columns that it becomes."""
@@ -36,7 +36,7 @@ EFFORT = 'effort is taken as current (where it holds torques or forces, give rob
 
 def is_bag(path: Path) -> bool:
     """Whether a path is one of a ROS bag: a file by its suffix, or the folder of a ROS 2 bag."""
-    return path.suffix.lower() in SUFFIXES or (path / "metadata.yaml").is_file()
+    return path.suffix.lower() in BAGS or (path / "metadata.yaml").is_file()
 
 
 def read_bag(path: Path, topic: str | None = None) -> tuple[dict[str, Array], tuple[str, ...]]:

@@ -13,7 +13,7 @@ import pyarrow as pa
 
 from bench.basics.errors import BenchError
 from bench.basics.files.table import HUGE, SUFFIXES
-from bench.dataset.recording import Use
+from bench.dataset.names import Use
 from bench.dataset.sampling import FEWEST, gap_rows
 
 Array = npt.NDArray[np.float64]
