@@ -146,7 +146,7 @@ def test_one_of_several_topics_is_named(
 
 
 FAULTS: dict[str, tuple[dict[str, Any], str]] = {
-    "effort of fewer joints": ({"effort": [1.0]}, "message 7: 1 values of effort for 3 joints"),
+    "effort of fewer joints": ({"effort": [1.0]}, "message 7: 1 value of effort for 3 joints"),
     "other joints": (
         {"names": ("arm", "rail", "hand")},
         "different joints: arm, rail, wheel (1999); arm, hand, rail (1)",
