@@ -80,7 +80,7 @@ def test_the_report_fits_and_says_what_counts(found, width):
     )
     assert "where noise leaves 0.98 %" in said
     assert "the drive gain of left is 3.63" in said
-    assert "The error left (1 %) is what the noise of the currents leaves (0.98 %)." in said
+    assert "The error left (1 %) is about what the noise of the currents leaves (0.98 %)." in said
     for word in (
         "812.4",
         "indistinguishable",

@@ -10,6 +10,7 @@ from bench.cli import main
 from bench.dataset.dataset import load_dataset
 from bench.dataset.logs.columns import LogMap
 from bench.dataset.recording import write_table
+from bench.dataset.robot import load_robot
 from tests.good_data import COUNT, JOINTS, movement, time_stamps, write_robot
 from tests.logs_kit import told
 
@@ -184,3 +185,48 @@ def test_advice_on_units_counts_the_scale_that_was_given(
     assert str(caught.value).endswith(f"; give {advised}")
     mends = float(advised.split("=")[1].split(maxsplit=1)[0])
     told(tmp_path / "log.csv", robot, LogMap(scale={"time": mends}), tmp_path / "out")
+
+
+def swapped_log(tmp_path: Path, header: str = "") -> Path:
+    """A palletiser's log, degrees, in which the columns of two motors with ranges apart have changed places."""
+    home = {"motor_1": 0.0, "motor_2": 1.8, "motor_3": -0.2, "motor_4": 0.0}
+    names = ["motor_1", "motor_3", "motor_2", "motor_4"]
+    time = np.arange(0.0, 2.0, 1e-3)
+    rng = np.random.default_rng(0)
+    columns = {"time": time}
+    for name, source in zip(home, names, strict=True):
+        moved = np.rad2deg(home[source] + 0.1 * np.sin(3.0 * time + len(columns)))
+        columns[f"position.{name}{header}"] = moved + 1e-4 * rng.normal(size=time.size)
+    columns |= {f"current.{name}": np.cos(2.0 * time) + 0.01 * rng.normal(size=time.size) for name in home}
+    write_table(tmp_path / "log.csv", columns)
+    return tmp_path / "log.csv"
+
+
+@pytest.mark.parametrize("header", ["", " [deg]"])
+def test_columns_that_lie_in_each_others_ranges_are_told_so(tmp_path: Path, header: str) -> None:
+    """Not that they are in degrees once more, which they are not."""
+    robot = load_robot("palletiser")
+    log = swapped_log(tmp_path, header)
+    columns = {f"position.{joint}": f"position.{joint}{header}" for joint in robot.joints}
+    log_map = LogMap(columns=columns, scale={} if header else {"position": "deg"})
+    with pytest.raises(BenchError, match="are the two columns swapped") as caught:
+        told(log, robot, log_map, tmp_path / "out")
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 2
+    assert "column position.motor_2" in lines[0]
+    assert "lies in the range of motor_3, [-0.8, 0.45]" in lines[0]
+    assert "lies in the range of motor_2, [1, 2.1]" in lines[1]
+    assert "looks like degrees" not in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_was_turned_from_degrees_is_not_to_be_turned_again(tmp_path: Path) -> None:
+    robot = load_robot("palletiser")
+    log = swapped_log(tmp_path)
+    columns = {
+        "position.motor_2": "position.motor_3"
+    }  # one column twice: no swap, and far from motor_3's range
+    with pytest.raises(BenchError, match="looks like degrees") as caught:
+        told(log, robot, LogMap(columns=columns, scale={"position": "deg"}), tmp_path / "out")
+    assert "is turned by --scale position=deg already: is this its column?" in str(caught.value)
+    assert "in place of" not in str(caught.value)

@@ -77,7 +77,8 @@ def test_the_verdict_is_three_sentences(page, read):
     assert "from 12\u00a0% to 1\u00a0% of the current" in page.verdict[0]
     assert "the drive gain of left is 3.63" in page.verdict[1]
     assert (
-        page.verdict[2] == "The error left (1\u00a0%) is what the noise of the currents leaves (0.98\u00a0%)."
+        page.verdict[2]
+        == "The error left (1\u00a0%) is about what the noise of the currents leaves (0.98\u00a0%)."
     )
     assert all(sentence in " ".join(read.said) for sentence in page.verdict)
 

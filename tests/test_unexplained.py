@@ -40,7 +40,7 @@ def _left(gentle, error, encoders=0.0):
 def test_noise_is_noise(gentle):
     left = _left(gentle, lambda row, noise: noise)
     assert not left.significant
-    assert "is what the noise of the currents leaves" in left_words(left)
+    assert "is about what the noise of the currents leaves" in left_words(left)
 
 
 def test_white_errors_beyond_the_currents_noise_are_not_called_the_currents_noise(gentle):

@@ -11,6 +11,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Remedy
 from bench.basics.files.table import FileTable
+from bench.dataset.exchanged import exchanged, without_exchange
 from bench.dataset.joint_facts import JointFacts
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.sampling import LIKE, TimeFault, gap_rows, time_fault
@@ -48,10 +49,17 @@ def faults_of(
         found.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
         return found  # of no known rate
+    positions = {
+        joint.name: values
+        for column, (values, joint) in signals.items()
+        if column.startswith("position.") and "limits" not in accepted
+    }
+    swapped = exchanged(positions, joints)
     for column, (values, joint) in signals.items():
-        found += [
-            _told(table, column, finding) for finding in _judged(column, values, time, joint, fault, accepted)
-        ]
+        findings = _judged(column, values, time, joint, fault, accepted)
+        if column.startswith("position."):
+            findings = without_exchange(findings, swapped.get(joint.name))
+        found += [_told(table, column, finding) for finding in findings]
     return found
 
 

@@ -32,10 +32,10 @@ def left_words(left: Unexplained) -> str:
     floor, encoders = (f"{100.0 * noise:.3g} %" for noise in (left.noise_floor, left.encoders))
     error = f"{100.0 * left.error:.3g} %"
     if left.what == Remainder.NOISE:
-        return f"the error left ({error}) is what the noise of the currents leaves ({floor})"
+        return f"the error left ({error}) is about what the noise of the currents leaves ({floor})"
     if left.what == Remainder.NOISE_AND_ENCODERS:
         return (
-            f"the error left ({error}) is what the noise of the currents ({floor}) and that of the encoders "
+            f"the error left ({error}) is about what the noise of the currents ({floor}) and that of the encoders "
             f"({encoders}) leave"
         )
     noise = f"the noise of the currents leaves {floor}"

@@ -10,10 +10,12 @@ from bench.basics.errors import BenchError
 from bench.basics.files.recording_fault import IN_UNIT, Remedy
 from bench.basics.files.table import HUGE
 from bench.basics.plural import plural
+from bench.dataset.exchanged import exchanged, without_exchange
 from bench.dataset.joint_facts import JointFacts, joint_facts
 from bench.dataset.logs.columns import GROUPS
 from bench.dataset.logs.importing import CUTS
 from bench.dataset.logs.log_file import LogFile, Reading, read_log
+from bench.dataset.logs.unit_names import name_of
 from bench.dataset.logs.units import UNITS, factor_of
 from bench.dataset.recording_checks import Channel, Fault, find
 from bench.dataset.robot import Robot
@@ -65,6 +67,13 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
         if fault is not None and not cut:
             found["time"].append(_problem(log, "time", fault.what, _row(fault.row, kept), fault.remedy))
         step = float(np.median(np.diff(time)))
+    positions = {
+        joint: values
+        for target, values in series.items()
+        for kind, _, joint in (target.partition("."),)
+        if kind == "position" and joint in joints and not found[target] and "limits" not in mapped.accept
+    }
+    swapped = exchanged(positions, list(joints.values()))
     for target, values in series.items():
         kind, _, joint = target.partition(".")
         if kind not in GROUPS or found[target] or joint not in joints:
@@ -73,13 +82,17 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
             what = f"has {plural(values.size, 'sample')}, time has {time.size}"
             found[target].append(_problem(log, target, what, None, None))
         elif values.size > 1 and step > 0.0:
+            findings = _judged(target, values, step, joints[joint], mapped.accept)
+            if kind == "position":
+                findings = without_exchange(findings, swapped.get(joint))
             found[target] = [
                 _problem(log, target, fault.what, _row(fault.row, kept), fault.remedy, fault.check)
-                for fault in _judged(target, values, step, joints[joint], mapped.accept)
+                for fault in findings
             ]
     for target, problems in found.items():
+        given = mapped.scale.get(target, name_of(log.units.get(mapped.columns[target], "")))
         for problem in problems:
-            problem["remedy"] = _in_place(problem["remedy"], mapped.scale.get(target))
+            problem["remedy"] = _in_place(problem["remedy"], given)
     return {target: {"ok": not problems, "problems": problems} for target, problems in found.items()}
 
 

@@ -45,13 +45,15 @@ class LogMap:
 class Columns:
     """A recording's columns (N,) in SI, `time` first; sources: what the log calls them; notes: units, in words.
 
-    faults: a line for each column that holds no numbers; it is not among the values.
+    faults: a line for each column that holds no numbers; it is not among the values. stated: the units that the log
+    states, of the columns that were turned into SI for it.
     """
 
     values: Mapping[str, Array]
     sources: Mapping[str, str]
     notes: tuple[str, ...]
     faults: tuple[str, ...] = ()
+    stated: Mapping[str, str] = field(default_factory=dict)
 
 
 def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Columns:
@@ -85,8 +87,9 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
         ]
     )
     ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
-    taken = _unit_notes({c: unit for c, (f, unit) in stated.items() if f != 1.0})
-    return Columns(ordered, sources, (*taken, *_name_notes(sources, factors, robot)), tuple(faults))
+    turned = {column: unit for column, (factor, unit) in stated.items() if factor != 1.0}
+    notes = (*_unit_notes(turned), *_name_notes(sources, factors, robot))
+    return Columns(ordered, sources, notes, tuple(faults), turned)
 
 
 def _unit_notes(units: Mapping[str, str]) -> tuple[str, ...]:

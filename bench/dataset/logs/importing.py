@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -162,7 +163,7 @@ def _parts(
         found = faults_of(table, joints, frozenset(request.accept))
         for fault in found:
             alike = (fault.column, fault.check or "", fault.remedy)
-            faults.append(LogFault(file, alike, _with_cure(fault, request.log_map.scale)))
+            faults.append(LogFault(file, alike, _with_cure(fault, request.log_map.scale, columns.stated)))
     return parts, faults, (*log.notes, *columns.notes, *cuts)
 
 
@@ -237,8 +238,13 @@ CUTS: Mapping[Remedy, str] = {
 """What --split-gaps does about a fault."""
 
 
-def _with_cure(fault: RecordingFaultError, scale: Mapping[str, float | str]) -> str:
-    """A fault's message as it helps in an import: an option instead of a key of dataset.toml. scale: as it is given."""
+def _with_cure(
+    fault: RecordingFaultError, scale: Mapping[str, float | str], stated: Mapping[str, str]
+) -> str:
+    """A fault's message as it helps in an import: an option instead of a key of dataset.toml.
+
+    scale: as it is given; stated: the units from which columns were turned since the log says so.
+    """
     if fault.remedy is Remedy.REMOVE_ROWS:
         return f"{fault.said}{fault.advice}"
     said = fault.said if fault.check is None else f"{fault.said} (--accept {fault.check} if that is meant)"
@@ -246,17 +252,25 @@ def _with_cure(fault: RecordingFaultError, scale: Mapping[str, float | str]) -> 
         return f"{said}; add --split-gaps to {CUTS[fault.remedy]}"
     if fault.remedy is None or fault.remedy not in IN_UNIT:
         return said
-    target, unit = IN_UNIT[fault.remedy]
-    if target not in scale:
-        return f"{said}; add --scale {target}={unit}"
-    given = scale[target]
-    return f"{said}; give {_scaled(target, given, unit)} in place of --scale {target}={_number(given)}"
+    return f"{said}; {_unit_cure(*IN_UNIT[fault.remedy], fault.column, scale, stated)}"
 
 
-def _scaled(target: str, given: float | str, unit: str) -> str:
-    """The scale that a column needs which, scaled as given, looks as if it were still in a unit."""
+def _unit_cure(
+    target: str, unit: str, column: str | None, scale: Mapping[str, float | str], stated: Mapping[str, str]
+) -> str:
+    """What helps where a column looks as if it were in a unit; nothing does that would turn it twice."""
+    column = column or target
+    if column in stated:
+        return f"it is turned from {stated[column]} already, as the log says: is this its column?"
+    key = column if column in scale else target
+    if key not in scale:
+        return f"add --scale {target}={unit}"
+    given = scale[key]
     factor = (UNITS[given].factor if isinstance(given, str) else given) * UNITS[unit].factor
-    return f"--scale {target}={factor:.12g}"
+    known = (alike.factor for alike in UNITS.values() if alike.of == UNITS[unit].of)
+    if not any(math.isclose(factor, own, rel_tol=1e-9) for own in known):
+        return f"it is turned by --scale {key}={_number(given)} already: is this its column?"
+    return f"give --scale {key}={factor:.12g} in place of --scale {key}={_number(given)}"
 
 
 def _number(given: float | str) -> str:

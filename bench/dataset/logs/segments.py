@@ -115,7 +115,7 @@ def _told(
     whole: list[tuple[int, int]],
     shortest: float,
 ) -> str:
-    lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.6g} s" for row in gaps[:5]]
+    lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.12g} s" for row in gaps[:5]]
     more = f" and {len(gaps) - 5} more" if len(gaps) > 5 else ""
     said = f"cut at {len(gaps)} gap{'s' if len(gaps) > 1 else ''} ({', '.join(lost)}{more})"
     dropped = [piece for piece in pieces if piece not in whole]
