@@ -40,6 +40,7 @@ DYNAMIC_PROPERTIES = ("mass", "inertia", "ipos", "iquat", "armature", "damping",
 MAY_IMPORT_BY_NAME = {
     "bench",
     "bench.cli.lazy",
+    "bench.local.worker",  # what its process is to do: `bench.local.server` names it
     "bench.effects.user_file",  # a user's own effect
     "bench.studies.sweep.dask_pool",  # an optional dependency
     "bench.benchmarks.peers.figaroh_arm",  # versions of the peers
