@@ -138,3 +138,18 @@ def test_memory_of_a_long_log_is_that_of_its_signals_not_of_its_columns(monkeypa
     more = (long - short) / (many - few)
     # Signals, their derivatives and the passive joints' rates; all columns would take 8 * 2 * 11 bytes, twice.
     assert more < 200
+
+
+def test_a_motion_that_was_forgotten_is_worked_out_again_the_very_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(measured, "FEW_NUMBERS", 0)
+    entries = prepare(problem_of(load_dataset(write_dataset(tmp_path / "d")))).measured
+    names = ("q", "v", "a", "jacobian")
+    before = [{name: getattr(entry.tree, name) for name in names} for entry in entries]
+    measured.forget_motions(entries)
+    for entry, known in zip(entries, before, strict=True):
+        assert isinstance(entry.tree, LongMotion)
+        few = entry.tree.at(slice(3, None, 7))
+        for name in names:
+            np.testing.assert_allclose(getattr(few, name), known[name][3::7], rtol=1e-9, atol=1e-12)
+            assert getattr(entry.tree, name) is not known[name]
+            np.testing.assert_array_equal(getattr(entry.tree, name), known[name])

@@ -7,6 +7,8 @@ import numpy as np
 
 from bench.basics.progress import SILENT, Progress
 from bench.effects import Effect, EffectInstance, RobotSignals, places_in
+from bench.identification.effect_rows import effect_rows
+from bench.identification.filtered import forget_motions
 from bench.identification.partial_regression import PartialRegression, partial_regression
 from bench.identification.prepare import Prepared
 from bench.identification.shapes import best_shape
@@ -61,9 +63,12 @@ def propose(start: Context, catalogue: Mapping[str, Effect], progress: Progress 
         for name, effect in catalogue.items()
     }
     # Filtered together, and kept: each is asked for by itself below.
-    candidate_columns(
-        prepared, [instance for found in every.values() for instance in found if not instance.effect.shape]
-    )
+    plain = [instance for found in every.values() for instance in found if not instance.effect.shape]
+    alone = [instance for instance in plain if not instance.effect.depends_on_model]
+    for seen in prepared.signals:
+        effect_rows(seen, prepared.settings.decimation, alone)
+    forget_motions(prepared.measured)  # what follows needs them at few samples
+    candidate_columns(prepared, plain)
     proposals = []
     for name, found in every.items():
         progress.advance()

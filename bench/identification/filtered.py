@@ -1,6 +1,6 @@
 """A recording before decimation: filtered, differentiated, loops closed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +18,7 @@ from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
 
 MOST_NUMBERS = 8_000_000  # of a motion of all joints that is kept: 64 MB
+FEW_NUMBERS = 2_000_000  # of one that is kept for good: 16 MB
 
 
 @dataclass(frozen=True)
@@ -86,11 +87,20 @@ def _closed(
     geometry: Geometry, track: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 ) -> tuple[Motion, np.ndarray]:
     """The motion of all joints, worked out where it is asked for if it is long; rates (N, k) of passive joints."""
-    path, samples = path_of(geometry, *track), len(track[0])
-    if samples * (geometry.nq + geometry.nv * (2 + len(geometry.active))) <= MOST_NUMBERS:
-        tree = path.motion(slice(None))
-        return tree, passive_rates(geometry, tree)
-    return LongMotion(path), path.rates(_passive(geometry))
+    path = path_of(geometry, *track)
+    numbers = len(track[0]) * (geometry.nq + geometry.nv * (2 + len(geometry.active)))
+    if numbers > MOST_NUMBERS:
+        return LongMotion(path), path.rates(_passive(geometry))
+    tree = path.motion(slice(None))
+    rates = passive_rates(geometry, tree)
+    return (tree if numbers <= FEW_NUMBERS else LongMotion(path, tree)), rates
+
+
+def forget_motions(measured: Sequence[Measured]) -> None:
+    """Free what long motions of all joints take; where one is asked for again, it is worked out again."""
+    for entry in measured:
+        if isinstance(entry.tree, LongMotion):
+            entry.tree.forget()
 
 
 def passive_rates(geometry: Geometry, tree: Motion) -> np.ndarray:

@@ -55,13 +55,19 @@ class Motion:
 
 
 class LongMotion(Motion):
-    """A motion that is too long to be kept: it is known at few samples, and worked out where it is asked for.
+    """A motion that is too long to be kept for good: it is known at few samples, and worked out where it is asked for.
 
-    Asked for as a whole, it is worked out as a whole and kept.
+    Asked for as a whole, it is worked out as a whole and kept until it is forgotten. whole: where it is known already.
     """
 
-    def __init__(self, path: "Path") -> None:
+    def __init__(self, path: "Path", whole: Motion | None = None) -> None:
         self.__dict__.update(time=path.track.time, path=path)
+        if whole is not None:
+            self.__dict__["_whole"] = whole
+
+    def forget(self) -> None:
+        """Keep no more than it takes to work the motion out again, the very same."""
+        self.__dict__.pop("_whole", None)
 
     def at(self, samples: Samples) -> Motion:
         """The motion at some of the samples, K of them."""
