@@ -226,6 +226,18 @@ def test_margins_are_those_of_the_samples_less_what_lies_between(delta):
         assert np.all(margin.least <= margin.middle)
 
 
+def test_where_no_interval_holds_its_loops_there_are_no_margins(delta):
+    """A block of time in which nothing is known yet is halved, as any other."""
+    _, enclosure = enclosure_of(delta)
+    wall = Box(low=(-9.0, -9.0, -9.0), high=(9.0, 9.0, 9.0))
+    room = replace(delta.room, boxes=(wall,), torque=np.full(3, 100.0))
+    nothing = enclosure.at(np.zeros(len(enclosure.held), dtype=bool))
+    assert nothing.held.size == 0
+    found = margins(delta.nominal, room, None, nothing)
+    assert set(found) == set(margins(delta.nominal, room, None, enclosure))
+    assert all(margin.middle.size == margin.least.size == 0 for margin in found.values())
+
+
 def test_a_limit_that_stays_open_is_told_in_words():
     assert limit_in_words(Unproven(Kept.TORQUE, "elbow", 1.25, True)) == "the torque of elbow at t = 1.2500 s"
     assert limit_in_words(Unproven(Kept.WORKSPACE, "1", 0.5, False)) == "workspace[1] at t = 0.5000 s"

@@ -78,11 +78,8 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
 
 
 def _below(most: float, middle: np.ndarray, largest: np.ndarray) -> Margin:
-    samples = len(middle)
-    return Margin(
-        most - middle.reshape(samples, -1).max(axis=1),
-        most - largest.reshape(samples, -1).max(axis=1) * (1.0 + ROUNDING),
-    )
+    """Of what is at most so large everywhere; middle, largest (K, nv, n)."""
+    return Margin(most - middle.max(axis=(1, 2)), most - largest.max(axis=(1, 2)) * (1.0 + ROUNDING))
 
 
 def _singular_values(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:
