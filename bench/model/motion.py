@@ -8,14 +8,13 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.interpolation import FEWEST, cubic_spline
-from bench.model.closure import Closures, closures_of, loop_bias, loop_rows
+from bench.model.closing import Closing, closing_of
+from bench.model.closure import Closures, closures_of
 from bench.model.configuration import configuration_rates, hermite, integrate, normalised
-from bench.model.elimination import Elimination, eliminate
 from bench.model.follow import OPEN, SLACK
 from bench.model.geometry import Geometry
-from bench.model.kinematics import Frames, frames_of
 from bench.model.nodes import Samples, Track, followed, nodes_along, travel_of
-from bench.model.scalars import Scalar, dot, minus, plus
+from bench.model.scalars import Scalar
 
 CLOSED = (
     1e-10  # m or rad: after a smaller correction the loops are closed to rounding, and its Jacobian holds
@@ -238,19 +237,16 @@ def _solved(
         time = track.time[block]
         pose = np.ascontiguousarray(guess(block))
         pose[geometry.active_configuration] = track.position(block).T
-        pose, frames, elimination, motors, still_open = _closed(
-            geometry, closures, time, normalised(geometry, pose), enough
-        )
+        closing = closing_of(geometry, len(time))
+        pose, still_open = _closed(geometry, closing, closures, time, normalised(geometry, pose), enough)
         left.append(block.start + still_open)
-        amplification = [elimination.solve(right) for right in motors]
+        amplification = closing.amplify()
         _check(geometry, time, amplification)
-        speeds = _tree_rates(closures, amplification, track.velocity[block])
-        bias = elimination.solve([minus(0.0, value) for value in loop_bias(closures, frames, speeds)])
+        speeds, growths = closing.rates(track.velocity[block], track.acceleration[block])
         q[block] = pose.T
-        for index, speed in enumerate(speeds):
+        for index, (speed, growth) in enumerate(zip(speeds, growths, strict=True)):
             v[block, index] = speed
-        for index, rate in enumerate(_tree_rates(closures, amplification, track.acceleration[block])):
-            a[block, index] = plus(rate, bias[index]) if index in bias else rate
+            a[block, index] = growth
         for j, column in enumerate(amplification):
             for index, value in column.items():
                 jacobian[block, index, j] = value
@@ -268,38 +264,19 @@ def blocks_of(samples: int, most: int) -> list[slice]:
     return [slice(samples * k // count, samples * (k + 1) // count) for k in range(count)]
 
 
-def _tree_rates(
-    closures: Closures, amplification: list[dict[int, Scalar]], active: np.ndarray
-) -> list[Scalar]:
-    """All joints' rates (nv of them) for those of the active joints (K, n)."""
-    motors = [np.ascontiguousarray(column) for column in active.T]
-    rates: list[Scalar] = [0.0] * closures.nv
-    for index, motor in zip(closures.active, motors, strict=True):
-        rates[index] = motor
-    for index in closures.passive:
-        rates[index] = dot([column[index] for column in amplification], motors)
-    return rates
-
-
 def _closed(
-    geometry: Geometry, closures: Closures, time: np.ndarray, q: np.ndarray, enough: float
-) -> tuple[np.ndarray, Frames, Elimination, list[list[Scalar]], np.ndarray]:
+    geometry: Geometry, closing: Closing, closures: Closures, time: np.ndarray, q: np.ndarray, enough: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Newton on all samples together, from poses q (nq, K) that are nearly closed.
 
-    Returns the closed poses and what the last correction, smaller than `enough`, was found with: frames,
-    reduced equations, and their right sides for every motor. Last come the few samples whose last correction was
-    larger, though not by much: they need another.
+    Returns the closed poses; `closing` stands where the last correction, smaller than `enough`, was found. Last come
+    the few samples whose last correction was larger, though not by much: they need another.
     """
     moved = np.zeros(q.shape[1])
     step = np.zeros((geometry.nv, q.shape[1]))
-    passive = set(closures.passive)
-    slack = SLACK if closures.equations > len(passive) else 0.0
+    slack = SLACK if closures.equations > len(closures.passive) else 0.0
     for _ in range(MOST_ITERATIONS):
-        frames = frames_of(closures.links, q)
-        residual, rows = loop_rows(closures, frames)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            elimination = eliminate([{c: x for c, x in row.items() if c in passive} for row in rows])
-            correction = elimination.solve([minus(0.0, value) for value in residual])
+        residual, correction = closing.correct(q)
         for index, value in correction.items():
             step[index] = value
         size = np.abs(step).max(axis=0)
@@ -311,9 +288,7 @@ def _closed(
         nearly = largest < enough or (largest < NODE_CLOSED and (size >= enough).mean() < FEW)
         gap = max(np.abs(value).max() for value in (0.0, *residual))
         if nearly and gap < max(OPEN * max(enough, largest), slack):
-            still_open = np.flatnonzero(size >= enough)
-            motors = [[minus(0.0, row.get(index, 0.0)) for row in rows] for index in closures.active]
-            return q, frames, elimination, motors, still_open
+            return q, np.flatnonzero(size >= enough)
     raise _singular(geometry, time, int(np.argmax(size)))
 
 

@@ -4,7 +4,9 @@ Standard parameters of a body, in Pinocchio's order, about its joint frame: m [k
 Ixx Ixy Iyy Ixz Iyz Izz [kg m2].
 """
 
-from functools import lru_cache
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from bench.model.kinematics import IDENTITY as AXES
 from bench.model.kinematics import ZERO, Link, ancestors, link_of
 from bench.model.motion import Motion, blocks_of
 from bench.model.scalars import (
+    Rows,
     Scalar,
     Vector,
     add,
@@ -27,6 +30,7 @@ from bench.model.scalars import (
     subtract,
     times,
 )
+from bench.model.tape import Program, Reused, Tape
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 UNITS = ("kg", "kg*m", "kg*m", "kg*m", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2", "kg*m^2")
@@ -52,18 +56,24 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
             wanted.setdefault(column // 10, []).append((place, column % 10))
         else:
             others.append((place, column - bodies))
-    moving = sorted({index for joint in wanted for index in ancestors(geometry, joint)})
-    links = _links(geometry, tuple(moving))
-    gravity = constant_vector(geometry.gravity)
+    entries = tuple((joint, tuple(of_joint)) for joint, of_joint in wanted.items())
     samples, n = len(motion.time), len(geometry.active)
     rows = np.empty((n, len(chosen), samples))
-    for block in blocks_of(samples, BLOCK):
+    for block in blocks_of(samples, BLOCK) if entries else []:
         q = np.ascontiguousarray(motion.q[block].T)
-        v, a = _scalars(motion.v[block].T), _scalars(motion.a[block].T)
-        motors = [_scalars(motion.jacobian[block, :, j].T) for j in range(n)]
-        rates = body_rates(links, gravity, q, v, a, motors)
-        for joint, entries in wanted.items():
-            _fill(rates[joint], entries, rows[:, :, block])
+        rates = _scalars(motion.v[block].T) + _scalars(motion.a[block].T)
+        for j in range(n):
+            rates += _scalars(motion.jacobian[block, :, j].T)
+        same = tuple(rate if isinstance(rate, float) else None for rate in rates)
+        record = partial(_recorded, geometry, entries, same)
+        recording = _reused(geometry, entries, same).get(q.shape[1], record)
+        if recording is None:
+            for j, place, value in _block(geometry, entries, q, rates):
+                rows[j, place, block] = value
+        else:
+            varying = [rate for rate in rates if not isinstance(rate, float)]
+            found = recording.program.replay(q.shape[1]).run(0, [*q, *varying])
+            rows[recording.motors, recording.places, block] = found
     joints = np.concatenate((geometry.active, geometry.redundant))
     for place, motor in others:
         joint = joints[motor if motor < len(joints) else motor - len(geometry.redundant)]
@@ -72,10 +82,49 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
     return rows.transpose(2, 0, 1)
 
 
+_Entries = tuple[tuple[int, tuple[tuple[int, int], ...]], ...]  # by joint: place among the columns, parameter
+
+
+def _block(
+    geometry: Geometry, entries: _Entries, q: Rows, rates: list[Scalar]
+) -> Iterator[tuple[int, int, Scalar]]:
+    """Motor, place and value of every entry, for the rates v, a and those of each motor's unit speed (nv each)."""
+    links = _links(geometry, tuple(joint for joint, _ in entries))
+    v, a, *motors = (rates[k : k + geometry.nv] for k in range(0, len(rates), geometry.nv))
+    moving = body_rates(links, constant_vector(geometry.gravity), q, v, a, motors)
+    for joint, of_joint in entries:
+        yield from _of_body(moving[joint], of_joint)
+
+
 @lru_cache(maxsize=KEPT)
-def _links(geometry: Geometry, moving: tuple[int, ...]) -> tuple[Link, ...]:
-    """The constants of these joints."""
+def _links(geometry: Geometry, joints: tuple[int, ...]) -> tuple[Link, ...]:
+    """The constants of these joints and of all that carry them."""
+    moving = sorted({index for joint in joints for index in ancestors(geometry, joint)})
     return tuple(link_of(index, geometry.joints[index]) for index in moving)
+
+
+@dataclass(frozen=True)
+class _Recording:
+    """The tape of a block's entries, and the motor and place (k,) of each."""
+
+    program: Program
+    motors: np.ndarray
+    places: np.ndarray
+
+
+def _recorded(geometry: Geometry, entries: _Entries, same: tuple[float | None, ...]) -> _Recording:
+    """Record `_block`; same: rates that are the same at all samples, None for the others."""
+    tape = Tape()
+    q = tape.inputs(geometry.nq)
+    rates = [tape.inputs(1)[0] if rate is None else rate for rate in same]
+    motors, places, values = zip(*_block(geometry, entries, q, rates), strict=True)
+    tape.end_stage(values)
+    return _Recording(tape.program(), np.array(motors), np.array(places))
+
+
+@lru_cache(maxsize=KEPT)
+def _reused(_geometry: Geometry, _entries: _Entries, _same: tuple[float | None, ...]) -> Reused[_Recording]:
+    return Reused()
 
 
 def _scalars(values: np.ndarray) -> list[Scalar]:
@@ -88,8 +137,8 @@ def _scalars(values: np.ndarray) -> list[Scalar]:
     ]
 
 
-def _fill(rates: BodyRates, entries: list[tuple[int, int]], rows: np.ndarray) -> None:
-    """The entries (place among the columns, parameter) of one body, into rows (n, p, N).
+def _of_body(rates: BodyRates, entries: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int, Scalar]]:
+    """Motor, place and value of the entries (place among the columns, parameter) of one body.
 
     With mass m, first moments c and inertia I about the frame: force m a + w' x c + w x (w x c), moment
     I w' + w x I w + c x a.
@@ -112,7 +161,7 @@ def _fill(rates: BodyRates, entries: list[tuple[int, int]], rows: np.ndarray) ->
                 value = plus(lever[parameter - 1], dot(linear, swept[parameter]))
             else:
                 value = _inertial(angular, turning, about, w, *PRODUCTS[parameter - 4])
-            rows[j, place] = value
+            yield j, place, value
 
 
 def _inertial(angular: Vector, turning: Vector, about: Vector, w: Vector, k: int, m: int) -> Scalar:

@@ -1,0 +1,177 @@
+"""One step that closes the loops, and the rates at the closed pose, for a block of samples (equations 2-4).
+
+Blocks of few samples replay a tape of this arithmetic, see `bench.model.tape`; long ones fill NumPy's calls by
+themselves, and a tape of theirs would leave the cache.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Protocol
+
+import numpy as np
+
+from bench.model.closure import KEPT, Closures, closures_of, loop_bias, loop_rows
+from bench.model.elimination import Elimination, Row, eliminate
+from bench.model.geometry import Geometry
+from bench.model.kinematics import Frames, frames_of
+from bench.model.scalars import Rows, Scalar, dot, minus, plus
+from bench.model.tape import Program, Replay, Reused, Tape
+
+
+@dataclass(frozen=True)
+class Linear:
+    """The equations of the loops at a pose: frames, rows by tree velocities, and those of the passive ones reduced."""
+
+    frames: Frames
+    rows: list[Row]
+    elimination: Elimination
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """The passive velocities that the loops determine (k), in the order of the elimination."""
+        return self.elimination.columns
+
+
+class Closing(Protocol):
+    """Closes a block of samples: `correct` as often as is needed, `amplify` and `rates` at the last pose of these."""
+
+    def correct(self, q: np.ndarray) -> tuple[Sequence[Scalar] | np.ndarray, dict[int, Scalar]]:
+        """Residual of every row, and the correction by passive velocity, at poses q (nq, N)."""
+
+    def amplify(self) -> list[dict[int, Scalar]]:
+        """For every motor the passive velocities at its unit speed."""
+
+    def rates(self, velocity: np.ndarray, acceleration: np.ndarray) -> tuple[Rows, Rows]:
+        """Velocities and accelerations of all joints (nv each) for those of the active joints, (N, n) each."""
+
+
+class Direct:
+    """Worked out as it stands."""
+
+    def __init__(self, closures: Closures) -> None:
+        self._closures = closures
+        self._linear: Linear
+        self._amplification: list[dict[int, Scalar]]
+
+    def correct(self, q: np.ndarray) -> tuple[Sequence[Scalar] | np.ndarray, dict[int, Scalar]]:
+        """See `Closing`."""
+        self._linear, residual, correction = _correction(self._closures, q)
+        return residual, correction
+
+    def amplify(self) -> list[dict[int, Scalar]]:
+        """See `Closing`."""
+        self._amplification = _amplification(self._closures, self._linear)
+        return self._amplification
+
+    def rates(self, velocity: np.ndarray, acceleration: np.ndarray) -> tuple[Rows, Rows]:
+        """See `Closing`."""
+        active = _columns(velocity), _columns(acceleration)
+        return _rates(self._closures, self._linear, self._amplification, *active)
+
+
+class Replayed:
+    """Worked out by replaying the tape of `Direct`'s arithmetic."""
+
+    def __init__(self, recorded: "Recording", samples: int) -> None:
+        self._recorded = recorded
+        self._replay: Replay = recorded.program.replay(samples)
+
+    def correct(self, q: np.ndarray) -> tuple[Sequence[Scalar] | np.ndarray, dict[int, Scalar]]:
+        """See `Closing`."""
+        columns = self._recorded.columns
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            found = self._replay.run(0, q)
+        first = len(found) - len(columns)
+        return found[:first], dict(zip(columns, found[first:], strict=True))
+
+    def amplify(self) -> list[dict[int, Scalar]]:
+        """See `Closing`."""
+        columns = self._recorded.columns
+        found = self._replay.run(1, ())
+        per_motor = found.reshape(self._recorded.motors, len(columns), found.shape[1])
+        return [dict(zip(columns, values, strict=True)) for values in per_motor]
+
+    def rates(self, velocity: np.ndarray, acceleration: np.ndarray) -> tuple[Rows, Rows]:
+        """See `Closing`."""
+        found = self._replay.run(2, [*velocity.T, *acceleration.T])
+        nv = len(found) // 2
+        return found[:nv], found[nv:]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The tape of a geometry's closures; columns as in `Linear`."""
+
+    program: Program
+    columns: tuple[int, ...]
+    motors: int
+
+
+def recording_of(geometry: Geometry) -> Recording:
+    """Record what `Direct` does, stage by stage: `correct`, `amplify`, `rates`."""
+    closures, tape = closures_of(geometry), Tape()
+    linear, residual, correction = _correction(closures, tape.inputs(geometry.nq))
+    tape.end_stage([*residual, *(correction[column] for column in linear.columns)])
+    amplification = _amplification(closures, linear)
+    tape.end_stage([column[index] for column in amplification for index in linear.columns])
+    n = len(closures.active)
+    v, a = _rates(closures, linear, amplification, tape.inputs(n), tape.inputs(n))
+    tape.end_stage([*v, *a])
+    return Recording(tape.program(), linear.columns, n)
+
+
+@lru_cache(maxsize=KEPT)
+def _reused(_: Geometry) -> Reused[Recording]:
+    return Reused()
+
+
+def closing_of(geometry: Geometry, samples: int) -> Closing:
+    """The faster way to close a block of so many samples."""
+    recording = _reused(geometry).get(samples, lambda: recording_of(geometry))
+    return Direct(closures_of(geometry)) if recording is None else Replayed(recording, samples)
+
+
+def _correction(closures: Closures, q: Rows) -> tuple[Linear, list[Scalar], dict[int, Scalar]]:
+    frames, passive = frames_of(closures.links, q), set(closures.passive)
+    residual, rows = loop_rows(closures, frames)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        elimination = eliminate([{c: x for c, x in row.items() if c in passive} for row in rows])
+        correction = elimination.solve([minus(0.0, value) for value in residual])
+    return Linear(frames, rows, elimination), residual, correction
+
+
+def _amplification(closures: Closures, linear: Linear) -> list[dict[int, Scalar]]:
+    motors = [[minus(0.0, row.get(index, 0.0)) for row in linear.rows] for index in closures.active]
+    return [linear.elimination.solve(right) for right in motors]
+
+
+def _rates(
+    closures: Closures,
+    linear: Linear,
+    amplification: list[dict[int, Scalar]],
+    velocity: list[Scalar],
+    acceleration: list[Scalar],
+) -> tuple[list[Scalar], list[Scalar]]:
+    speeds = _tree_rates(closures, amplification, velocity)
+    bias = linear.elimination.solve(
+        [minus(0.0, value) for value in loop_bias(closures, linear.frames, speeds)]
+    )
+    rates = _tree_rates(closures, amplification, acceleration)
+    return speeds, [plus(rate, bias[index]) if index in bias else rate for index, rate in enumerate(rates)]
+
+
+def _tree_rates(
+    closures: Closures, amplification: list[dict[int, Scalar]], motors: list[Scalar]
+) -> list[Scalar]:
+    """All joints' rates (nv of them) for those of the active joints."""
+    rates: list[Scalar] = [0.0] * closures.nv
+    for index, motor in zip(closures.active, motors, strict=True):
+        rates[index] = motor
+    for index in closures.passive:
+        rates[index] = dot([column[index] for column in amplification], motors)
+    return rates
+
+
+def _columns(values: np.ndarray) -> list[Scalar]:
+    return [np.ascontiguousarray(column) for column in values.T]
