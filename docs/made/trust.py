@@ -26,7 +26,12 @@ COVERAGE = (0.90, 0.98)
 ENCODER_BITS = 20
 CLEAN = {"five_bar": 0.0002, "delta": 0.001}
 """Scenarios without noise, and what `tests/test_identify.py` allows them."""
-SHOWN = MAIN | {TargetFigure.ONE_UNDECIDED, TargetFigure.TWO_UNDECIDED, TargetFigure.THREE_UNDECIDED}
+SHOWN = MAIN | {
+    TargetFigure.ONE_UNDECIDED,
+    TargetFigure.TWO_UNDECIDED,
+    TargetFigure.THREE_UNDECIDED,
+    TargetFigure.OUTSIDE_LAW,
+}
 UNKNOWN = "_unknown"  # behind the robot of a trial of laws that no catalogue has
 APART = "apart"  # the folder of cases that were looked at for their figures alone
 NOTHING = "nothing"  # the folder of machines with nothing hidden, in each of which laws were searched
@@ -34,16 +39,17 @@ NO_CASE = "–"
 RESULTS = Path(__file__).resolve().parents[2] / "results"
 
 
-def trials() -> str:
+def trials(folder: Path = RESULTS / "trial") -> str:
     """The table of every robot with cases."""
     rows = {
         path.stem: pq.read_table(path).to_pylist()
-        for path in sorted((RESULTS / "trial").glob("*.parquet"))
+        for path in sorted(folder.glob("*.parquet"))
         if not path.stem.endswith(UNKNOWN)
     }
     return trial_table(
         {robot: summarised(robot, of) for robot, of in rows.items()},
         {robot: commits_of(of) for robot, of in rows.items()},
+        linked=folder.name != APART,
     )
 
 
@@ -81,8 +87,13 @@ def unknown_laws() -> str:
     return rows_in_markdown(heads, lines)
 
 
-def trial_table(summaries: Mapping[str, TrialSummary], commits: Mapping[str, str]) -> str:
-    """The figures of all trials side by side, with what they must be, and the commits of their cases."""
+def trial_table(
+    summaries: Mapping[str, TrialSummary], commits: Mapping[str, str], *, linked: bool = True
+) -> str:
+    """The figures of all trials side by side, with what they must be, and the commits of their cases.
+
+    linked: each robot to the page of its trial.
+    """
     targets = {
         robot: {one.figure: one for one in of.targets if one.reached is not None}
         for robot, of in summaries.items()
@@ -94,8 +105,8 @@ def trial_table(summaries: Mapping[str, TrialSummary], commits: Mapping[str, str
         if first is not None:
             rows.append([target_cells(first)[0], *map(_reached, of), _bound(first)])
     rows.append(["commits of the cases", *(commits[robot] for robot in summaries), ""])
-    heads = ["", *(f"[{robot}](trust/trial_{robot}.md)" for robot in summaries), "must be"]
-    return rows_in_markdown(heads, rows)
+    names = [f"[{robot}](trust/trial_{robot}.md)" if linked else robot for robot in summaries]
+    return rows_in_markdown(["", *names, "must be"], rows)
 
 
 def _reached(target: Target | None) -> str:
@@ -301,6 +312,7 @@ def page(text: str) -> str:
     """The text with its tables in their places."""
     for place, table in (
         ("trials", trials()),
+        ("trials apart", trials(RESULTS / "trial" / APART)),
         ("unknown laws", unknown_laws()),
         ("laws of nothing", laws_of_nothing()),
         ("gains", gains_table()),
