@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.model.closing import Direct, Replayed, closing_of, recording_of
+from bench.model.closing import Direct, Replayed, closing_of, closing_tape
 from bench.model.closure import closures_of
 from bench.model.geometry import read_geometry
 from bench.model.motion import rates_at
@@ -73,7 +73,7 @@ def test_closing_replayed_is_closing_worked_out(geometry):
     q = motion.q.T + 1e-4 * np.random.default_rng(1).normal(size=motion.q.T.shape)
     velocity, acceleration = motion.v[:, geometry.active], motion.a[:, geometry.active]
     found = []
-    for closing in (Direct(closures_of(geometry)), Replayed(recording_of(geometry), 9)):
+    for closing in (Direct(closures_of(geometry)), Replayed(closing_tape(geometry), 9)):
         closing.correct(motion.q.T)
         residual, correction = closing.correct(q)
         amplification = closing.amplify()

@@ -16,11 +16,11 @@ from bench.model.elimination import Elimination, Row, eliminate
 from bench.model.geometry import Geometry
 from bench.model.kinematics import Frames, frames_of
 from bench.model.scalars import Rows, Scalar, dot, minus, plus
-from bench.model.tape import Program, Replay, Reused, Tape
+from bench.model.tape import Program, Reused, Tape, TapeRun
 
 
 @dataclass(frozen=True)
-class Linear:
+class LoopEquations:
     """The equations of the loops at a pose: frames, rows by tree velocities, and those of the passive ones reduced."""
 
     frames: Frames
@@ -51,7 +51,7 @@ class Direct:
 
     def __init__(self, closures: Closures) -> None:
         self._closures = closures
-        self._linear: Linear
+        self._linear: LoopEquations
         self._amplification: list[dict[int, Scalar]]
 
     def correct(self, q: np.ndarray) -> tuple[Sequence[Scalar] | np.ndarray, dict[int, Scalar]]:
@@ -73,9 +73,9 @@ class Direct:
 class Replayed:
     """Worked out by replaying the tape of `Direct`'s arithmetic."""
 
-    def __init__(self, recorded: "Recording", samples: int) -> None:
+    def __init__(self, recorded: "ClosingTape", samples: int) -> None:
         self._recorded = recorded
-        self._replay: Replay = recorded.program.replay(samples)
+        self._replay: TapeRun = recorded.program.replay(samples)
 
     def correct(self, q: np.ndarray) -> tuple[Sequence[Scalar] | np.ndarray, dict[int, Scalar]]:
         """See `Closing`."""
@@ -100,15 +100,15 @@ class Replayed:
 
 
 @dataclass(frozen=True)
-class Recording:
-    """The tape of a geometry's closures; columns as in `Linear`."""
+class ClosingTape:
+    """The tape of a geometry's closures; `columns` as in `LoopEquations`."""
 
     program: Program
     columns: tuple[int, ...]
     motors: int
 
 
-def recording_of(geometry: Geometry) -> Recording:
+def closing_tape(geometry: Geometry) -> ClosingTape:
     """Record what `Direct` does, stage by stage: `correct`, `amplify`, `rates`."""
     closures, tape = closures_of(geometry), Tape()
     linear, residual, correction = _correction(closures, tape.inputs(geometry.nq))
@@ -118,37 +118,37 @@ def recording_of(geometry: Geometry) -> Recording:
     n = len(closures.active)
     v, a = _rates(closures, linear, amplification, tape.inputs(n), tape.inputs(n))
     tape.end_stage([*v, *a])
-    return Recording(tape.program(), linear.columns, n)
+    return ClosingTape(tape.program(), linear.columns, n)
 
 
 @lru_cache(maxsize=KEPT)
-def _reused(_: Geometry) -> Reused[Recording]:
+def _reused(_: Geometry) -> Reused[ClosingTape]:
     return Reused()
 
 
 def closing_of(geometry: Geometry, samples: int) -> Closing:
     """The faster way to close a block of so many samples."""
-    recording = _reused(geometry).get(samples, lambda: recording_of(geometry))
-    return Direct(closures_of(geometry)) if recording is None else Replayed(recording, samples)
+    tape = _reused(geometry).get(samples, lambda: closing_tape(geometry))
+    return Direct(closures_of(geometry)) if tape is None else Replayed(tape, samples)
 
 
-def _correction(closures: Closures, q: Rows) -> tuple[Linear, list[Scalar], dict[int, Scalar]]:
+def _correction(closures: Closures, q: Rows) -> tuple[LoopEquations, list[Scalar], dict[int, Scalar]]:
     frames, passive = frames_of(closures.links, q), set(closures.passive)
     residual, rows = loop_rows(closures, frames)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         elimination = eliminate([{c: x for c, x in row.items() if c in passive} for row in rows])
         correction = elimination.solve([minus(0.0, value) for value in residual])
-    return Linear(frames, rows, elimination), residual, correction
+    return LoopEquations(frames, rows, elimination), residual, correction
 
 
-def _amplification(closures: Closures, linear: Linear) -> list[dict[int, Scalar]]:
+def _amplification(closures: Closures, linear: LoopEquations) -> list[dict[int, Scalar]]:
     motors = [[minus(0.0, row.get(index, 0.0)) for row in linear.rows] for index in closures.active]
     return [linear.elimination.solve(right) for right in motors]
 
 
 def _rates(
     closures: Closures,
-    linear: Linear,
+    linear: LoopEquations,
     amplification: list[dict[int, Scalar]],
     velocity: list[Scalar],
     acceleration: list[Scalar],

@@ -65,15 +65,15 @@ def projected_regressor(geometry: Geometry, motion: Motion, columns: np.ndarray 
         for j in range(n):
             rates += _scalars(motion.jacobian[block, :, j].T)
         same = tuple(rate if isinstance(rate, float) else None for rate in rates)
-        record = partial(_recorded, geometry, entries, same)
-        recording = _reused(geometry, entries, same).get(q.shape[1], record)
-        if recording is None:
+        record = partial(_taped, geometry, entries, same)
+        tape = _reused(geometry, entries, same).get(q.shape[1], record)
+        if tape is None:
             for j, place, value in _block(geometry, entries, q, rates):
                 rows[j, place, block] = value
         else:
             varying = [rate for rate in rates if not isinstance(rate, float)]
-            found = recording.program.replay(q.shape[1]).run(0, [*q, *varying])
-            rows[recording.motors, recording.places, block] = found
+            found = tape.program.replay(q.shape[1]).run(0, [*q, *varying])
+            rows[tape.motors, tape.places, block] = found
     joints = np.concatenate((geometry.active, geometry.redundant))
     for place, motor in others:
         joint = joints[motor if motor < len(joints) else motor - len(geometry.redundant)]
@@ -104,7 +104,7 @@ def _links(geometry: Geometry, joints: tuple[int, ...]) -> tuple[Link, ...]:
 
 
 @dataclass(frozen=True)
-class _Recording:
+class _RegressorTape:
     """The tape of a block's entries, and the motor and place (k,) of each."""
 
     program: Program
@@ -112,18 +112,20 @@ class _Recording:
     places: np.ndarray
 
 
-def _recorded(geometry: Geometry, entries: _Entries, same: tuple[float | None, ...]) -> _Recording:
+def _taped(geometry: Geometry, entries: _Entries, same: tuple[float | None, ...]) -> _RegressorTape:
     """Record `_block`; same: rates that are the same at all samples, None for the others."""
     tape = Tape()
     q = tape.inputs(geometry.nq)
     rates = [tape.inputs(1)[0] if rate is None else rate for rate in same]
     motors, places, values = zip(*_block(geometry, entries, q, rates), strict=True)
     tape.end_stage(values)
-    return _Recording(tape.program(), np.array(motors), np.array(places))
+    return _RegressorTape(tape.program(), np.array(motors), np.array(places))
 
 
 @lru_cache(maxsize=KEPT)
-def _reused(_geometry: Geometry, _entries: _Entries, _same: tuple[float | None, ...]) -> Reused[_Recording]:
+def _reused(
+    _geometry: Geometry, _entries: _Entries, _same: tuple[float | None, ...]
+) -> Reused[_RegressorTape]:
     return Reused()
 
 

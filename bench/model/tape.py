@@ -92,15 +92,15 @@ class Program:
     rows: int
     largest: int
 
-    def replay(self, samples: int) -> "Replay":
+    def replay(self, samples: int) -> "TapeRun":
         """A replay for so many samples."""
         memory = np.empty((self.rows, samples))
         memory[: len(self.constants)] = self.constants[:, None]
-        return Replay(self, memory, np.empty((2, self.largest, samples)))
+        return TapeRun(self, memory, np.empty((2, self.largest, samples)))
 
 
 @dataclass(frozen=True)
-class Replay:
+class TapeRun:
     """All values (rows, N) of a replay, and room for the arguments of a group."""
 
     program: Program
@@ -113,18 +113,13 @@ class Replay:
         for row, values in zip(range(part.inputs.start, part.inputs.stop), inputs, strict=True):
             memory[row] = values
         left, right = self.room
-        for (
-            ufunc,
-            first,
-            second,
-            results,
-        ) in part.groups:  # "clip": NumPy needs no buffer, and no row is outside
-            count = results.stop - results.start
-            one = memory.take(first, 0, left[:count], "clip")
+        for ufunc, first, second, results in part.groups:
+            count = results.stop - results.start  # "clip" below: NumPy needs no buffer, and no row is outside
+            argument = memory.take(first, 0, left[:count], "clip")
             if second is None:
-                ufunc(one, memory[results])
+                ufunc(argument, memory[results])
             else:
-                ufunc(one, memory.take(second, 0, right[:count], "clip"), memory[results])
+                ufunc(argument, memory.take(second, 0, right[:count], "clip"), memory[results])
         return np.asarray(memory[part.outputs])
 
 
