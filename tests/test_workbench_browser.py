@@ -158,6 +158,24 @@ def test_effects_ticked_by_keyboard_agree_with_the_command(look, folder):
     assert page.heard == []
 
 
+def test_with_nothing_ticked_a_sentence_stands_for_the_ladder(look):
+    """A point on its axis says nothing."""
+    page = look()
+    title = page.locator(".part", has=page.get_by_role("heading", name="Error, effect by effect"))
+    chart, alone = title.locator(".chart"), page.locator(".bench-alone")
+    expect(chart).to_be_visible()
+    expect(alone).to_be_hidden()
+    page.get_by_role("button", name="Nothing").click()
+    seen = shown(converged(page))
+    expect(chart).to_be_hidden()
+    expect(alone).to_contain_text("No effect is ticked: the model as it is leaves an error of")
+    assert f"{100.0 * seen['error']['validate']:.3g}" in alone.text_content()
+    press(page, "input[data-effect=coulomb_friction]")
+    expect(chart).to_be_visible()
+    expect(alone).to_be_hidden()
+    assert page.heard == []
+
+
 def test_every_effect_is_fitted_at_once_as_a_diagnosis_fits_a_set(look, folder):
     page = look()
     places = {

@@ -31,6 +31,7 @@ const WorkbenchSkeleton = (() => {
       said: el("p", {class: "bench-said", role: "status"}),
       list: el("ul", {class: "bench-effects"}),
       hidden: aid(""),
+      alone: el("p", {class: "bench-alone"}),
       ladder: el("div", {class: "chart"}),
       gains: el("div"),
       choices: el("div", {class: "choices"}),
@@ -56,6 +57,7 @@ const WorkbenchSkeleton = (() => {
       part(
         "Error, effect by effect",
         aid("From the model without any effect; at each step the one that helps most."),
+        parts.alone,
         parts.ladder,
       ),
       part(

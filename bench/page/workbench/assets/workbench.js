@@ -301,7 +301,11 @@
         steps.push([`+ ${spoken(best.name)}`, best.fit]);
       }
       if (left.length) steps.push([`+ ${left.length} more`, shown]);
-      ladderChart.update(ladderFigure(steps));
+      const alone = steps.length === 1; // a point is no curve: a sentence says it better
+      parts.ladder.hidden = alone;
+      parts.alone.hidden = !alone;
+      parts.alone.textContent = `No effect is ticked: the model as it is leaves an error of ${percent(errorOf(nothing))}, the noise of the currents alone ${percent(data.noise_floor)}.`;
+      if (!alone) ladderChart.update(ladderFigure(steps));
       section.dataset.ladder = (performance.now() - began).toFixed(1);
     }
 
