@@ -12,7 +12,6 @@ from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot
 from bench.excitation.limits import Limits, feasible_motion, keeps_clear, limits_of
 from bench.identification.payload_parameters import payload_columns
-from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
 from bench.model.motion import Motion
 from bench.model.regressor import projected_regressor
@@ -234,7 +233,7 @@ def _rows(model: IdentificationModel, movement: Movement, motion: Motion) -> np.
     regressor = projected_regressor(geometry, motion, columns)
     samples, n = regressor.shape[:2]
     nb = len(model.base.columns)
-    torque = regressor[:, :, :nb] @ (model.base.grouping @ guessed_parameters(geometry))
+    torque = regressor[:, :, :nb] @ model.guessed
     unknown = np.zeros((samples, n, 0))
     if movement.payload is not None and model.payload is not None:
         loads = regressor[:, :, nb:] @ model.payload

@@ -8,7 +8,6 @@ from bench.basics.errors import BenchError
 from bench.dataset.payload import Payload
 from bench.identification.layout import ParameterLayout
 from bench.identification.payload_parameters import payload_columns
-from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel
 
 DEPENDENT = 1e-9
@@ -27,17 +26,17 @@ def check_gains_identifiable(
     masses the columns of equation 13 but the last must be independent; a null vector that holds a gain
     means that this gain and parameters can grow together. Redundant motors have random currents.
     """
-    geometry, base = model.geometry, model.base
+    geometry = model.geometry
     rigid, loads = model.random_rows
     n = rigid.shape[1]
     unit = (
         model.random_redundant
         * np.random.default_rng(SEED).normal(size=model.random_redundant.shape[::2])[:, None]
     )
-    extra = model.geometry.robot.redundant
+    extra = geometry.robot.redundant
     blocks = []
     for name in dict.fromkeys(loaded):
-        torque = rigid @ (base.grouping @ guessed_parameters(geometry))
+        torque = rigid @ model.guessed
         torque = torque + unit @ np.array([actuator.gain for actuator in extra])
         block = np.zeros((len(rigid), n, layout.size - layout.effects + n))
         block[:, :, : layout.base] = rigid

@@ -24,7 +24,6 @@ from bench.identification.perturbations import Nearby
 from bench.identification.problem import Problem
 from bench.identification.redundant_encoders import contradicted_closures
 from bench.identification.solution import NominalGains
-from bench.model.guess import guessed_parameters
 from bench.model.model import IdentificationModel, build_model
 from bench.signals.settings import Bands, FilterSettings, completed, signal_bands
 
@@ -221,7 +220,7 @@ def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequenc
     declared = declared_parameters(dataset.payloads)
     return PresentModel(
         gains=dataset.robot.nominal_gains,
-        base=model.base.grouping @ guessed_parameters(model.geometry),
+        base=model.guessed,
         payloads=declared,
         declared=declared,
         speeds=np.sqrt(np.concatenate([_speeds(model, entry) ** 2 for entry in fitted]).mean(axis=0)),

@@ -9,6 +9,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters, base_parameters
 from bench.model.geometry import Geometry, read_geometry
+from bench.model.guess import guessed_parameters
 from bench.model.mobility import check_assembled, check_mobility
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.model.states import random_motion
@@ -32,6 +33,13 @@ class IdentificationModel:
         if self.geometry.tool is None:
             raise BenchError(f"robot {self.geometry.robot.name}: a payload needs [tool] site in robot.toml")
         return np.arange(10) + 10 * self.geometry.tool.joint
+
+    @cached_property
+    def guessed(self) -> np.ndarray:
+        """Base parameters (nb,) of bars from joint to joint: what torques are like before a fit has better ones."""
+        guessed = self.base.grouping @ guessed_parameters(self.geometry)
+        guessed.setflags(write=False)
+        return np.asarray(guessed)
 
     @cached_property
     def random_rows(self) -> tuple[np.ndarray, np.ndarray]:
