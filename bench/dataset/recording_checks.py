@@ -71,10 +71,15 @@ class Channel:
 
 
 def find(channel: Channel, accepted: frozenset[str] = frozenset()) -> list[Fault]:
-    """What all checks find in a channel, the accepted ones aside; at most one finding each."""
+    """What all checks find in a channel, the accepted ones aside; at most one finding each.
+
+    In another unit everything is beyond its limits, which is not told then.
+    """
     catalogue = CURRENT_CHECKS if channel.joint is None else POSITION_CHECKS
-    findings = (check(channel) for name, check in catalogue.items() if name not in accepted)
-    return [finding for finding in findings if finding is not None]
+    found = (check(channel) for name, check in catalogue.items() if name not in accepted)
+    findings = [finding for finding in found if finding is not None]
+    beside = "limits" if any(finding.check == "units" for finding in findings) else ""
+    return [finding for finding in findings if finding.check != beside]
 
 
 def constant(channel: Channel) -> Fault | None:

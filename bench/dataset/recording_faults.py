@@ -100,16 +100,11 @@ def _judged(
         joint if position else None,
         effort=joint.logs_effort and not position,
     )
-    findings = find(channel, accepted)
-    if any(
-        finding.check == "units" for finding in findings
-    ):  # in another unit everything is beyond its limits
-        findings = [finding for finding in findings if finding.check != "limits"]
     return [
         finding
         if finding.row is None
         else Fault(finding.check, finding.row + start, finding.what, finding.remedy)
-        for finding in findings
+        for finding in find(channel, accepted)
     ]
 
 

@@ -137,25 +137,16 @@ def build_system(
     exact: instances whose columns are as the fit has them; those of the others are of the recordings seen `near`.
     """
     every = [instance for instances in candidates for instance in instances]
-    as_fitted = np.concatenate(
-        [
-            np.zeros(0, dtype=bool),
-            *(np.full(len(instance.effect.parameters), instance in exact) for instance in every),
-        ]
-    )
-    decimation = prepared.settings.decimation
     blocks: dict[str, list[tuple[MotorRows, ...]]] = {"identify": [], "validate": []}
     for signals, nearly, observation in zip(prepared.signals, near, prepared.observations, strict=True):
-
-        def added(signals: RobotSignals = signals, nearly: RobotSignals = nearly) -> np.ndarray:
-            columns = effect_rows(nearly, decimation, every)
-            own = [instance for instance in every if instance in exact]
-            columns[:, :, as_fitted] = effect_rows(signals, decimation, own)
-            return columns
-
-        blocks[observation.use].append(_rows(prepared, observation, added(), start))
+        # handed on without a name, so that no recording's columns outlast its rows
+        rows = _rows(
+            prepared, observation, _added(signals, nearly, prepared.settings.decimation, every, exact), start
+        )
+        blocks[observation.use].append(rows)
     size = prepared.layout.size
-    triangle = _triangle(blocks["identify"], size + len(as_fitted), start)
+    added = sum(len(instance.effect.parameters) for instance in every)
+    triangle = _triangle(blocks["identify"], size + added, start)
     change, lengths = _orthonormal(triangle, size)
     base = change.shape[1] - len(lengths)
     listed = []
@@ -276,6 +267,27 @@ def fit_of(
     whole = np.zeros(system.fitted.inner.shape[1])
     whole[columns] = values
     return SetFit(chosen, every, whole[every], gains, cost, judged)
+
+
+def _added(
+    signals: RobotSignals,
+    nearly: RobotSignals,
+    decimation: int,
+    every: Sequence[EffectInstance],
+    exact: Sequence[EffectInstance],
+) -> np.ndarray:
+    """The columns of all candidates in one recording, (M, n, c): see `build_system`."""
+    columns = effect_rows(nearly, decimation, every)
+    as_fitted = np.concatenate(
+        [
+            np.zeros(0, dtype=bool),
+            *(np.full(len(instance.effect.parameters), instance in exact) for instance in every),
+        ]
+    )
+    columns[:, :, as_fitted] = effect_rows(
+        signals, decimation, [instance for instance in every if instance in exact]
+    )
+    return columns
 
 
 def _rows(

@@ -68,10 +68,9 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
             found["time"].append(_problem(log, "time", fault.what, _row(fault.row, kept), fault.remedy))
         step = float(np.median(np.diff(time)))
     positions = {
-        joint: values
-        for target, values in series.items()
-        for kind, _, joint in (target.partition("."),)
-        if kind == "position" and joint in joints and not found[target] and "limits" not in mapped.accept
+        joint: series[target]
+        for joint in joints
+        if (target := f"position.{joint}") in series and not found[target] and "limits" not in mapped.accept
     }
     swapped = exchanged(positions, list(joints.values()))
     for target, values in series.items():
@@ -141,10 +140,7 @@ def _judged(
 ) -> list[Fault]:
     position = target.startswith("position.")
     channel = Channel(np.ascontiguousarray(values), step, joint if position else None)
-    findings = find(channel, frozenset(accept))
-    if any(fault.check == "units" for fault in findings):  # in another unit everything is beyond its limits
-        findings = [fault for fault in findings if fault.check != "limits"]
-    return findings
+    return find(channel, frozenset(accept))
 
 
 def _problem(
